@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+# Folder = target = layer: one call per folder, and the link lines are the only arrows.
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+# Flags that every target of the project shares.
+add_library(floorloc_options INTERFACE)
+target_compile_features(floorloc_options INTERFACE cxx_std_20)
+target_compile_options(floorloc_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_include_directories(floorloc_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_definitions(floorloc_options INTERFACE FLOORLOC_VERSION="${PROJECT_VERSION}")
+
+set(FLOORLOC_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+if(FLOORLOC_SANITIZE)
+  target_compile_options(floorloc_options INTERFACE -fsanitize=${FLOORLOC_SANITIZE} -fno-omit-frame-pointer
+                                                    -fno-sanitize-recover=all)
+  target_link_options(floorloc_options INTERFACE -fsanitize=${FLOORLOC_SANITIZE})
+endif()
+
+# floorloc_library(NAME [PUBLIC targets...] [PRIVATE targets...])
+# Builds every .cpp of the current folder (main.cpp excepted) into the static library floorloc::NAME.
+function(floorloc_library name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
+  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  add_library(floorloc_${name} STATIC ${sources})
+  add_library(floorloc::${name} ALIAS floorloc_${name})
+  target_sources(floorloc_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${CMAKE_SOURCE_DIR} FILES ${headers})
+  target_link_libraries(floorloc_${name} PUBLIC floorloc_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  # Every header must compile alone: target floorloc_NAME_verify_interface_header_sets.
+  set_target_properties(floorloc_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+endfunction()
+
+# floorloc_test(NAME SOURCES... LIBS...): one GoogleTest binary, its cases known to ctest.
+function(floorloc_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE floorloc_options ${ARG_LIBS} GTest::gmock GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/geometry/floor_plane.h"
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace floorloc {
+namespace {
+
+constexpr double kMaxRectifiedSidePx = 16384.0;
+
+void Require(bool ok, const char* message) {
+  if (!ok) {
+    throw std::invalid_argument(message);
+  }
+}
+
+std::array<Eigen::Vector2d, 5> CornersAndCenter(const RectM& r) {
+  return {Eigen::Vector2d(r.x_min, r.y_min), Eigen::Vector2d(r.x_min, r.y_max), Eigen::Vector2d(r.x_max, r.y_min),
+          Eigen::Vector2d(r.x_max, r.y_max), r.Center()};
+}
+
+// Sign of the homography's local area change at a pixel: a camera above the floor turns the picture over
+// (v runs down, y runs left and x forward), so the determinant is negative in front of the horizon.
+double LocalOrientation(const Eigen::Matrix3d& base_from_pixel, const Eigen::Vector2d& pixel) {
+  const double w = base_from_pixel.row(2) * pixel.homogeneous();
+  return base_from_pixel.determinant() / (w * w * w);
+}
+
+}  // namespace
+
+void FloorPlane::Check() const {
+  Require(base_from_pixel.allFinite(), "homography must have 9 finite numbers");
+  Require(std::abs(base_from_pixel.determinant()) > 1e-15, "homography is singular");
+  Require(std::isfinite(roi.width_m()) && std::isfinite(roi.height_m()), "roi must be finite");
+  Require(roi.width_m() > 0 && roi.height_m() > 0, "roi: x_min < x_max and y_min < y_max must hold");
+  Require(std::isfinite(resolution_m) && resolution_m > 0, "resolution must be a positive number of metres per pixel");
+  Require(roi.width_m() / resolution_m <= kMaxRectifiedSidePx && roi.height_m() / resolution_m <= kMaxRectifiedSidePx,
+          "roi / resolution gives a picture of more than 16384 pixels: is the resolution in metres per pixel?");
+  Require(roi.width_m() / resolution_m >= 16 && roi.height_m() / resolution_m >= 16,
+          "roi / resolution gives a picture of less than 16 pixels: is the resolution in metres per pixel?");
+}
+
+void FloorCamera::Check() const {
+  camera.Check();
+  floor.Check();
+  const Eigen::Matrix3d pixel_from_base = floor.base_from_pixel.inverse();
+  const auto points = CornersAndCenter(floor.roi);
+  const double w_center = pixel_from_base.row(2) * floor.roi.Center().homogeneous();
+  bool any_visible = false;
+  for (const Eigen::Vector2d& p : points) {
+    const double w = pixel_from_base.row(2) * p.homogeneous();
+    Require(w * w_center > 0, "roi crosses the horizon of the homography");
+    any_visible = any_visible || camera.Contains(RawPixelFromFloor(p));
+  }
+  Require(any_visible, "roi lies outside the picture: homography, roi and camera_matrix do not belong together");
+  const Eigen::Vector2d center_px = (pixel_from_base * floor.roi.Center().homogeneous()).hnormalized();
+  Require(LocalOrientation(floor.base_from_pixel, center_px) < 0,
+          "homography is mirrored: the base frame has x forward, y left, z up (are the axes swapped?)");
+}
+
+Eigen::Vector2d FloorCamera::FloorFromRawPixel(const Eigen::Vector2d& raw_px) const {
+  return (floor.base_from_pixel * camera.Undistort(raw_px).homogeneous()).hnormalized();
+}
+
+Eigen::Vector2d FloorCamera::RawPixelFromFloor(const Eigen::Vector2d& point_in_base_m) const {
+  const Eigen::Matrix3d pixel_from_base = floor.base_from_pixel.inverse();
+  return camera.Distort((pixel_from_base * point_in_base_m.homogeneous()).hnormalized());
+}
+
+}  // namespace floorloc

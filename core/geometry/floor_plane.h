@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/geometry/camera.h"
+
+namespace floorloc {
+
+/// Axis-aligned rectangle in the base frame, metres.
+struct RectM {
+  double x_min = 0.0, x_max = 0.0;
+  double y_min = 0.0, y_max = 0.0;
+
+  double width_m() const { return x_max - x_min; }
+  double height_m() const { return y_max - y_min; }
+  Eigen::Vector2d Center() const { return {0.5 * (x_min + x_max), 0.5 * (y_min + y_max)}; }
+  bool Contains(const Eigen::Vector2d& p) const {
+    return p.x() >= x_min && p.x() <= x_max && p.y() >= y_min && p.y() <= y_max;
+  }
+};
+
+/// Where the floor is under the camera: floor.yaml.
+struct FloorPlane {
+  /// Undistorted pixel (u, v, 1) -> floor point in the base frame (x forward, y left), metres, homogeneous.
+  Eigen::Matrix3d base_from_pixel = Eigen::Matrix3d::Identity();
+  RectM roi;                  ///< the part of the floor that is used, base frame
+  double resolution_m = 0.0;  ///< metres per pixel of the rectified image
+
+  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  void Check() const;
+};
+
+/// A camera that looks at the floor: the pair camera.yaml + floor.yaml.
+struct FloorCamera {
+  CameraModel camera;
+  FloorPlane floor;
+
+  /// Checks both parts, and together: the homography is not mirrored, the region of interest lies in front of the
+  /// horizon and at least partly inside the picture. Throws std::invalid_argument.
+  void Check() const;
+
+  Eigen::Vector2d FloorFromRawPixel(const Eigen::Vector2d& raw_px) const;
+  Eigen::Vector2d RawPixelFromFloor(const Eigen::Vector2d& point_in_base_m) const;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "core/io/trajectory.h"
+
+namespace floorloc {
+
+struct SurveyFrame {
+  std::int64_t stamp_ns = 0;
+  std::string filename;  ///< as written in frames.csv, relative to the folder
+};
+
+/// One row of imu.csv (EuRoC): angular velocity rad/s and acceleration m/s^2 in the IMU frame.
+struct ImuSample {
+  std::int64_t stamp_ns = 0;
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+};
+
+/// One row of control_points.csv: a raw pixel of a frame and its surveyed position in the map.
+struct ControlPoint {
+  std::string filename;
+  Eigen::Vector2d raw_px = Eigen::Vector2d::Zero();
+  Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
+};
+
+/// A survey folder, parsed and checked (images are only looked for, not read).
+struct Survey {
+  std::filesystem::path folder;
+  FloorCamera camera;
+  std::vector<SurveyFrame> frames;  ///< in the order of the file
+  Trajectory odometry;              ///< odom_from_base; empty when the folder has none
+  Trajectory ground_truth;          ///< map_from_base; empty when the folder has none
+  std::vector<ImuSample> imu;
+  std::vector<ControlPoint> control_points;
+
+  std::filesystem::path ImagePath(const SurveyFrame& frame) const { return folder / frame.filename; }
+};
+
+/// Reads a folder in the survey format. A folder without frames.csv but with images/ is read too: the frames are the
+/// pictures in alphabetical order, one second apart. Throws InputError that names file, line and reason.
+Survey ReadSurvey(const std::filesystem::path& folder);
+
+std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source);
+std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
+std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
+
+}  // namespace floorloc

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// A pair of oriented keypoints that may be the same floor point, seen in the source and in the target frame.
+struct OrientedMatch {
+  Eigen::Vector2d source_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d target_m = Eigen::Vector2d::Zero();
+  double source_angle_rad = 0.0;
+  double target_angle_rad = 0.0;
+
+  /// target_from_source rotation that this match alone asks for.
+  double Yaw() const { return WrapAngle(target_angle_rad - source_angle_rad); }
+};
+
+struct RegistrationOptions {
+  double inlier_radius_m = 0.002;       ///< residual of an inlier
+  double vote_cell_m = 0.03;            ///< cell of the (x, y) vote
+  double vote_cell_rad = 0.26;          ///< cell of the yaw vote
+  int candidates = 5;                   ///< best cells that are verified
+  int ransac_iterations = 60;           ///< two-point samples per candidate
+  int min_inliers = 8;
+  double max_p_wrong = 1e-4;            ///< a registration above it is not accepted
+  double position_noise_floor_m = 5e-5; ///< lower bound of the keypoint noise in the covariance
+  std::uint32_t seed = 1;
+
+  void Check() const;
+};
+
+enum class RegistrationStatus { kRegistered, kAmbiguous, kTooFewMatches, kTooFewInliers, kNotSignificant };
+
+const char* ToString(RegistrationStatus status);
+
+/// A pose that explains some of the matches.
+struct PoseHypothesis {
+  Pose2 target_from_source;
+  int inliers = 0;
+  double weight = 0.0;  ///< share of the posterior among the hypotheses that were found
+};
+
+struct RegistrationResult {
+  RegistrationStatus status = RegistrationStatus::kTooFewMatches;
+  Pose2 target_from_source;
+  /// Of (x, y, yaw) of target_from_source, additive in the target frame; m^2, m rad, rad^2.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  std::vector<int> inliers;  ///< indices into the matches
+  double rms_m = 0.0;        ///< residual of the inliers
+  double p_wrong = 1.0;      ///< probability that the pose is wrong
+  std::vector<PoseHypothesis> alternatives;  ///< other poses that explain the matches nearly as well
+
+  bool ok() const { return status == RegistrationStatus::kRegistered; }
+};
+
+/// Where the target points can lie, for the chance model behind p_wrong.
+struct SearchRegion {
+  double area_m2 = 1.0;     ///< of the part of the target that was searched
+  double yaw_range_rad = 6.283185307179586;
+};
+
+/// Robust SE(2) registration of oriented matches (DESIGN 8.2): every match is a hypothesis; votes over (x, y, yaw);
+/// two-point RANSAC inside the best cells; least squares on all inliers.
+RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const SearchRegion& region,
+                               const RegistrationOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "core/vision/features.h"
+
+namespace floorloc {
+
+/// Query descriptor -> one of the indexed descriptors.
+struct Match {
+  int query = 0;
+  int train = 0;
+  float distance = 0.0F;         ///< bits (binary) or Euclidean (float)
+  float second_distance = 0.0F;  ///< of the next neighbour; infinity when there is none
+};
+
+enum class MatcherType { kBruteForce, kFlann };
+
+const char* ToString(MatcherType type);
+MatcherType ParseMatcherType(const std::string& name);
+
+struct IndexOptions {
+  MatcherType type = MatcherType::kFlann;
+  int trees = 4;       ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
+  int checks = 64;     ///< FLANN: leaves looked at per query
+  std::uint32_t seed = 1;
+};
+
+/// Nearest neighbours among a fixed set of descriptors. Owns its data; searches are const and thread-safe.
+class DescriptorIndex {
+ public:
+  virtual ~DescriptorIndex() = default;
+  DescriptorIndex() = default;
+  DescriptorIndex(const DescriptorIndex&) = delete;
+  DescriptorIndex& operator=(const DescriptorIndex&) = delete;
+
+  /// The two nearest neighbours of every row, as one Match per row; rows without a neighbour are left out.
+  virtual std::vector<Match> FindNearest(const cv::Mat& descriptors) const = 0;
+  virtual int size() const = 0;
+};
+
+std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options);
+
+/// Lowe's ratio test: keeps matches whose nearest neighbour is clearly nearer than the second one.
+std::vector<Match> FilterByRatio(const std::vector<Match>& matches, float max_ratio);
+
+}  // namespace floorloc

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/vision/features.h"
+#include "core/vision/ground_image.h"
+
+namespace floorloc {
+
+enum class ExtractorType { kOrb, kSift, kAkaze, kBrisk };
+
+const char* ToString(ExtractorType type);
+/// Throws std::invalid_argument that lists the known names.
+ExtractorType ParseExtractorType(const std::string& name);
+std::vector<ExtractorType> AllExtractorTypes();
+
+/// Everything that decides which features a picture yields. A map stores all of it and the server uses it from there.
+struct ExtractorOptions {
+  ExtractorType type = ExtractorType::kOrb;
+  int max_keypoints = 700;      ///< strongest kept per picture, spread evenly
+  int cell_px = 32;             ///< side of the cells that keypoints are spread over
+  int levels = 2;               ///< pyramid levels (octaves for SIFT and AKAZE): the floor's scale is known
+  double scale_factor = 1.4;    ///< between the levels of ORB's pyramid
+  double threshold = 0.0;       ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
+  int normalize_radius_px = 15; ///< half side of the window of the local contrast normalisation; 0: none
+  double smooth_sigma_px = 1.0; ///< Gaussian smoothing before the normalisation; 0: none
+
+  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  void Check() const;
+};
+
+/// Finds and describes keypoints. Const and thread-safe.
+class FeatureExtractor {
+ public:
+  virtual ~FeatureExtractor() = default;
+  /// Keypoints in the base frame. The same picture gives the same features.
+  virtual Features Extract(const GroundImage& image) const = 0;
+  virtual DescriptorType descriptor_type() const = 0;
+  virtual int descriptor_length() const = 0;  ///< bytes (binary) or numbers (float) per descriptor
+};
+
+/// Throws std::invalid_argument when the options do not pass Check().
+std::unique_ptr<FeatureExtractor> CreateFeatureExtractor(const ExtractorOptions& options);
+
+}  // namespace floorloc

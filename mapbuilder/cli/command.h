@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace floorloc {
+
+// Each adds one subcommand with its options and a callback that does the work. A callback returns when the work is
+// done and throws (InputError, MapError, std::invalid_argument, ...) when it failed: main prints the sentence.
+void AddBuildCommand(CLI::App& app);
+void AddEvaluateCommand(CLI::App& app);
+void AddExportCommand(CLI::App& app);
+void AddInfoCommand(CLI::App& app);
+void AddLocalizeCommand(CLI::App& app);
+void AddSimulateCommand(CLI::App& app);
+void AddVerifyCommand(CLI::App& app);
+
+}  // namespace floorloc

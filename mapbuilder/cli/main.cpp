@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <exception>
+#include <iostream>
+
+#include "mapbuilder/cli/command.h"
+
+// Exit codes: 0 done, 1 failed (one sentence on stderr), 2 wrong usage.
+int main(int argc, char** argv) {
+  CLI::App app("Builds and inspects maps of floors, and localizes recorded frames in them.", "floorloc-mapbuilder");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", FLOORLOC_VERSION);
+  floorloc::AddBuildCommand(app);
+  floorloc::AddLocalizeCommand(app);
+  floorloc::AddInfoCommand(app);
+  floorloc::AddVerifyCommand(app);
+  floorloc::AddExportCommand(app);
+  floorloc::AddEvaluateCommand(app);
+  floorloc::AddSimulateCommand(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::cerr << "floorloc-mapbuilder: " << error.what() << "\n";
+    return 1;
+  }
+}
