@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <iosfwd>
+#include <mutex>
+#include <string>
+
+namespace floorloc {
+
+/// Where and how progress is shown. The default shows nothing, so library code can report unconditionally.
+struct ProgressOutput {
+  std::ostream* stream = nullptr;  ///< nullptr: silent
+  bool in_place = false;           ///< redraw one line (terminal) instead of a plain line every 10 %
+
+  /// Standard error, in place when it is a terminal.
+  static ProgressOutput Stderr();
+};
+
+/// One long stage of work: "label [#####.....] 50 % 100/200, 3 s left". Thread-safe.
+class ProgressBar {
+ public:
+  /// total: the number of steps; 0 when there is nothing to do.
+  ProgressBar(std::string label, std::int64_t total, const ProgressOutput& output);
+  /// Ends the line of an unfinished bar, so that an error message starts on its own line.
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void Advance(std::int64_t steps = 1);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Draw(Clock::time_point now);
+  void PrintLine(Clock::time_point now);
+  std::string Figures(Clock::time_point now) const;
+
+  const std::string label_;
+  const std::int64_t total_;
+  const ProgressOutput output_;
+  const Clock::time_point start_;
+  std::mutex mutex_;
+  std::int64_t done_ = 0;
+  std::int64_t shown_tenths_ = 0;
+  Clock::time_point drawn_;
+  bool line_open_ = false;
+};
+
+}  // namespace floorloc

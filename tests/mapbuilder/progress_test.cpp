@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/progress.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+namespace floorloc {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(ProgressBar, PrintsOnePlainLinePerTenPercent) {
+  std::ostringstream out;
+  {
+    ProgressBar bar("Rendering", 200, {&out, false});
+    for (int i = 0; i < 200; ++i) {
+      bar.Advance();
+    }
+  }
+  const std::string text = out.str();
+  EXPECT_EQ(std::ranges::count(text, '\n'), 10);
+  EXPECT_THAT(text, StartsWith("Rendering: 10 % 20/200, "));
+  EXPECT_THAT(text, HasSubstr("Rendering: 100 % 200/200, "));
+}
+
+TEST(ProgressBar, CountsStepsOfManyThreads) {
+  std::ostringstream out;
+  {
+    ProgressBar bar("Work", 4000, {&out, false});
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&bar] {
+        for (int i = 0; i < 1000; ++i) {
+          bar.Advance();
+        }
+      });
+    }
+    std::ranges::for_each(threads, &std::thread::join);
+  }
+  EXPECT_THAT(out.str(), HasSubstr("4000/4000"));
+}
+
+TEST(ProgressBar, RedrawsInPlaceAndEndsItsLine) {
+  std::ostringstream out;
+  {
+    ProgressBar bar("Work", 2, {&out, true});
+    bar.Advance(2);
+  }
+  EXPECT_THAT(out.str(), StartsWith("\rWork [....."));
+  EXPECT_THAT(out.str(), HasSubstr("\rWork [##############################] 100 % 2/2"));
+  EXPECT_EQ(out.str().back(), '\n');
+  EXPECT_EQ(std::ranges::count(out.str(), '\n'), 1);
+}
+
+TEST(ProgressBar, IsSilentByDefaultAndAcceptsNothingToDo) {
+  ProgressBar silent("Work", 5, {});
+  silent.Advance(5);
+  std::ostringstream out;
+  {
+    ProgressBar empty("Work", 0, {&out, true});
+    empty.Advance();
+  }
+  EXPECT_EQ(out.str(), "");
+}
+
+}  // namespace
+}  // namespace floorloc
