@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/descriptor_index.h"
+
+#include <stdexcept>
+
+#include "core/vision/brute_force_index.h"
+#include "core/vision/flann_index.h"
+
+namespace floorloc {
+
+const char* ToString(MatcherType type) { return type == MatcherType::kBruteForce ? "brute_force" : "flann"; }
+
+MatcherType ParseMatcherType(const std::string& name) {
+  for (const MatcherType type : {MatcherType::kBruteForce, MatcherType::kFlann}) {
+    if (name == ToString(type)) {
+      return type;
+    }
+  }
+  throw std::invalid_argument("unknown matcher '" + name + "'; known are: brute_force, flann");
+}
+
+std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options) {
+  // Below this size an exact search is faster than any index.
+  constexpr int kSmall = 2000;
+  if (options.type == MatcherType::kBruteForce || descriptors.rows < kSmall) {
+    return CreateBruteForceIndex(descriptors);
+  }
+  return CreateFlannIndex(descriptors, options);
+}
+
+std::vector<Match> FilterByRatio(const std::vector<Match>& matches, float max_ratio) {
+  std::vector<Match> kept;
+  for (const Match& match : matches) {
+    if (match.distance <= max_ratio * match.second_distance) {
+      kept.push_back(match);
+    }
+  }
+  return kept;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/feature_extractor.h"
+
+#include <cmath>
+#include <numbers>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "core/vision/contrast.h"
+#include "core/vision/spread.h"
+
+namespace floorloc {
+namespace {
+
+void Require(bool ok, const char* message) {
+  if (!ok) {
+    throw std::invalid_argument(message);
+  }
+}
+
+double DefaultThreshold(ExtractorType type) {
+  switch (type) {
+    case ExtractorType::kOrb:
+      return 12.0;  // FAST, grey levels
+    case ExtractorType::kSift:
+      return 0.02;  // contrast
+    case ExtractorType::kAkaze:
+      return 0.0005;  // determinant of the Hessian
+    case ExtractorType::kBrisk:
+      return 20.0;  // AGAST, grey levels
+  }
+  return 0.0;
+}
+
+cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
+  const double threshold = o.threshold > 0.0 ? o.threshold : DefaultThreshold(o.type);
+  // Detect more than is kept: the rest is for the choice that spreads them.
+  const int detected = 4 * o.max_keypoints;
+  switch (o.type) {
+    case ExtractorType::kOrb:
+      return cv::ORB::create(detected, static_cast<float>(o.scale_factor), o.levels, 19, 0, 2, cv::ORB::HARRIS_SCORE, 31,
+                             static_cast<int>(threshold));
+    case ExtractorType::kSift:
+      return cv::SIFT::create(o.max_keypoints, 3, threshold, 10.0, 1.6);
+    case ExtractorType::kAkaze:
+      return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, static_cast<float>(threshold), o.levels, 4,
+                               cv::KAZE::DIFF_PM_G2);
+    case ExtractorType::kBrisk:
+      return cv::BRISK::create(static_cast<int>(threshold), o.levels);
+  }
+  throw std::invalid_argument("unknown extractor");
+}
+
+// Systematic offset of OpenCV 4.6's keypoints, px, found by matching pictures with themselves turned by 180 degrees
+// (tests/core/vision): pyramids are resized by pixel areas but their coordinates are scaled as if by pixel centres.
+float PixelOffset(const ExtractorOptions& o, const cv::KeyPoint& keypoint) {
+  if (o.type == ExtractorType::kSift) {
+    return -0.25F;
+  }
+  if (o.type == ExtractorType::kOrb) {
+    return 0.5F * (static_cast<float>(std::pow(o.scale_factor, keypoint.octave)) - 1.0F);
+  }
+  return 0.0F;
+}
+
+// Radius of the picture that orientation and descriptor look at: keypoints nearer to unseen floor are dropped.
+float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
+  switch (type) {
+    case ExtractorType::kOrb:
+      return 0.5F * keypoint.size;
+    case ExtractorType::kSift:
+    case ExtractorType::kAkaze:
+      return 2.0F * keypoint.size;
+    case ExtractorType::kBrisk:
+      return keypoint.size;
+  }
+  return keypoint.size;
+}
+
+// The camera's edge, not the picture's: only where the mask ends inside the picture do pixels turn from floor to grey.
+std::vector<cv::KeyPoint> DropNearUnseen(ExtractorType type, const cv::Mat& mask, std::vector<cv::KeyPoint> keypoints) {
+  if (cv::countNonZero(mask) == mask.rows * mask.cols) {
+    return keypoints;
+  }
+  cv::Mat distance;
+  cv::distanceTransform(mask, distance, cv::DIST_L2, 3);
+  std::erase_if(keypoints, [&](const cv::KeyPoint& k) {
+    return distance.at<float>(static_cast<int>(k.pt.y), static_cast<int>(k.pt.x)) < SupportRadius(type, k);
+  });
+  return keypoints;
+}
+
+Keypoint ToFloor(const ExtractorOptions& options, const GroundGrid& grid, const cv::KeyPoint& k) {
+  const float offset = PixelOffset(options, k);
+  const Eigen::Vector2d p = grid.BaseFromPixel(k.pt.x + offset, k.pt.y + offset);
+  // OpenCV's angle runs clockwise from the picture's right, which is the base frame's -y.
+  const double angle_px = static_cast<double>(k.angle) * std::numbers::pi / 180.0;
+  const double angle = std::atan2(-std::cos(angle_px), -std::sin(angle_px));
+  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(angle),
+          static_cast<float>(k.size * grid.resolution_m), k.response};
+}
+
+class OpenCvExtractor final : public FeatureExtractor {
+ public:
+  explicit OpenCvExtractor(const ExtractorOptions& options) : options_(options), detector_(CreateDetector(options)) {}
+
+  Features Extract(const GroundImage& image) const override {
+    const cv::Mat picture = Prepare(image);
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    if (DescribesWhileDetecting()) {
+      detector_->detectAndCompute(picture, cv::noArray(), keypoints, descriptors);
+      Select(image, &keypoints, &descriptors);
+    } else {
+      detector_->detect(picture, keypoints);
+      Select(image, &keypoints, nullptr);
+      detector_->compute(picture, keypoints, descriptors);
+    }
+    Features features;
+    features.keypoints.reserve(keypoints.size());
+    for (const cv::KeyPoint& k : keypoints) {
+      features.keypoints.push_back(ToFloor(options_, image.grid, k));
+    }
+    features.descriptors = descriptors;
+    return features;
+  }
+
+  DescriptorType descriptor_type() const override {
+    return options_.type == ExtractorType::kSift ? DescriptorType::kFloat : DescriptorType::kBinary;
+  }
+  int descriptor_length() const override { return detector_->descriptorSize(); }
+
+ private:
+  // SIFT and AKAZE build an expensive scale space that detection and description share.
+  bool DescribesWhileDetecting() const {
+    return options_.type == ExtractorType::kSift || options_.type == ExtractorType::kAkaze;
+  }
+
+  cv::Mat Prepare(const GroundImage& image) const {
+    if (options_.normalize_radius_px == 0) {
+      return image.gray;
+    }
+    return NormalizeContrast(image.gray, image.mask, {options_.normalize_radius_px, options_.smooth_sigma_px});
+  }
+
+  void Select(const GroundImage& image, std::vector<cv::KeyPoint>* keypoints, cv::Mat* descriptors) const {
+    std::vector<cv::KeyPoint> numbered = *keypoints;
+    for (std::size_t i = 0; i < numbered.size(); ++i) {
+      numbered[i].class_id = static_cast<int>(i);
+    }
+    numbered = DropNearUnseen(options_.type, image.mask, std::move(numbered));
+    std::vector<cv::KeyPoint> selected;
+    cv::Mat selected_descriptors;
+    for (const int i : SpreadEvenly(numbered, options_.cell_px, options_.max_keypoints)) {
+      selected.push_back(numbered[static_cast<std::size_t>(i)]);
+      if (descriptors != nullptr) {
+        selected_descriptors.push_back(descriptors->row(selected.back().class_id));
+      }
+    }
+    *keypoints = std::move(selected);
+    if (descriptors != nullptr) {
+      *descriptors = selected_descriptors;
+    }
+  }
+
+  ExtractorOptions options_;
+  cv::Ptr<cv::Feature2D> detector_;  // its detect and compute keep no state between calls
+};
+
+}  // namespace
+
+const char* ToString(ExtractorType type) {
+  switch (type) {
+    case ExtractorType::kOrb:
+      return "orb";
+    case ExtractorType::kSift:
+      return "sift";
+    case ExtractorType::kAkaze:
+      return "akaze";
+    case ExtractorType::kBrisk:
+      return "brisk";
+  }
+  return "unknown";
+}
+
+std::vector<ExtractorType> AllExtractorTypes() {
+  return {ExtractorType::kOrb, ExtractorType::kSift, ExtractorType::kAkaze, ExtractorType::kBrisk};
+}
+
+ExtractorType ParseExtractorType(const std::string& name) {
+  std::string known;
+  for (const ExtractorType type : AllExtractorTypes()) {
+    if (name == ToString(type)) {
+      return type;
+    }
+    known += std::string(known.empty() ? "" : ", ") + ToString(type);
+  }
+  throw std::invalid_argument("unknown extractor '" + name + "'; known are: " + known);
+}
+
+void ExtractorOptions::Check() const {
+  Require(max_keypoints >= 10 && max_keypoints <= 100000, "max_keypoints must be 10 to 100000");
+  Require(cell_px >= 4 && cell_px <= 4096, "cell_px must be 4 to 4096");
+  Require(levels >= 1 && levels <= 8, "levels must be 1 to 8");
+  Require(scale_factor > 1.0 && scale_factor <= 4.0, "scale_factor must be above 1 and at most 4");
+  Require(threshold >= 0.0 && threshold <= 255.0, "threshold must be 0 (automatic) to 255");
+  Require(normalize_radius_px >= 0 && normalize_radius_px <= 512, "normalize_radius_px must be 0 (none) to 512");
+  Require(smooth_sigma_px >= 0.0 && smooth_sigma_px <= 20.0, "smooth_sigma_px must be 0 (none) to 20");
+}
+
+std::unique_ptr<FeatureExtractor> CreateFeatureExtractor(const ExtractorOptions& options) {
+  options.Check();
+  return std::make_unique<OpenCvExtractor>(options);
+}
+
+}  // namespace floorloc

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/features.h"
+
+namespace floorloc {
+
+const char* ToString(DescriptorType type) { return type == DescriptorType::kBinary ? "binary" : "float"; }
+
+}  // namespace floorloc

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/rectifier.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+namespace floorloc {
+
+GroundGrid GroundGrid::FromFloor(const FloorPlane& floor) {
+  GroundGrid grid;
+  grid.resolution_m = floor.resolution_m;
+  grid.width_px = static_cast<int>(std::lround(floor.roi.height_m() / floor.resolution_m));
+  grid.height_px = static_cast<int>(std::lround(floor.roi.width_m() / floor.resolution_m));
+  grid.x_top_m = floor.roi.x_max - 0.5 * floor.resolution_m;
+  grid.y_left_m = floor.roi.y_max - 0.5 * floor.resolution_m;
+  return grid;
+}
+
+Rectifier::Rectifier(const FloorCamera& camera) : camera_(camera) {
+  camera_.Check();
+  grid_ = GroundGrid::FromFloor(camera_.floor);
+  const cv::Size size(grid_.width_px, grid_.height_px);
+  cv::Mat map(size, CV_32FC2);
+  mask_ = cv::Mat(size, CV_8UC1, cv::Scalar(0));
+  const Eigen::Matrix3d pixel_from_base = camera_.floor.base_from_pixel.inverse();
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      const Eigen::Vector2d floor_point = grid_.BaseFromPixel(u, v);
+      const Eigen::Vector2d raw = camera_.camera.Distort((pixel_from_base * floor_point.homogeneous()).hnormalized());
+      const bool seen = raw.allFinite() && camera_.camera.Contains(raw);
+      map.at<cv::Vec2f>(v, u) = seen ? cv::Vec2f(static_cast<float>(raw.x()), static_cast<float>(raw.y()))
+                                     : cv::Vec2f(-2.0F, -2.0F);  // outside: the border value
+      mask_.at<std::uint8_t>(v, u) = seen ? 255 : 0;
+    }
+  }
+  cv::convertMaps(map, cv::noArray(), map_xy_, map_fraction_, CV_16SC2);
+}
+
+cv::Mat Rectifier::RectifyPicture(const cv::Mat& raw) const {
+  if (raw.depth() != CV_8U || raw.cols != camera_.camera.width_px || raw.rows != camera_.camera.height_px) {
+    throw std::invalid_argument("the picture is not an 8-bit picture of the calibrated camera's size");
+  }
+  cv::Mat rectified;
+  cv::remap(raw, rectified, map_xy_, map_fraction_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+  return rectified;
+}
+
+GroundImage Rectifier::Rectify(const cv::Mat& raw) const {
+  if (raw.channels() != 1) {
+    throw std::invalid_argument("the picture is not grey");
+  }
+  return {grid_, RectifyPicture(raw), mask_};
+}
+
+}  // namespace floorloc
