@@ -41,7 +41,8 @@ Trajectory ReadTrajectory(const std::filesystem::path& file);
 /// and where the neighbours are more than `max_gap_s` apart.
 std::optional<Pose2> InterpolatePose(const Trajectory& trajectory, std::int64_t stamp_ns, double max_gap_s = 1.0);
 
-/// Seconds (decimal text, at most nanoseconds) <-> integer nanoseconds without the loss of a double.
+/// Seconds <-> integer nanoseconds without the loss of a double. The text may have an exponent, as numpy writes it;
+/// digits beyond nanoseconds are rounded. Empty for anything else and for times beyond +-4e9 s.
 std::optional<std::int64_t> ParseSeconds(const std::string& text);
 std::string FormatSeconds(std::int64_t stamp_ns);
 double ToSeconds(std::int64_t stamp_ns);

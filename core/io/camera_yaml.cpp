@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/camera_yaml.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+#include "core/io/delimited_text.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+
+namespace floorloc {
+namespace {
+
+constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
+
+// A YAML document whose complaints name the file, and the line where there is one.
+class YamlDocument {
+ public:
+  YamlDocument(const std::string& text, const std::filesystem::path& source) : source_(source) {
+    if (text.size() > kMaxTextBytes) {
+      throw InputError(source_, "is larger than 1 MiB; check that it is the right file");
+    }
+    try {
+      root_ = YAML::Load(text);
+    } catch (const YAML::Exception& error) {
+      Fail(error.mark, "is not valid YAML (" + error.msg + "); correct the line");
+    }
+    if (!root_.IsMap()) {
+      throw InputError(source_, "holds no YAML keys; write lines of the form 'key: value'");
+    }
+  }
+
+  const YAML::Node& root() const { return root_; }
+
+  [[noreturn]] void Fail(const YAML::Mark& mark, const std::string& reason) const {
+    if (mark.is_null() || mark.line < 0) {
+      throw InputError(source_, reason);
+    }
+    throw InputError(source_, mark.line + 1, reason);
+  }
+
+  YAML::Node Get(const YAML::Node& map, const std::string& key) const {
+    const YAML::Node value = map[key];
+    if (!value.IsDefined() || value.IsNull()) {
+      throw InputError(source_, "the key '" + key + "' is missing; add it");
+    }
+    return value;
+  }
+
+  double Number(const YAML::Node& value, const std::string& key) const {
+    const std::optional<double> number = value.IsScalar() ? ParseNumber(value.Scalar()) : std::nullopt;
+    if (!number) {
+      Fail(value.Mark(), key + " must be a finite number; correct it");
+    }
+    return *number;
+  }
+
+  int Pixels(const std::string& key) const {
+    const YAML::Node value = Get(root_, key);
+    const double number = Number(value, key);
+    if (number != std::floor(number) || std::abs(number) > 1e9) {
+      Fail(value.Mark(), key + " must be a whole number of pixels; correct it");
+    }
+    return static_cast<int>(number);
+  }
+
+  std::string Text(const YAML::Node& value, const std::string& key) const {
+    if (!value.IsScalar()) {
+      Fail(value.Mark(), key + " must be a text; correct it");
+    }
+    return value.Scalar();
+  }
+
+  // A list of numbers, or a ROS matrix {rows, cols, data}.
+  std::vector<double> Numbers(const std::string& key) const {
+    const YAML::Node value = Get(root_, key);
+    const YAML::Node list = value.IsMap() ? Get(value, "data") : value;
+    if (!list.IsSequence()) {
+      Fail(list.Mark(), key + " must be a list of numbers, or a matrix with rows, cols and data; correct it");
+    }
+    std::vector<double> numbers;
+    for (const YAML::Node& item : list) {
+      numbers.push_back(Number(item, key));
+    }
+    if (value.IsMap()) {
+      CheckShape(value, key, numbers.size());
+    }
+    return numbers;
+  }
+
+  template <std::size_t kCount>
+  std::array<double, kCount> FixedNumbers(const std::string& key) const {
+    const std::vector<double> numbers = Numbers(key);
+    if (numbers.size() != kCount) {
+      Fail(root_[key].Mark(), key + " must have " + std::to_string(kCount) + " numbers but has " +
+                                  std::to_string(numbers.size()) + "; correct it");
+    }
+    std::array<double, kCount> result{};
+    std::copy(numbers.begin(), numbers.end(), result.begin());
+    return result;
+  }
+
+ private:
+  void CheckShape(const YAML::Node& matrix, const std::string& key, std::size_t count) const {
+    const double rows = Number(Get(matrix, "rows"), key + ".rows");
+    const double cols = Number(Get(matrix, "cols"), key + ".cols");
+    if (rows * cols != static_cast<double>(count)) {
+      Fail(matrix.Mark(), key + ": rows x cols does not agree with the " + std::to_string(count) +
+                              " numbers of data; correct it");
+    }
+  }
+
+  std::filesystem::path source_;
+  YAML::Node root_;
+};
+
+// yaml-cpp throws its own exceptions from the most innocent accessors; all of them mean a malformed file.
+template <typename Parse>
+auto ParseYaml(const std::string& text, const std::filesystem::path& source, Parse parse) {
+  const YamlDocument document(text, source);
+  try {
+    auto result = parse(document);
+    result.Check();
+    return result;
+  } catch (const YAML::Exception& error) {
+    document.Fail(error.mark, "has an unexpected structure (" + error.msg + "); correct the line");
+  } catch (const std::invalid_argument& error) {
+    throw InputError(source, std::string(error.what()) + "; correct it");
+  }
+}
+
+DistortionModel ParseDistortionModel(const YamlDocument& document) {
+  const YAML::Node value = document.Get(document.root(), "distortion_model");
+  const std::string name = document.Text(value, "distortion_model");
+  for (const DistortionModel model :
+       {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant}) {
+    if (name == ToString(model)) {
+      return model;
+    }
+  }
+  document.Fail(value.Mark(), "distortion_model must be plumb_bob, rational_polynomial or equidistant; correct it");
+}
+
+CameraModel CameraFromYaml(const YamlDocument& document) {
+  CameraModel camera;
+  camera.width_px = document.Pixels("image_width");
+  camera.height_px = document.Pixels("image_height");
+  if (const YAML::Node name = document.root()["camera_name"]; name.IsDefined() && !name.IsNull()) {
+    camera.name = document.Text(name, "camera_name");
+  }
+  const auto k = document.FixedNumbers<9>("camera_matrix");
+  if (k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
+    document.Fail(document.root()["camera_matrix"].Mark(),
+                  "camera_matrix must be [fx, 0, cx, 0, fy, cy, 0, 0, 1], row by row; correct it");
+  }
+  camera.fx = k[0];
+  camera.cx = k[2];
+  camera.fy = k[4];
+  camera.cy = k[5];
+  camera.distortion_model = ParseDistortionModel(document);
+  camera.distortion = document.Numbers("distortion_coefficients");
+  return camera;
+}
+
+FloorPlane FloorFromYaml(const YamlDocument& document) {
+  FloorPlane floor;
+  const auto h = document.FixedNumbers<9>("homography");
+  floor.base_from_pixel = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
+  const YAML::Node roi = document.Get(document.root(), "roi");
+  if (!roi.IsMap()) {
+    document.Fail(roi.Mark(), "roi must have the keys x_min, x_max, y_min, y_max; correct it");
+  }
+  const auto bound = [&](const std::string& key) { return document.Number(document.Get(roi, key), "roi." + key); };
+  floor.roi = {bound("x_min"), bound("x_max"), bound("y_min"), bound("y_max")};
+  floor.resolution_m = document.Number(document.Get(document.root(), "resolution"), "resolution");
+  return floor;
+}
+
+// The shortest text that reads back as the same double.
+std::string NumberText(double value) {
+  std::array<char, 32> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), result.ptr};
+}
+
+std::string ListText(const std::vector<double>& numbers) {
+  std::string text = "[";
+  for (const double number : numbers) {
+    text += (text.size() > 1 ? ", " : "") + NumberText(number);
+  }
+  return text + "]";
+}
+
+std::string MatrixText(const std::string& key, int rows, const std::vector<double>& data) {
+  const std::size_t cols = data.size() / static_cast<std::size_t>(rows);
+  return key + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(cols) + "\n  data: " +
+         ListText(data) + "\n";
+}
+
+}  // namespace
+
+CameraModel ParseCameraYaml(const std::string& text, const std::filesystem::path& source) {
+  return ParseYaml(text, source, CameraFromYaml);
+}
+
+FloorPlane ParseFloorYaml(const std::string& text, const std::filesystem::path& source) {
+  return ParseYaml(text, source, FloorFromYaml);
+}
+
+FloorCamera ReadFloorCamera(const std::filesystem::path& folder) {
+  const std::filesystem::path camera_file = folder / "camera.yaml";
+  const std::filesystem::path floor_file = folder / "floor.yaml";
+  FloorCamera camera{ParseCameraYaml(ReadTextFile(camera_file), camera_file),
+                     ParseFloorYaml(ReadTextFile(floor_file), floor_file)};
+  try {
+    camera.Check();
+  } catch (const std::invalid_argument& error) {
+    throw InputError(floor_file, std::string(error.what()) + "; correct it");
+  }
+  return camera;
+}
+
+std::string FormatCameraYaml(const CameraModel& camera) {
+  YAML::Emitter name;
+  name << camera.name;
+  return "image_width: " + std::to_string(camera.width_px) + "\nimage_height: " + std::to_string(camera.height_px) +
+         "\ncamera_name: " + name.c_str() + "\n" +
+         MatrixText("camera_matrix", 3, {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}) +
+         "distortion_model: " + ToString(camera.distortion_model) + "\n" +
+         MatrixText("distortion_coefficients", 1, camera.distortion) +
+         MatrixText("rectification_matrix", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}) +
+         MatrixText("projection_matrix", 3, {camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0});
+}
+
+std::string FormatFloorYaml(const FloorPlane& floor) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> h = floor.base_from_pixel;
+  return "# homography: undistorted pixel (u, v, 1) -> base frame on the floor, metres (x forward, y left)\n"
+         "homography: " +
+         ListText({h.data(), h.data() + h.size()}) + "\nroi: {x_min: " + NumberText(floor.roi.x_min) +
+         ", x_max: " + NumberText(floor.roi.x_max) + ", y_min: " + NumberText(floor.roi.y_min) +
+         ", y_max: " + NumberText(floor.roi.y_max) + "}\nresolution: " + NumberText(floor.resolution_m) + "\n";
+}
+
+}  // namespace floorloc

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/image.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "core/io/encoded_image.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+
+namespace floorloc {
+namespace {
+
+constexpr int kMaxSidePx = 16384;
+constexpr int kMaxJpegScans = 100;
+
+std::string SizeText(int width_px, int height_px) { return std::to_string(width_px) + "x" + std::to_string(height_px); }
+
+// Everything that can be known before a pixel is decoded, so that no header can ask for memory or time.
+void CheckBeforeDecoding(std::span<const std::uint8_t> bytes, const cv::Size& expected,
+                         const std::filesystem::path& source) {
+  const std::optional<ImageHeader> header = ProbeImage(bytes);
+  if (!header) {
+    throw InputError(source, "is no JPEG or PNG picture, or its header is damaged; use an intact JPEG or PNG");
+  }
+  if (header->width_px != expected.width || header->height_px != expected.height) {
+    throw InputError(source, "the picture is " + SizeText(header->width_px, header->height_px) +
+                                 " but camera.yaml says " + SizeText(expected.width, expected.height) +
+                                 "; use pictures of the calibrated camera");
+  }
+  if (std::max(expected.width, expected.height) > kMaxSidePx) {
+    throw InputError(source, "the picture is larger than 16384 pixels a side; use a smaller one");
+  }
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    throw InputError(source, "the file is larger than 2 GiB; use a smaller picture");
+  }
+  if (header->format == ImageFormat::kJpeg) {
+    const std::optional<int> scans = CountJpegScans(bytes);
+    if (!scans) {
+      throw InputError(source, "the JPEG is cut off or damaged; copy it again or remove it");
+    }
+    if (*scans > kMaxJpegScans) {
+      throw InputError(source, "the JPEG has more than 100 scans; save it again as an ordinary JPEG");
+    }
+  }
+}
+
+cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& expected,
+               const std::filesystem::path& source) {
+  CheckBeforeDecoding(bytes, expected, source);
+  // imdecode only reads the buffer, but a cv::Mat header cannot say so.
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
+  cv::Mat picture;
+  try {
+    picture = cv::imdecode(buffer, flags | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    picture.release();
+  }
+  if (picture.size() != expected) {
+    throw InputError(source, "the picture is damaged; copy it again or remove it");
+  }
+  return picture;
+}
+
+}  // namespace
+
+cv::Mat DecodeGray(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                   const std::filesystem::path& source) {
+  return Decode(bytes, cv::IMREAD_GRAYSCALE, {width_px, height_px}, source);
+}
+
+cv::Mat DecodeColor(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                    const std::filesystem::path& source) {
+  return Decode(bytes, cv::IMREAD_COLOR, {width_px, height_px}, source);
+}
+
+cv::Mat ReadGrayImage(const std::filesystem::path& file, int width_px, int height_px) {
+  return DecodeGray(ReadBinaryFile(file), width_px, height_px, file);
+}
+
+cv::Mat ReadColorImage(const std::filesystem::path& file, int width_px, int height_px) {
+  return DecodeColor(ReadBinaryFile(file), width_px, height_px, file);
+}
+
+}  // namespace floorloc

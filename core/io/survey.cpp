@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/survey.h"
+
+#include <algorithm>
+#include <cctype>
+#include <unordered_set>
+
+#include "core/io/camera_yaml.h"
+#include "core/io/delimited_text.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+
+namespace floorloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+
+bool Exists(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+bool IsFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool HasPictureName(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
+
+std::vector<SurveyFrame> ListPictures(const fs::path& folder) {
+  const fs::path images = folder / "images";
+  std::error_code error;
+  std::vector<std::string> names;
+  for (fs::directory_iterator it(images, error), end; !error && it != end; it.increment(error)) {
+    if (IsFile(it->path()) && HasPictureName(it->path())) {
+      names.push_back("images/" + it->path().filename().string());
+    }
+  }
+  if (error) {
+    throw InputError(folder, "has neither frames.csv nor a readable folder images; add one of them");
+  }
+  if (names.empty()) {
+    throw InputError(images, "has no frames; put JPEG or PNG pictures there");
+  }
+  std::sort(names.begin(), names.end());
+  std::vector<SurveyFrame> frames;
+  for (const std::string& name : names) {
+    frames.push_back({static_cast<std::int64_t>(frames.size()) * kNsPerSecond, name});
+  }
+  return frames;
+}
+
+// The line of frames.csv that lists a picture, for messages only: frames do not carry their lines.
+int LineOf(const std::string& filename, const std::string& frames_csv) {
+  for (const TextLine& line : ContentLines(frames_csv)) {
+    if (SplitFields(line.text, ',').back() == filename) {
+      return line.number;
+    }
+  }
+  return 1;
+}
+
+std::vector<SurveyFrame> ReadFrames(const fs::path& folder) {
+  const fs::path file = folder / "frames.csv";
+  if (!Exists(file)) {
+    return ListPictures(folder);
+  }
+  const std::string text = ReadTextFile(file);
+  std::vector<SurveyFrame> frames = ParseFramesCsv(text, file);
+  for (const SurveyFrame& frame : frames) {
+    if (!IsFile(folder / frame.filename)) {
+      throw InputError(file, LineOf(frame.filename, text),
+                       "the picture " + (folder / frame.filename).string() + " is missing; add it or delete the row");
+    }
+  }
+  return frames;
+}
+
+std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const std::vector<SurveyFrame>& frames) {
+  const std::string text = ReadTextFile(file);
+  std::vector<ControlPoint> points = ParseControlPointsCsv(text, file);
+  std::unordered_set<std::string> known;
+  for (const SurveyFrame& frame : frames) {
+    known.insert(frame.filename);
+  }
+  const std::vector<TextLine> lines = ContentLines(text);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!known.contains(points[i].filename)) {
+      throw InputError(file, lines[i + 1].number, "the picture " + points[i].filename +
+                                                      " is none of the survey's frames; correct or delete the row");
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+Survey ReadSurvey(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw InputError(folder, "is no folder; name a folder with camera.yaml, floor.yaml and frames.csv");
+  }
+  Survey survey;
+  survey.folder = folder;
+  survey.camera = ReadFloorCamera(folder);
+  survey.frames = ReadFrames(folder);
+  if (const fs::path file = folder / "odometry.tum"; Exists(file)) {
+    survey.odometry = ReadTum(file);
+  }
+  if (const fs::path file = folder / "groundtruth.tum"; Exists(file)) {
+    survey.ground_truth = ReadTum(file);
+  }
+  if (const fs::path file = folder / "imu.csv"; Exists(file)) {
+    survey.imu = ParseImuCsv(ReadTextFile(file), file);
+  }
+  if (const fs::path file = folder / "control_points.csv"; Exists(file)) {
+    survey.control_points = ReadControlPoints(file, survey.frames);
+  }
+  return survey;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <span>
+#include <unordered_set>
+
+#include "core/io/delimited_text.h"
+#include "core/io/input_error.h"
+#include "core/io/survey.h"
+
+namespace floorloc {
+namespace {
+
+// Checks the line of column names and returns the rows behind it.
+std::vector<TextLine> RowsBelowHeader(std::string_view text, const std::string& header,
+                                      const std::filesystem::path& source) {
+  std::vector<TextLine> lines = ContentLines(text);
+  if (lines.empty()) {
+    return lines;
+  }
+  const std::vector<std::string_view> expected = SplitFields(header, ',');
+  if (SplitFields(lines.front().text, ',') != expected) {
+    throw InputError(source, lines.front().number, "the first line must be '" + header + "'; add it");
+  }
+  lines.erase(lines.begin());
+  return lines;
+}
+
+std::vector<std::string_view> FieldsOf(const TextLine& line, const std::string& columns,
+                                       const std::filesystem::path& source) {
+  std::vector<std::string_view> fields = SplitFields(line.text, ',');
+  const std::size_t count = SplitFields(columns, ',').size();
+  if (fields.size() != count) {
+    throw InputError(source, line.number, "the row has " + std::to_string(fields.size()) + " fields instead of " +
+                                              std::to_string(count) + "; write '" + columns + "'");
+  }
+  return fields;
+}
+
+template <std::size_t kCount>
+std::array<double, kCount> Numbers(std::span<const std::string_view> fields, int line,
+                                   const std::filesystem::path& source) {
+  std::array<double, kCount> numbers{};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const std::optional<double> number = ParseNumber(fields[i]);
+    if (!number) {
+      throw InputError(source, line, "'" + std::string(fields[i]) + "' is not a finite number; correct or delete the "
+                                     "row");
+    }
+    numbers[i] = *number;
+  }
+  return numbers;
+}
+
+void CheckLater(std::int64_t stamp_ns, std::int64_t previous_ns, int line, const std::filesystem::path& source) {
+  if (stamp_ns <= previous_ns) {
+    throw InputError(source, line, "the time stamp " + FormatSeconds(stamp_ns) +
+                                       " s is not later than the one before; sort the rows by time and delete "
+                                       "duplicates");
+  }
+}
+
+// A survey's pictures lie in its folder: a name that leads out of it is a mistake or an attack.
+void CheckInsideFolder(const std::string& filename, int line, const std::filesystem::path& source) {
+  const std::filesystem::path path(filename);
+  bool inside = !filename.empty() && path.is_relative() && filename.find('\0') == std::string::npos;
+  for (const std::filesystem::path& part : path) {
+    inside = inside && part != "..";
+  }
+  if (!inside) {
+    throw InputError(source, line, "the file name '" + filename + "' does not lie inside the folder; write it relative "
+                                   "to the folder, as images/000000.jpg");
+  }
+}
+
+}  // namespace
+
+std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source) {
+  const std::string columns = "timestamp,filename";
+  std::vector<SurveyFrame> frames;
+  std::unordered_set<std::string> seen;
+  for (const TextLine& line : RowsBelowHeader(text, columns, source)) {
+    const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
+    const std::optional<std::int64_t> stamp_ns = ParseSeconds(std::string(fields[0]));
+    if (!stamp_ns) {
+      throw InputError(source, line.number, "the time stamp '" + std::string(fields[0]) +
+                                                "' is not a number of seconds; correct or delete the row");
+    }
+    SurveyFrame frame{*stamp_ns, std::string(fields[1])};
+    CheckInsideFolder(frame.filename, line.number, source);
+    if (!frames.empty()) {
+      CheckLater(frame.stamp_ns, frames.back().stamp_ns, line.number, source);
+    }
+    if (!seen.insert(frame.filename).second) {
+      throw InputError(source, line.number, "the picture " + frame.filename + " is listed twice; delete one of the "
+                                            "rows");
+    }
+    frames.push_back(std::move(frame));
+  }
+  if (frames.empty()) {
+    throw InputError(source, "has no frames; list them below the line 'timestamp,filename'");
+  }
+  return frames;
+}
+
+std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source) {
+  std::vector<ImuSample> samples;
+  for (const TextLine& line : ContentLines(text)) {
+    const std::vector<std::string_view> fields = FieldsOf(line, "timestamp [ns],wx,wy,wz,ax,ay,az", source);
+    const std::optional<std::int64_t> stamp_ns = ParseNanoseconds(fields[0]);
+    if (!stamp_ns) {
+      throw InputError(source, line.number, "the time stamp is not a whole number of nanoseconds; correct or delete "
+                                            "the row");
+    }
+    const auto n = Numbers<6>(std::span(fields).subspan(1), line.number, source);
+    if (!samples.empty()) {
+      CheckLater(*stamp_ns, samples.back().stamp_ns, line.number, source);
+    }
+    samples.push_back({*stamp_ns, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+  }
+  return samples;
+}
+
+std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source) {
+  const std::string columns = "filename,u,v,x,y";
+  std::vector<ControlPoint> points;
+  for (const TextLine& line : RowsBelowHeader(text, columns, source)) {
+    const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
+    const std::string filename(fields[0]);
+    CheckInsideFolder(filename, line.number, source);
+    const auto n = Numbers<4>(std::span(fields).subspan(1), line.number, source);
+    points.push_back({filename, {n[0], n[1]}, {n[2], n[3]}});
+  }
+  return points;
+}
+
+}  // namespace floorloc
