@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/geometry/pose2.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <ostream>
