@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -181,11 +182,15 @@ FloorPlane FloorFromYaml(const YamlDocument& document) {
   return floor;
 }
 
-// The shortest text that reads back as the same double.
+// The shortest text that reads back as the same double. With a dot: YAML 1.1 takes 7e-04 for a string.
 std::string NumberText(double value) {
   std::array<char, 32> buffer{};
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return {buffer.data(), result.ptr};
+  std::string text(buffer.data(), result.ptr);
+  if (text.find('.') == std::string::npos) {
+    text.insert(std::min(text.find('e'), text.size()), ".0");
+  }
+  return text;
 }
 
 std::string ListText(const std::vector<double>& numbers) {
