@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks that includes and link lines point down only. Usage: check_layers.py [ROOT]"""
+
+import pathlib
+import re
+import sys
+from typing import NamedTuple
+
+# Folder -> the folders it may include; what those may include follows. A folder may always include itself.
+ARROWS = {
+    "core/geometry": [],
+    "core/io": ["core/geometry"],
+    "core/vision": ["core/geometry"],
+    "core/registration": ["core/geometry"],
+    "core/surface": ["core/vision"],
+    "core/map": ["core/vision", "core/geometry", "schema"],
+    "core/localization": ["core/map", "core/registration", "core/surface", "core/vision"],
+    "core/odometry": ["core/registration", "core/vision"],
+    "core/fusion": ["core/geometry"],
+    "core/evaluation": ["core/geometry", "core/vision"],
+    "mapbuilder": ["core/io", "core/localization", "core/odometry", "core/fusion", "core/evaluation"],
+    "mapbuilder/cli": ["mapbuilder"],
+    "server": ["core/io", "core/localization", "core/odometry", "core/fusion", "core/evaluation", "schema"],
+    "schema": [],
+}
+
+# Header of another library -> the only places in the product that may include it.
+LIBRARIES = {
+    "httplib.h": ["server/"],
+    "sqlite3.h": ["core/map/"],
+    "CLI/": ["mapbuilder/cli/", "mapbuilder/main.cpp", "server/main.cpp", "server/cli"],
+    "nlohmann/": ["core/map/", "mapbuilder/", "server/"],
+    "yaml-cpp/": ["core/io/"],
+    "ceres/": ["mapbuilder/"],
+    "spdlog/": ["mapbuilder/", "server/"],
+    "opencv2/": ["core/io/", "core/vision/", "core/surface/", "core/map/", "core/localization/", "core/odometry/",
+                 "core/evaluation/", "mapbuilder/", "server/"],
+}
+
+PRODUCT = ["core", "mapbuilder", "server"]
+FORBIDDEN_FOLDERS = {"util", "utils"}
+NOT_OURS = {"build", ".git", "node_modules"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+class Problem(NamedTuple):
+    file: str
+    line: int
+    what: str
+
+    def __str__(self):
+        return f"{self.file}:{self.line}: {self.what}"
+
+
+def layer_of(path):
+    """The deepest folder of the table that holds the path; None outside of all."""
+    holders = [layer for layer in ARROWS if path.startswith(layer + "/")]
+    return max(holders, key=len, default=None)
+
+
+def reachable(layer):
+    """The layer and everything below it."""
+    found, open_layers = set(), [layer]
+    while open_layers:
+        current = open_layers.pop()
+        if current not in found:
+            found.add(current)
+            open_layers += ARROWS[current]
+    return found
+
+
+def check_include(layer, path, quote, header):
+    """What is wrong with this include; empty when nothing is."""
+    if quote == '"':
+        target = layer_of(header)
+        if target is None:
+            return f'"{header}" is no header of a layer, by its path from the root'
+        return "" if target in reachable(layer) else f'{layer} must not include {target} ("{header}")'
+    for library, places in LIBRARIES.items():
+        if header.startswith(library) and not path.startswith(tuple(places)):
+            return f"<{header}> belongs to {', '.join(places)} only"
+    return ""
+
+
+def check_source(path, text):
+    layer = layer_of(path)
+    if layer is None:
+        return [Problem(path, 1, "this folder is no layer; add it to the table of check_layers.py and to the design")]
+    problems = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        include = INCLUDE.match(line)
+        if include:
+            what = check_include(layer, path, *include.groups())
+            problems += [Problem(path, number, what)] if what else []
+    return problems
+
+
+def check_link_lines(path, text):
+    """A CMakeLists.txt may link only what its folder may include."""
+    layer = layer_of(path)
+    if layer is None:
+        return []
+    problems = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        for name in re.findall(r"floorloc::(\w+)", line.partition("#")[0]):
+            target = name if name in ARROWS else f"core/{name}"
+            if target not in reachable(layer):
+                problems.append(Problem(path, number, f"{layer} must not link floorloc::{name}"))
+    return problems
+
+
+def check_tree(root):
+    problems = []
+    for folder in sorted(root.rglob("*")):
+        relative = folder.relative_to(root)
+        if folder.is_dir() and folder.name in FORBIDDEN_FOLDERS and not NOT_OURS & set(relative.parts):
+            problems.append(Problem(str(relative), 1, "name a folder after what it does, not 'util'"))
+    for file in sorted(file for part in PRODUCT for file in (root / part).rglob("*")):
+        path = file.relative_to(root).as_posix()
+        if file.suffix in {".h", ".cpp"}:
+            problems += check_source(path, file.read_text())
+        elif file.name == "CMakeLists.txt":
+            problems += check_link_lines(path, file.read_text())
+    return problems
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2])
+    problems = check_tree(root)
+    for problem in problems:
+        print(problem)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
