@@ -1,1 +1,78 @@
 -- SPDX-License-Identifier: Apache-2.0
+-- A floor map, format version 1. Units: metres, radians. Frame: map (x right, y up, z = 0 on the floor).
+-- Every BLOB is little-endian and packed; schema/README.md has the layouts. A checksum is the first eight bytes of the
+-- SHA-256 of the row's blobs, in column order, as a big-endian signed integer.
+PRAGMA application_id = 0x464C4F43;  -- "FLOC"
+PRAGMA user_version = 1;
+
+CREATE TABLE map (
+  one             INTEGER PRIMARY KEY CHECK (one = 1),
+  builder_version TEXT NOT NULL,
+  id              TEXT NOT NULL,  -- UUID; stays the same over a map's versions
+  content_version TEXT NOT NULL,  -- SHA-256 over the content, hex
+  name            TEXT NOT NULL,
+  created         TEXT NOT NULL,  -- ISO 8601, UTC
+  frame           TEXT NOT NULL,  -- 'map'
+  resolution_m    REAL NOT NULL,  -- of the mosaic's finest level
+  x_min REAL NOT NULL, x_max REAL NOT NULL, y_min REAL NOT NULL, y_max REAL NOT NULL,  -- surveyed floor
+  area_m2         REAL NOT NULL,
+  keypoint_tile_m REAL NOT NULL,  -- side of a row of keypoint_tile
+  descriptor_type TEXT NOT NULL CHECK (descriptor_type IN ('binary', 'float')),
+  descriptor_length INTEGER NOT NULL,  -- bytes, or numbers of 4 bytes
+  mosaic_tile_px  INTEGER NOT NULL,
+  mosaic_max_zoom INTEGER NOT NULL,
+  surveys_json    TEXT NOT NULL,  -- provenance
+  report_json     TEXT NOT NULL   -- what the builder measured
+);
+
+-- Every option of the feature extractor; a reader must use exactly these.
+CREATE TABLE extractor_parameter (
+  name  TEXT PRIMARY KEY,
+  value NOT NULL
+) WITHOUT ROWID;
+
+-- Camera and floor plane of the survey.
+CREATE TABLE camera (
+  one              INTEGER PRIMARY KEY CHECK (one = 1),
+  name             TEXT NOT NULL,
+  width_px         INTEGER NOT NULL,
+  height_px        INTEGER NOT NULL,
+  fx REAL NOT NULL, fy REAL NOT NULL, cx REAL NOT NULL, cy REAL NOT NULL,
+  distortion_model TEXT NOT NULL,
+  distortion       BLOB NOT NULL,  -- float64[n]
+  homography       BLOB NOT NULL,  -- float64[9], row-major: undistorted pixel -> base
+  roi_x_min REAL NOT NULL, roi_x_max REAL NOT NULL, roi_y_min REAL NOT NULL, roi_y_max REAL NOT NULL,
+  resolution_m     REAL NOT NULL
+);
+
+-- Survey frames as they were placed.
+CREATE TABLE frame (
+  id         INTEGER PRIMARY KEY,
+  stamp_ns   INTEGER NOT NULL,
+  filename   TEXT NOT NULL,
+  x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- map_from_base
+  covariance BLOB NOT NULL  -- float64[9], row-major, of (x, y, yaw)
+);
+
+-- Keypoints in square tiles: tile (x, y) covers [x, x+1) * keypoint_tile_m and likewise in y.
+CREATE TABLE keypoint_tile (
+  x INTEGER NOT NULL, y INTEGER NOT NULL,
+  count        INTEGER NOT NULL,
+  position     BLOB NOT NULL,  -- float32[count][2], relative to the tile's lower left corner
+  angle        BLOB NOT NULL,  -- float32[count]
+  size         BLOB NOT NULL,  -- float32[count]
+  response     BLOB NOT NULL,  -- float32[count]
+  observations BLOB NOT NULL,  -- uint16[count]
+  descriptor   BLOB NOT NULL,  -- uint8[count][descriptor_length] or float32[count][descriptor_length]
+  checksum     INTEGER NOT NULL,
+  PRIMARY KEY (x, y)
+) WITHOUT ROWID;
+
+-- The mosaic: level mosaic_max_zoom has resolution_m, every level above twice the metres per pixel. Tile (z, x, y)
+-- covers [x, x+1) * side, y counts UP.
+CREATE TABLE mosaic_tile (
+  z INTEGER NOT NULL, x INTEGER NOT NULL, y INTEGER NOT NULL,
+  jpeg     BLOB NOT NULL,
+  checksum INTEGER NOT NULL,
+  PRIMARY KEY (z, x, y)
+) WITHOUT ROWID;

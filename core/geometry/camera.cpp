@@ -43,6 +43,21 @@ Eigen::Vector2d DistortNormalized(const CameraModel& camera, const Eigen::Vector
                                                                   : DistortRational(camera.distortion, p);
 }
 
+// A polynomial lens model can fold: beyond some radius, farther points come nearer again. An undistorted point is only
+// believed when its image moves outward all the way from the centre to it.
+bool IsBeforeFold(const CameraModel& camera, const Eigen::Vector2d& p) {
+  constexpr int kSamples = 32;
+  double previous = DistortNormalized(camera, Eigen::Vector2d::Zero()).norm();
+  for (int i = 1; i <= kSamples; ++i) {
+    const double radius = DistortNormalized(camera, p * (static_cast<double>(i) / kSamples)).norm();
+    if (radius < previous) {
+      return false;
+    }
+    previous = radius;
+  }
+  return true;
+}
+
 void Require(bool ok, const char* message) {
   if (!ok) {
     throw std::invalid_argument(message);
@@ -104,6 +119,9 @@ Eigen::Vector2d CameraModel::Undistort(const Eigen::Vector2d& raw_px) const {
   for (int i = 0; i < kMaxSteps; ++i) {
     const Eigen::Vector2d error = DistortNormalized(*this, p) - target;
     if (error.norm() < kTolerance) {
+      if (!IsBeforeFold(*this, p)) {
+        break;
+      }
       return {fx * p.x() + cx, fy * p.y() + cy};
     }
     Eigen::Matrix2d jacobian;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/geometry/floor_plane.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -17,9 +18,18 @@ void Require(bool ok, const char* message) {
   }
 }
 
-std::array<Eigen::Vector2d, 5> CornersAndCenter(const RectM& r) {
-  return {Eigen::Vector2d(r.x_min, r.y_min), Eigen::Vector2d(r.x_min, r.y_max), Eigen::Vector2d(r.x_max, r.y_min),
-          Eigen::Vector2d(r.x_max, r.y_max), r.Center()};
+constexpr int kGridSteps = 8;
+using RoiGrid = std::array<Eigen::Vector2d, (kGridSteps + 1) * (kGridSteps + 1)>;
+
+// Points spread evenly over a rectangle, its corners and centre among them.
+RoiGrid SpreadOver(const RectM& r) {
+  RoiGrid points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x = static_cast<double>(i % (kGridSteps + 1)) / kGridSteps;
+    const double y = static_cast<double>(i / (kGridSteps + 1)) / kGridSteps;
+    points[i] = {r.x_min + x * r.width_m(), r.y_min + y * r.height_m()};
+  }
+  return points;
 }
 
 // Sign of the homography's local area change at a pixel: a camera above the floor turns the picture over
@@ -33,7 +43,9 @@ double LocalOrientation(const Eigen::Matrix3d& base_from_pixel, const Eigen::Vec
 
 void FloorPlane::Check() const {
   Require(base_from_pixel.allFinite(), "homography must have 9 finite numbers");
-  Require(std::abs(base_from_pixel.determinant()) > 1e-15, "homography is singular");
+  // Relative to the size of the matrix: a homography means the same at every scale.
+  const double size = base_from_pixel.norm();
+  Require(std::abs(base_from_pixel.determinant()) > 1e-15 * size * size * size, "homography is singular");
   Require(std::isfinite(roi.width_m()) && std::isfinite(roi.height_m()), "roi must be finite");
   Require(roi.width_m() > 0 && roi.height_m() > 0, "roi: x_min < x_max and y_min < y_max must hold");
   Require(std::isfinite(resolution_m) && resolution_m > 0, "resolution must be a positive number of metres per pixel");
@@ -47,13 +59,18 @@ void FloorCamera::Check() const {
   camera.Check();
   floor.Check();
   const Eigen::Matrix3d pixel_from_base = floor.base_from_pixel.inverse();
-  const auto points = CornersAndCenter(floor.roi);
   const double w_center = pixel_from_base.row(2) * floor.roi.Center().homogeneous();
   bool any_visible = false;
-  for (const Eigen::Vector2d& p : points) {
+  for (const Eigen::Vector2d& p : SpreadOver(floor.roi)) {
     const double w = pixel_from_base.row(2) * p.homogeneous();
     Require(w * w_center > 0, "roi crosses the horizon of the homography");
-    any_visible = any_visible || camera.Contains(RawPixelFromFloor(p));
+    const Eigen::Vector2d raw_px = RawPixelFromFloor(p);
+    if (camera.Contains(raw_px)) {
+      any_visible = true;
+      Require((FloorFromRawPixel(raw_px) - p).norm() < 0.5 * floor.resolution_m,
+              "roi reaches beyond the range of the lens model: make the roi smaller, or calibrate with a board that "
+              "fills the picture");
+    }
   }
   Require(any_visible, "roi lies outside the picture: homography, roi and camera_matrix do not belong together");
   const Eigen::Vector2d center_px = (pixel_from_base * floor.roi.Center().homogeneous()).hnormalized();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -62,6 +63,11 @@ struct TileId {
   int x = 0;
   int y = 0;
   auto operator<=>(const TileId&) const = default;
+};
+
+struct MosaicTile {
+  TileId id;
+  std::vector<std::uint8_t> jpeg;  ///< encoded
 };
 
 /// A map in memory, without its mosaic.

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/map/keypoint_blobs.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "core/map/content_hash.h"
+
+namespace floorloc {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "blobs are little-endian");
+
+template <typename T>
+void Append(Blob* blob, T value) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
+  blob->insert(blob->end(), bytes, bytes + sizeof(T));
+}
+
+template <typename T>
+T Get(const Blob& blob, std::size_t index) {
+  T value;
+  std::memcpy(&value, blob.data() + index * sizeof(T), sizeof(T));
+  return value;
+}
+
+bool HasRightLengths(const KeypointBlobs& blobs, std::size_t row_bytes) {
+  const auto n = static_cast<std::size_t>(blobs.count);
+  return blobs.position.size() == n * 8 && blobs.angle.size() == n * 4 && blobs.size.size() == n * 4 &&
+         blobs.response.size() == n * 4 && blobs.observations.size() == n * 2 &&
+         blobs.descriptor.size() == n * row_bytes;
+}
+
+}  // namespace
+
+std::int64_t KeypointBlobs::Checksum() const {
+  ContentHash hash;
+  return hash.Add(position).Add(angle).Add(size).Add(response).Add(observations).Add(descriptor).Checksum();
+}
+
+KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile) {
+  KeypointBlobs blobs;
+  blobs.count = static_cast<int>(indices.size());
+  const std::size_t row_bytes = static_cast<std::size_t>(keypoints.descriptors.cols) * keypoints.descriptors.elemSize();
+  for (const int i : indices) {
+    const auto index = static_cast<std::size_t>(i);
+    const Keypoint& k = keypoints.keypoints[index];
+    Append(&blobs.position, static_cast<float>(k.x_m - tile.x * tile.side_m));
+    Append(&blobs.position, static_cast<float>(k.y_m - tile.y * tile.side_m));
+    Append(&blobs.angle, k.angle_rad);
+    Append(&blobs.size, k.size_m);
+    Append(&blobs.response, k.response);
+    Append(&blobs.observations, keypoints.observations[index]);
+    const std::uint8_t* row = keypoints.descriptors.ptr(i);
+    blobs.descriptor.insert(blobs.descriptor.end(), row, row + row_bytes);
+  }
+  return blobs;
+}
+
+bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::size_t row_bytes,
+                     MapKeypoints* keypoints) {
+  if (blobs.count < 0 || !HasRightLengths(blobs, row_bytes)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(blobs.count); ++i) {
+    Keypoint k;
+    k.x_m = static_cast<float>(Get<float>(blobs.position, 2 * i) + tile.x * tile.side_m);
+    k.y_m = static_cast<float>(Get<float>(blobs.position, 2 * i + 1) + tile.y * tile.side_m);
+    k.angle_rad = Get<float>(blobs.angle, i);
+    k.size_m = Get<float>(blobs.size, i);
+    k.response = Get<float>(blobs.response, i);
+    if (!std::isfinite(k.x_m) || !std::isfinite(k.y_m) || !std::isfinite(k.angle_rad) || !std::isfinite(k.size_m)) {
+      return false;
+    }
+    keypoints->keypoints.push_back(k);
+    keypoints->observations.push_back(Get<std::uint16_t>(blobs.observations, i));
+  }
+  const int first = keypoints->descriptors.rows;
+  const std::size_t row_size = static_cast<std::size_t>(keypoints->descriptors.cols) * keypoints->descriptors.elemSize();
+  if (row_size != row_bytes) {
+    return false;
+  }
+  keypoints->descriptors.resize(static_cast<std::size_t>(first + blobs.count));
+  if (blobs.count > 0) {
+    std::memcpy(keypoints->descriptors.ptr(first), blobs.descriptor.data(), blobs.descriptor.size());
+  }
+  return true;
+}
+
+}  // namespace floorloc

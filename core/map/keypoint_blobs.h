@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/map/floor_map.h"
+#include "core/map/sqlite.h"
+
+namespace floorloc {
+
+/// The columns of one row of keypoint_tile, packed as schema/map.sql says.
+struct KeypointBlobs {
+  int count = 0;
+  Blob position, angle, size, response, observations, descriptor;
+
+  std::int64_t Checksum() const;
+};
+
+struct KeypointTile {
+  int x = 0;
+  int y = 0;
+  double side_m = 1.0;
+};
+
+KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile);
+
+/// Appends a tile's keypoints. row_bytes: bytes per descriptor. Returns false when a blob has the wrong length.
+bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::size_t row_bytes,
+                     MapKeypoints* keypoints);
+
+}  // namespace floorloc

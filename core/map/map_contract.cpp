@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/map/map_contract.h"
+
+#include <cstring>
+
+#include "core/map/content_hash.h"
+
+namespace floorloc {
+
+Blob PackDoubles(std::span<const double> values) {
+  Blob blob(values.size_bytes());
+  if (!values.empty()) {
+    std::memcpy(blob.data(), values.data(), blob.size());
+  }
+  return blob;
+}
+
+std::vector<double> UnpackDoubles(const Blob& blob) {
+  std::vector<double> values(blob.size() % sizeof(double) == 0 ? blob.size() / sizeof(double) : 0);
+  if (!values.empty()) {
+    std::memcpy(values.data(), blob.data(), blob.size());
+  }
+  return values;
+}
+
+std::string ComputeContentVersion(const SqliteConnection& connection) {
+  ContentHash hash;
+  SqliteStatement map(connection,
+                      "SELECT resolution_m, x_min, x_max, y_min, y_max, area_m2, keypoint_tile_m, descriptor_type, "
+                      "descriptor_length, mosaic_tile_px, mosaic_max_zoom FROM map");
+  while (map.Step()) {
+    for (int column = 0; column < 7; ++column) {
+      hash.Add(map.Real(column));
+    }
+    hash.Add(map.Text(7)).Add(map.Integer(8)).Add(map.Integer(9)).Add(map.Integer(10));
+  }
+  SqliteStatement parameter(connection, "SELECT name, value FROM extractor_parameter ORDER BY name");
+  while (parameter.Step()) {
+    hash.Add(parameter.Text(0)).Add(parameter.Text(1));
+  }
+  SqliteStatement frame(connection, "SELECT stamp_ns, filename, x, y, yaw, covariance FROM frame ORDER BY id");
+  while (frame.Step()) {
+    hash.Add(frame.Integer(0)).Add(frame.Text(1)).Add(frame.Real(2)).Add(frame.Real(3)).Add(frame.Real(4));
+    hash.Add(frame.Bytes(5));
+  }
+  SqliteStatement keypoints(connection, "SELECT x, y, count, checksum FROM keypoint_tile ORDER BY x, y");
+  while (keypoints.Step()) {
+    hash.Add(keypoints.Integer(0)).Add(keypoints.Integer(1)).Add(keypoints.Integer(2)).Add(keypoints.Integer(3));
+  }
+  SqliteStatement mosaic(connection, "SELECT z, x, y, checksum FROM mosaic_tile ORDER BY z, x, y");
+  while (mosaic.Step()) {
+    hash.Add(mosaic.Integer(0)).Add(mosaic.Integer(1)).Add(mosaic.Integer(2)).Add(mosaic.Integer(3));
+  }
+  return hash.Hex();
+}
+
+}  // namespace floorloc

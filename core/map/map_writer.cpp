@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/map/map_writer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "core/map/content_hash.h"
+#include "core/map/extractor_parameters.h"
+#include "core/map/keypoint_blobs.h"
+#include "core/map/map_contract.h"
+#include "schema/embedded.h"
+
+namespace floorloc {
+namespace {
+
+constexpr double kKeypointTileM = 1.0;
+
+// A file that a killed build left behind is no use, but one that another build holds must stay.
+void RemoveLeftover(const std::filesystem::path& part) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(part, ignored)) {
+    return;
+  }
+  {
+    const SqliteConnection other(part, SqliteConnection::Mode::kCreate);
+    if (sqlite3_exec(other.get(), "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr) == SQLITE_BUSY) {
+      throw MapError(part.string() + " is being written by another build; wait for it or choose another name");
+    }
+  }
+  std::filesystem::remove(part, ignored);
+}
+
+SqliteConnection Create(const std::filesystem::path& part) {
+  RemoveLeftover(part);
+  return SqliteConnection(part, SqliteConnection::Mode::kCreate);
+}
+
+void SyncPath(const std::filesystem::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+  if (descriptor >= 0) {
+    close(descriptor);
+  }
+  if (!synced) {
+    throw MapError(path.string() + " cannot be flushed to the disk; check the disk and the free space on it");
+  }
+}
+
+void WriteCamera(const SqliteConnection& connection, const FloorCamera& c) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> homography = c.floor.base_from_pixel;
+  SqliteStatement insert(connection, "INSERT INTO camera VALUES (1,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  insert.Bind(c.camera.name).Bind(c.camera.width_px).Bind(c.camera.height_px);
+  insert.Bind(c.camera.fx).Bind(c.camera.fy).Bind(c.camera.cx).Bind(c.camera.cy);
+  insert.Bind(std::string(ToString(c.camera.distortion_model))).Bind(PackDoubles(c.camera.distortion));
+  insert.Bind(PackDoubles(std::span(homography.data(), 9)));
+  insert.Bind(c.floor.roi.x_min).Bind(c.floor.roi.x_max).Bind(c.floor.roi.y_min).Bind(c.floor.roi.y_max);
+  insert.Bind(c.floor.resolution_m).Run();
+}
+
+}  // namespace
+
+struct MapWriter::Impl {
+  explicit Impl(const std::filesystem::path& target)
+      : file(target), part(target.string() + ".part"), connection(Create(part)) {
+    // Nothing of this file counts before the rename, which follows an fsync: no journal flush is needed in between.
+    connection.Execute("PRAGMA page_size = 8192; PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = OFF;");
+    connection.Execute(std::string(MapSql()));
+  }
+
+  std::filesystem::path file;
+  std::filesystem::path part;
+  SqliteConnection connection;
+  DescriptorType descriptor_type = DescriptorType::kBinary;
+  int descriptor_length = 0;
+  bool committed = false;
+
+  std::string WriteInfo(const MapInfo& info, const MosaicLayout& mosaic) const;
+};
+
+std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& mosaic) const {
+  SqliteTransaction transaction(connection);
+  SqliteStatement insert(connection, "INSERT INTO map VALUES (1,?,?,'',?,?,'map',?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  insert.Bind(info.builder_version).Bind(info.id).Bind(info.name).Bind(info.created).Bind(mosaic.resolution_m);
+  insert.Bind(info.extent.x_min).Bind(info.extent.x_max).Bind(info.extent.y_min).Bind(info.extent.y_max);
+  insert.Bind(info.area_m2).Bind(kKeypointTileM).Bind(std::string(ToString(descriptor_type))).Bind(descriptor_length);
+  insert.Bind(mosaic.tile_px).Bind(mosaic.max_zoom).Bind(info.surveys_json).Bind(info.report_json).Run();
+  for (const auto& [name, value] : ToParameters(info.extractor)) {
+    SqliteStatement(connection, "INSERT INTO extractor_parameter VALUES (?,?)").Bind(name).Bind(value).Run();
+  }
+  WriteCamera(connection, info.camera);
+  const std::string version = ComputeContentVersion(connection);
+  SqliteStatement(connection, "UPDATE map SET content_version = ?").Bind(version).Run();
+  transaction.Commit();
+  return version;
+}
+
+MapWriter::MapWriter(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
+
+MapWriter::~MapWriter() {
+  if (impl_ != nullptr && !impl_->committed) {
+    std::error_code ignored;
+    std::filesystem::remove(impl_->part, ignored);
+    std::filesystem::remove(impl_->part.string() + "-journal", ignored);
+  }
+}
+
+void MapWriter::WriteFrames(const std::vector<MapFrame>& frames) {
+  SqliteTransaction transaction(impl_->connection);
+  SqliteStatement insert(impl_->connection,
+                         "INSERT INTO frame (stamp_ns, filename, x, y, yaw, covariance) VALUES (?,?,?,?,?,?)");
+  for (const MapFrame& frame : frames) {
+    insert.Bind(frame.stamp_ns).Bind(frame.filename);
+    insert.Bind(frame.map_from_base.x()).Bind(frame.map_from_base.y()).Bind(frame.map_from_base.yaw());
+    insert.Bind(PackDoubles(std::span(frame.covariance.data(), 9))).Run();  // symmetric: order does not matter
+  }
+  transaction.Commit();
+}
+
+void MapWriter::WriteKeypoints(const MapKeypoints& keypoints, DescriptorType type) {
+  impl_->descriptor_type = type;
+  impl_->descriptor_length = keypoints.descriptors.cols;
+  std::map<std::pair<int, int>, std::vector<int>> tiles;
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    const Keypoint& k = keypoints.keypoints[i];
+    const int x = static_cast<int>(std::floor(k.x_m / kKeypointTileM));
+    const int y = static_cast<int>(std::floor(k.y_m / kKeypointTileM));
+    tiles[{x, y}].push_back(static_cast<int>(i));
+  }
+  SqliteTransaction transaction(impl_->connection);
+  SqliteStatement insert(impl_->connection, "INSERT INTO keypoint_tile VALUES (?,?,?,?,?,?,?,?,?,?)");
+  for (const auto& [tile, indices] : tiles) {
+    const KeypointBlobs b = PackKeypoints(keypoints, indices, {tile.first, tile.second, kKeypointTileM});
+    insert.Bind(tile.first).Bind(tile.second).Bind(b.count).Bind(b.position).Bind(b.angle).Bind(b.size);
+    insert.Bind(b.response).Bind(b.observations).Bind(b.descriptor).Bind(b.Checksum()).Run();
+  }
+  transaction.Commit();
+}
+
+void MapWriter::WriteMosaicTiles(const std::vector<MosaicTile>& tiles) {
+  SqliteTransaction transaction(impl_->connection);
+  SqliteStatement insert(impl_->connection, "INSERT INTO mosaic_tile VALUES (?,?,?,?,?)");
+  for (const MosaicTile& tile : tiles) {
+    ContentHash hash;
+    insert.Bind(tile.id.z).Bind(tile.id.x).Bind(tile.id.y).Bind(tile.jpeg).Bind(hash.Add(tile.jpeg).Checksum()).Run();
+  }
+  transaction.Commit();
+}
+
+std::string MapWriter::Commit(const MapInfo& info, const MosaicLayout& mosaic) {
+  const std::string version = impl_->WriteInfo(info, mosaic);
+  const std::filesystem::path file = impl_->file;
+  const std::filesystem::path part = impl_->part;
+  impl_->connection = SqliteConnection(":memory:", SqliteConnection::Mode::kCreate);  // closes the file
+  SyncPath(part);
+  if (std::rename(part.c_str(), file.c_str()) != 0) {
+    throw MapError(file.string() + " cannot be replaced; check the folder's permissions");
+  }
+  impl_->committed = true;
+  SyncPath(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+  return version;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/map/floor_map.h"
+#include "core/map/map_error.h"
+
+namespace floorloc {
+
+/// Writes a map beside its final place and renames it when whole: until Commit() the old file stays as it is, and a
+/// writer that is destroyed before removes what it wrote. Throws MapError (disk full, no permission, ...).
+class MapWriter {
+ public:
+  explicit MapWriter(const std::filesystem::path& file);
+  ~MapWriter();
+  MapWriter(const MapWriter&) = delete;
+  MapWriter& operator=(const MapWriter&) = delete;
+
+  void WriteFrames(const std::vector<MapFrame>& frames);
+  void WriteKeypoints(const MapKeypoints& keypoints, DescriptorType type);
+  void WriteMosaicTiles(const std::vector<MosaicTile>& tiles);
+  /// Writes info (its content_version is computed here), flushes to the disk, renames. Returns the content version.
+  std::string Commit(const MapInfo& info, const MosaicLayout& mosaic);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace floorloc
