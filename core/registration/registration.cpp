@@ -213,6 +213,8 @@ RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const 
     result.status = RegistrationStatus::kNotSignificant;
   } else if (result.p_wrong > options.max_p_wrong) {
     result.status = RegistrationStatus::kAmbiguous;
+    result.alternatives.insert(result.alternatives.begin(),
+                               {best.pose, static_cast<int>(best.inliers.size()), weights.front()});
   } else {
     result.status = RegistrationStatus::kRegistered;
   }

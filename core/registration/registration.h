@@ -54,7 +54,8 @@ struct RegistrationResult {
   std::vector<int> inliers;  ///< indices into the matches
   double rms_m = 0.0;        ///< residual of the inliers
   double p_wrong = 1.0;      ///< probability that the pose is wrong
-  std::vector<PoseHypothesis> alternatives;  ///< other poses that explain the matches nearly as well
+  /// Other poses that explain the matches nearly as well; when ambiguous, the best one stands among them, first.
+  std::vector<PoseHypothesis> alternatives;
 
   bool ok() const { return status == RegistrationStatus::kRegistered; }
 };

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/vision/hamming.h"
 
@@ -13,26 +12,63 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// Keeps the count smallest distances, nearest first; of equal ones the smaller index.
+class NearestList {
+ public:
+  explicit NearestList(int count) : count_(static_cast<std::size_t>(count)) {}
+
+  void Consider(int index, float distance) {
+    if (list_.size() == count_ && distance >= list_.back().distance) {
+      return;
+    }
+    if (list_.size() == count_) {
+      list_.pop_back();
+    }
+    const auto place = std::upper_bound(list_.begin(), list_.end(), distance,
+                                        [](float d, const Neighbour& n) { return d < n.distance; });
+    list_.insert(place, {index, distance});
+  }
+  std::vector<Neighbour>& list() { return list_; }
+
+ private:
+  std::size_t count_;
+  std::vector<Neighbour> list_;
+};
+
 class BruteForceHamming final : public DescriptorIndex {
  public:
   explicit BruteForceHamming(const cv::Mat& descriptors) : train_(descriptors) {}
 
-  std::vector<Match> FindNearest(const cv::Mat& descriptors) const override {
+  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
     const PackedDescriptors queries(descriptors);
-    std::vector<Match> matches;
+    std::vector<std::vector<Neighbour>> neighbours;
     for (int q = 0; q < queries.rows(); ++q) {
-      const TwoNearest best = FindTwoNearest(train_, queries.row(q));
-      if (best.index >= 0) {
-        const float second = train_.rows() > 1 ? static_cast<float>(best.second_distance)
-                                               : std::numeric_limits<float>::infinity();
-        matches.push_back({q, best.index, static_cast<float>(best.distance), second});
-      }
+      neighbours.push_back(count <= 2 ? TwoNearestOf(queries.row(q), count) : NearestOf(queries.row(q), count));
     }
-    return matches;
+    return neighbours;
   }
   int size() const override { return train_.rows(); }
 
  private:
+  std::vector<Neighbour> TwoNearestOf(const std::uint64_t* query, int count) const {
+    const TwoNearest best = FindTwoNearest(train_, query);
+    std::vector<Neighbour> list;
+    if (best.index >= 0) {
+      list.push_back({best.index, static_cast<float>(best.distance)});
+    }
+    if (best.second_index >= 0 && count == 2) {
+      list.push_back({best.second_index, static_cast<float>(best.second_distance)});
+    }
+    return list;
+  }
+  std::vector<Neighbour> NearestOf(const std::uint64_t* query, int count) const {
+    NearestList nearest(count);
+    for (int i = 0; i < train_.rows(); ++i) {
+      nearest.Consider(i, static_cast<float>(HammingDistance(train_, i, query)));
+    }
+    return std::move(nearest.list());
+  }
+
   PackedDescriptors train_;
 };
 
@@ -49,41 +85,31 @@ class BruteForceEuclidean final : public DescriptorIndex {
   explicit BruteForceEuclidean(const cv::Mat& descriptors)
       : train_(ToMatrix(descriptors)), train_norm_(train_.rowwise().squaredNorm()) {}
 
-  std::vector<Match> FindNearest(const cv::Mat& descriptors) const override {
+  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
     const RowMatrix queries = ToMatrix(descriptors);
-    std::vector<Match> matches;
+    std::vector<std::vector<Neighbour>> neighbours;
     // |a - b|^2 = |a|^2 + |b|^2 - 2 a.b, a block of queries at a time: a matrix product is the fastest loop there is.
     constexpr Eigen::Index kBlock = 64;
-    for (Eigen::Index first = 0; first < queries.rows() && train_.rows() > 0; first += kBlock) {
-      const Eigen::Index count = std::min(kBlock, queries.rows() - first);
-      RowMatrix squared = -2.0F * queries.middleRows(first, count) * train_.transpose();
+    for (Eigen::Index first = 0; first < queries.rows(); first += kBlock) {
+      const Eigen::Index rows = std::min(kBlock, queries.rows() - first);
+      RowMatrix squared = -2.0F * queries.middleRows(first, rows) * train_.transpose();
       squared.rowwise() += train_norm_.transpose();
-      for (Eigen::Index i = 0; i < count; ++i) {
-        matches.push_back(NearestInRow(static_cast<int>(first + i), squared.row(i), queries.row(first + i).squaredNorm()));
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        NearestList nearest(count);
+        for (Eigen::Index j = 0; j < squared.cols(); ++j) {
+          nearest.Consider(static_cast<int>(j), squared(i, j));
+        }
+        for (Neighbour& n : nearest.list()) {
+          n.distance = std::sqrt(std::max(n.distance + queries.row(first + i).squaredNorm(), 0.0F));
+        }
+        neighbours.push_back(std::move(nearest.list()));
       }
     }
-    return matches;
+    return neighbours;
   }
   int size() const override { return static_cast<int>(train_.rows()); }
 
  private:
-  static Match NearestInRow(int query, const Eigen::Ref<const Eigen::RowVectorXf>& squared, float query_norm) {
-    float best = std::numeric_limits<float>::infinity();
-    float second = best;
-    int index = 0;
-    for (int i = 0; i < squared.size(); ++i) {
-      if (squared[i] < best) {
-        second = best;
-        best = squared[i];
-        index = i;
-      } else if (squared[i] < second) {
-        second = squared[i];
-      }
-    }
-    const auto distance = [&](float s) { return std::sqrt(std::max(s + query_norm, 0.0F)); };
-    return {query, index, distance(best), distance(second)};
-  }
-
   RowMatrix train_;
   Eigen::VectorXf train_norm_;
 };

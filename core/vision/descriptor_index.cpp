@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/vision/descriptor_index.h"
 
+#include <limits>
 #include <stdexcept>
 
 #include "core/vision/brute_force_index.h"
@@ -26,6 +27,19 @@ std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptor
     return CreateBruteForceIndex(descriptors);
   }
   return CreateFlannIndex(descriptors, options);
+}
+
+std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors) {
+  std::vector<Match> matches;
+  int query = 0;
+  for (const std::vector<Neighbour>& found : index.FindNeighbours(descriptors, 2)) {
+    if (!found.empty()) {
+      const float second = found.size() > 1 ? found[1].distance : std::numeric_limits<float>::infinity();
+      matches.push_back({query, found[0].index, found[0].distance, second});
+    }
+    ++query;
+  }
+  return matches;
 }
 
 std::vector<Match> FilterByRatio(const std::vector<Match>& matches, float max_ratio) {

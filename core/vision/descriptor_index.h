@@ -11,6 +11,12 @@
 
 namespace floorloc {
 
+/// An indexed descriptor, seen from a query.
+struct Neighbour {
+  int index = 0;
+  float distance = 0.0F;  ///< bits (binary) or Euclidean (float)
+};
+
 /// Query descriptor -> one of the indexed descriptors.
 struct Match {
   int query = 0;
@@ -39,12 +45,15 @@ class DescriptorIndex {
   DescriptorIndex(const DescriptorIndex&) = delete;
   DescriptorIndex& operator=(const DescriptorIndex&) = delete;
 
-  /// The two nearest neighbours of every row, as one Match per row; rows without a neighbour are left out.
-  virtual std::vector<Match> FindNearest(const cv::Mat& descriptors) const = 0;
+  /// The count nearest neighbours of every row, nearest first; fewer when the index holds fewer.
+  virtual std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const = 0;
   virtual int size() const = 0;
 };
 
 std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options);
+
+/// The two nearest neighbours of every row as one Match; rows without a neighbour are left out.
+std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors);
 
 /// Lowe's ratio test: keeps matches whose nearest neighbour is clearly nearer than the second one.
 std::vector<Match> FilterByRatio(const std::vector<Match>& matches, float max_ratio);

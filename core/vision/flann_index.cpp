@@ -32,26 +32,24 @@ class FlannIndex final : public DescriptorIndex {
     index_.buildIndex();
   }
 
-  std::vector<Match> FindNearest(const cv::Mat& descriptors) const override {
+  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
     const auto rows = static_cast<std::size_t>(descriptors.rows);
+    const auto k = static_cast<std::size_t>(count);
     const cv::Mat queries = descriptors.isContinuous() ? descriptors : descriptors.clone();
-    constexpr std::size_t kNeighbours = 2;
-    std::vector<std::size_t> index_data(rows * kNeighbours, kNone);
-    std::vector<DistanceType> distance_data(rows * kNeighbours, DistanceType{});
-    flann::Matrix<std::size_t> indices(index_data.data(), rows, kNeighbours);
-    flann::Matrix<DistanceType> distances(distance_data.data(), rows, kNeighbours);
+    std::vector<std::size_t> index_data(rows * k, kNone);
+    std::vector<DistanceType> distance_data(rows * k, DistanceType{});
+    flann::Matrix<std::size_t> indices(index_data.data(), rows, k);
+    flann::Matrix<DistanceType> distances(distance_data.data(), rows, k);
     index_.knnSearch(flann::Matrix<Element>(const_cast<Element*>(queries.ptr<Element>()), rows,
                                             static_cast<std::size_t>(queries.cols)),
-                     indices, distances, kNeighbours, search_);
-    std::vector<Match> matches;
-    for (std::size_t i = 0; i < rows; ++i) {
-      if (index_data[2 * i] < static_cast<std::size_t>(data_.rows)) {
-        const bool has_second = index_data[2 * i + 1] < static_cast<std::size_t>(data_.rows);
-        matches.push_back({static_cast<int>(i), static_cast<int>(index_data[2 * i]), ToMetric(distance_data[2 * i]),
-                           has_second ? ToMetric(distance_data[2 * i + 1]) : std::numeric_limits<float>::infinity()});
+                     indices, distances, k, search_);
+    std::vector<std::vector<Neighbour>> neighbours(rows);
+    for (std::size_t i = 0; i < rows * k; ++i) {
+      if (index_data[i] < static_cast<std::size_t>(data_.rows)) {
+        neighbours[i / k].push_back({static_cast<int>(index_data[i]), ToMetric(distance_data[i])});
       }
     }
-    return matches;
+    return neighbours;
   }
   int size() const override { return data_.rows; }
 

@@ -18,10 +18,12 @@ namespace {
 inline void Consider(int index, int distance, TwoNearest* best) {
   if (distance < best->distance) {
     best->second_distance = best->distance;
+    best->second_index = best->index;
     best->distance = distance;
     best->index = index;
   } else if (distance < best->second_distance) {
     best->second_distance = distance;
+    best->second_index = index;
   }
 }
 
@@ -70,6 +72,10 @@ PackedDescriptors::PackedDescriptors(const cv::Mat& descriptors)
     std::memcpy(words_.data() + static_cast<std::ptrdiff_t>(i) * words_per_row_, descriptors.ptr(i),
                 static_cast<std::size_t>(descriptors.cols));
   }
+}
+
+int HammingDistance(const PackedDescriptors& train, int row, const std::uint64_t* query) {
+  return Distance(train.row(row), query, train.words_per_row());
 }
 
 TwoNearest FindTwoNearest(const PackedDescriptors& train, const std::uint64_t* query) {

@@ -28,9 +28,12 @@ class PackedDescriptors {
 /// The two smallest Hamming distances of a query among the candidate rows; index -1 when there is none.
 struct TwoNearest {
   int index = -1;
+  int second_index = -1;
   int distance = 1 << 20;
   int second_distance = 1 << 20;
 };
+
+int HammingDistance(const PackedDescriptors& train, int row, const std::uint64_t* query);
 
 /// Among all rows.
 TwoNearest FindTwoNearest(const PackedDescriptors& train, const std::uint64_t* query);
