@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/geometry/floor_plane.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+namespace floorloc {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+CameraModel MakeCamera() {
+  CameraModel camera;
+  camera.width_px = 640;
+  camera.height_px = 480;
+  camera.fx = camera.fy = 600;
+  camera.cx = 320;
+  camera.cy = 240;
+  camera.distortion = {-0.25, 0.06, 0.0008, -0.0005, 0.0};
+  return camera;
+}
+
+// A camera at 0.4 m above the base's origin that looks forward and down, pitch_rad below the horizon.
+FloorCamera MakeTilted(double pitch_rad) {
+  const CameraModel camera = MakeCamera();
+  const double c = std::cos(pitch_rad);
+  const double s = std::sin(pitch_rad);
+  // Columns: the camera's right, down and forward axes in the base frame (x forward, y left, z up).
+  Eigen::Matrix3d base_from_camera;
+  base_from_camera << 0, -s, c, -1, 0, 0, 0, -c, -s;
+  const Eigen::Vector3d position(0, 0, 0.4);
+  Eigen::Matrix3d k;
+  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  // Floor point (x, y, 0) in the camera frame: R^T (x, y, 0) - R^T position.
+  Eigen::Matrix3d camera_from_floor;
+  camera_from_floor.col(0) = base_from_camera.row(0).transpose();
+  camera_from_floor.col(1) = base_from_camera.row(1).transpose();
+  camera_from_floor.col(2) = -base_from_camera.transpose() * position;
+  FloorCamera result{camera, {}};
+  result.floor.base_from_pixel = (k * camera_from_floor).inverse();
+  const double center = 0.4 / std::tan(pitch_rad);
+  result.floor.roi = {center - 0.08, center + 0.08, -0.08, 0.08};
+  result.floor.resolution_m = 0.0005;
+  return result;
+}
+
+TEST(FloorCamera, AcceptsCamerasAboveTheFloor) {
+  for (const double pitch : {0.6, 0.9, 1.2, 1.5}) {
+    EXPECT_NO_THROW(MakeTilted(pitch).Check()) << "pitch " << pitch;
+  }
+}
+
+TEST(FloorCamera, ScaleOfTheHomographyMeansNothing) {
+  for (const double scale : {1.0, -1.0, 1e-8, 1e8}) {
+    FloorCamera camera = MakeTilted(0.9);
+    camera.floor.base_from_pixel *= scale;
+    EXPECT_NO_THROW(camera.Check()) << "scale " << scale;
+  }
+}
+
+TEST(FloorCamera, FloorAndRawPixelRoundTrip) {
+  const FloorCamera camera = MakeTilted(0.9);
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> x(camera.floor.roi.x_min, camera.floor.roi.x_max);
+  std::uniform_real_distribution<double> y(camera.floor.roi.y_min, camera.floor.roi.y_max);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector2d point(x(rng), y(rng));
+    const Eigen::Vector2d raw = camera.RawPixelFromFloor(point);
+    ASSERT_TRUE(camera.camera.Contains(raw));
+    EXPECT_LT((camera.FloorFromRawPixel(raw) - point).norm(), 1e-10);
+  }
+}
+
+TEST(FloorCamera, LooksWhereItShould) {
+  const FloorCamera camera = MakeTilted(0.9);
+  const Eigen::Vector2d center = camera.FloorFromRawPixel({320, 240});
+  EXPECT_NEAR(center.x(), 0.4 / std::tan(0.9), 1e-9);
+  EXPECT_NEAR(center.y(), 0.0, 1e-9);
+  EXPECT_GT(camera.FloorFromRawPixel({320, 100}).x(), center.x()) << "up in the picture is forward";
+  EXPECT_GT(camera.FloorFromRawPixel({100, 240}).y(), 0.0) << "left in the picture is left";
+}
+
+struct BrokenFloor {
+  const char* name;
+  std::function<void(FloorCamera&)> breakIt;
+  const char* message;
+};
+
+class FloorCheckTest : public ::testing::TestWithParam<BrokenFloor> {};
+
+TEST_P(FloorCheckTest, NamesTheField) {
+  FloorCamera camera = MakeTilted(0.9);
+  ASSERT_NO_THROW(camera.Check());
+  GetParam().breakIt(camera);
+  try {
+    camera.Check();
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(GetParam().message));
+  }
+}
+
+const BrokenFloor kBrokenFloors[] = {
+    {"BrokenCamera", [](FloorCamera& c) { c.camera.fx = 0; }, "focal lengths"},
+    {"NanHomography", [](FloorCamera& c) { c.floor.base_from_pixel(1, 2) = kNan; }, "9 finite numbers"},
+    {"ZeroHomography", [](FloorCamera& c) { c.floor.base_from_pixel.setZero(); }, "singular"},
+    {"SingularHomography",
+     [](FloorCamera& c) { c.floor.base_from_pixel.row(1) = 2 * c.floor.base_from_pixel.row(0); }, "singular"},
+    {"MirroredHomography", [](FloorCamera& c) { c.floor.base_from_pixel.row(1) *= -1; }, "mirrored"},
+    {"NanRoi", [](FloorCamera& c) { c.floor.roi.x_min = kNan; }, "roi must be finite"},
+    {"InfiniteRoi", [](FloorCamera& c) { c.floor.roi.y_max = std::numeric_limits<double>::infinity(); },
+     "roi must be finite"},
+    {"SwappedX", [](FloorCamera& c) { std::swap(c.floor.roi.x_min, c.floor.roi.x_max); }, "x_min < x_max"},
+    {"SwappedY", [](FloorCamera& c) { std::swap(c.floor.roi.y_min, c.floor.roi.y_max); }, "y_min < y_max"},
+    {"NoResolution", [](FloorCamera& c) { c.floor.resolution_m = 0; }, "resolution"},
+    {"NegativeResolution", [](FloorCamera& c) { c.floor.resolution_m = -1e-3; }, "resolution"},
+    {"NanResolution", [](FloorCamera& c) { c.floor.resolution_m = kNan; }, "resolution"},
+    {"ResolutionInMillimetres", [](FloorCamera& c) { c.floor.resolution_m = 0.5; }, "less than 16 pixels"},
+    {"FineResolution", [](FloorCamera& c) { c.floor.resolution_m = 1e-6; }, "more than 16384 pixels"},
+    {"RoiBehindTheHorizon", [](FloorCamera& c) { c.floor.roi.x_min = -2.0; }, "horizon"},
+    {"RoiOutside",
+     [](FloorCamera& c) {
+       c.floor.roi.y_min += 3.0;
+       c.floor.roi.y_max += 3.0;
+     },
+     "outside the picture"},
+};
+INSTANTIATE_TEST_SUITE_P(Fields, FloorCheckTest, ::testing::ValuesIn(kBrokenFloors),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST(FloorCamera, RefusesARegionBehindTheFoldOfTheLensModel) {
+  FloorCamera camera = MakeTilted(1.5);
+  camera.camera.distortion = {-0.5, 0, 0, 0};  // folds at 0.82 focal lengths from the centre, inside the picture
+  EXPECT_NO_THROW(camera.Check());
+  camera.floor.roi = {-0.6, 0.6, -0.6, 0.6};
+  try {
+    camera.Check();
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("lens model"));
+  }
+}
+
+TEST(FloorCamera, AcceptsARegionOfWhichOnlyTheMiddleOfAnEdgeIsVisible) {
+  FloorCamera camera = MakeTilted(1.5);
+  camera.floor.roi = {0.1, 3.0, -2.0, 2.0};
+  EXPECT_NO_THROW(camera.Check());
+}
+
+TEST(RectM, MeasuresAndContains) {
+  const RectM r{1, 3, -1, 4};
+  EXPECT_DOUBLE_EQ(r.width_m(), 2);
+  EXPECT_DOUBLE_EQ(r.height_m(), 5);
+  EXPECT_EQ(r.Center(), Eigen::Vector2d(2, 1.5));
+  EXPECT_TRUE(r.Contains({1, 4}));
+  EXPECT_FALSE(r.Contains({0.99, 0}));
+  EXPECT_FALSE(r.Contains({2, 4.01}));
+}
+
+}  // namespace
+}  // namespace floorloc
