@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/camera_renderer.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "mapbuilder/simulated_noise.h"
+
+namespace floorloc {
+namespace {
+
+constexpr int kMaxLevel = 4;
+constexpr float kSurroundings = 38.0F;  // grey value beside the floor
+constexpr int kLightStepPx = 4;         // light is computed at every 4th pixel
+constexpr double kBlurPerCyclePx = 2.5; // exposure is integrated in cycles of four samples
+
+// Where in the pixel the samples of a cycle lie, as weights of the pixel's four corners
+// (top left, top right, bottom left, bottom right): the centres of its four quarters.
+constexpr std::array<std::array<double, 4>, 4> kQuarters = {{{0.5625, 0.1875, 0.1875, 0.0625},
+                                                             {0.0625, 0.1875, 0.1875, 0.5625},
+                                                             {0.1875, 0.5625, 0.0625, 0.1875},
+                                                             {0.1875, 0.0625, 0.5625, 0.1875}}};
+
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& picture) {
+  std::vector<cv::Mat> levels = {picture};
+  while (static_cast<int>(levels.size()) <= kMaxLevel && std::min(levels.back().cols, levels.back().rows) >= 64) {
+    const cv::Mat& fine = levels.back();
+    // An odd last row or column is dropped, so that texels are exact 2x2 means.
+    const cv::Rect even(0, 0, fine.cols & ~1, fine.rows & ~1);
+    cv::Mat coarse;
+    cv::resize(fine(even), coarse, {even.width / 2, even.height / 2}, 0.0, 0.0, cv::INTER_AREA);
+    levels.push_back(coarse);
+  }
+  return levels;
+}
+
+cv::Mat UndistortCorners(const CameraModel& camera) {
+  cv::Mat corners(camera.height_px + 1, camera.width_px + 1, CV_64FC2);
+  for (int v = 0; v < corners.rows; ++v) {
+    auto* row = corners.ptr<cv::Vec2d>(v);
+    for (int u = 0; u < corners.cols; ++u) {
+      const Eigen::Vector2d p = camera.Undistort({u - 0.5, v - 0.5});
+      row[u] = {p.x(), p.y()};
+    }
+  }
+  return corners;
+}
+
+Eigen::Vector2d ToEigen(const cv::Vec2d& p) { return {p[0], p[1]}; }
+
+// Two samples across a pixel: texels of half a pixel's footprint lose no detail and do not alias.
+cv::Mat ChooseLevels(const cv::Mat& corners, const Eigen::Matrix3d& base_from_pixel, double texel_m, int level_count) {
+  cv::Mat levels(corners.rows - 1, corners.cols - 1, CV_8UC1);
+  for (int v = 0; v < levels.rows; ++v) {
+    for (int u = 0; u < levels.cols; ++u) {
+      const auto floor_point = [&](int du, int dv) -> Eigen::Vector2d {
+        return (base_from_pixel * ToEigen(corners.at<cv::Vec2d>(v + dv, u + du)).homogeneous()).hnormalized();
+      };
+      const Eigen::Vector2d right = floor_point(1, 0) - floor_point(0, 0);
+      const Eigen::Vector2d down = floor_point(0, 1) - floor_point(0, 0);
+      const double footprint_m = std::sqrt(std::abs(right.x() * down.y() - right.y() * down.x()));
+      const double level = std::floor(std::log2(std::max(1.0, 0.5 * footprint_m / texel_m)) + 0.5);
+      levels.at<std::uint8_t>(v, u) =
+          static_cast<std::uint8_t>(std::isfinite(level) ? std::min<double>(level, level_count - 1) : 0.0);
+    }
+  }
+  return levels;
+}
+
+// Texture pixel (level 0) from base frame at the samples of the exposure: whole cycles of four, each of which looks at
+// the pixel's four quarters in turn.
+std::vector<Eigen::Affine2d> PlanSamples(const FloorTexture& floor, const Pose2& map_from_base,
+                                         const Eigen::Vector3d& motion, double blur_px) {
+  const int cycles = std::max(1, static_cast<int>(std::ceil(blur_px / kBlurPerCyclePx)));
+  const int count = 4 * cycles;
+  const double texel_per_m = 1.0 / floor.resolution_m;
+  const Eigen::Affine2d texture_from_map =
+      Eigen::Translation2d(floor.PixelFromMap({0.0, 0.0})) * Eigen::Scaling(texel_per_m, -texel_per_m);
+  std::vector<Eigen::Affine2d> samples;
+  for (int k = 0; k < count; ++k) {
+    const double time = (k + 0.5) / count - 0.5;
+    const Pose2 pose = map_from_base * Pose2::Exp(time * motion);
+    samples.push_back(texture_from_map * Eigen::Translation2d(pose.translation()) * Eigen::Rotation2Dd(pose.yaw()));
+  }
+  return samples;
+}
+
+// The centres of a pixel's quarters on the floor, base frame; NaN where the camera doesn't see the floor.
+// upper, lower: the undistorted corners at the pixel's left, each followed by the one at its right.
+std::array<Eigen::Vector2d, 4> QuartersInBase(const cv::Vec2d* upper, const cv::Vec2d* lower,
+                                              const Eigen::Matrix3d& base_from_pixel, double front) {
+  std::array<Eigen::Vector2d, 4> quarters;
+  for (std::size_t i = 0; i < quarters.size(); ++i) {
+    const auto& w = kQuarters[i];
+    const cv::Vec2d pixel = w[0] * upper[0] + w[1] * upper[1] + w[2] * lower[0] + w[3] * lower[1];
+    const Eigen::Vector3d base = base_from_pixel * Eigen::Vector3d(pixel[0], pixel[1], 1.0);
+    quarters[i] = base.z() * front > 0.0
+                      ? Eigen::Vector2d(base.head<2>() / base.z())
+                      : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  }
+  return quarters;
+}
+
+// Adds the texture's colour at a position in texels of the level, interpolated; dark beside the floor.
+void AddTexel(const cv::Mat& level, double u, double v, float* bgr) {
+  const double u_floor = std::floor(u);
+  const double v_floor = std::floor(v);
+  if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor < level.cols - 1 && v_floor < level.rows - 1)) {
+    for (int c = 0; c < 3; ++c) {
+      bgr[c] += kSurroundings;
+    }
+    return;
+  }
+  const auto a = static_cast<float>(u - u_floor);
+  const auto b = static_cast<float>(v - v_floor);
+  const std::uint8_t* top = level.ptr<std::uint8_t>(static_cast<int>(v_floor)) + 3 * static_cast<int>(u_floor);
+  const std::uint8_t* bottom = top + level.step[0];
+  for (int c = 0; c < 3; ++c) {
+    const float upper = static_cast<float>(top[c]) * (1.0F - a) + static_cast<float>(top[c + 3]) * a;
+    const float lower = static_cast<float>(bottom[c]) * (1.0F - a) + static_cast<float>(bottom[c + 3]) * a;
+    bgr[c] += upper * (1.0F - b) + lower * b;
+  }
+}
+
+// Soft step from 0 to 1 around x = 0.
+double SmoothStep(double x, double softness) {
+  const double t = std::clamp(0.5 + 0.5 * x / softness, 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+double LightAt(const Eigen::Vector2d& point_in_base, const Pose2& map_from_base, const RenderConditions& conditions) {
+  double light = 1.0;
+  const Eigen::Vector2d point_in_map = map_from_base * point_in_base;
+  for (const Lamp& lamp : conditions.lamps) {
+    const double distance = ((lamp.on_robot ? point_in_base : point_in_map) - lamp.center_m).norm();
+    light += lamp.strength * std::exp(-0.5 * std::pow(distance / (0.5 * lamp.radius_m), 2.0));
+  }
+  const ShadowStrip& shadow = conditions.shadow;
+  const Eigen::Vector2d normal(std::cos(shadow.normal_rad), std::sin(shadow.normal_rad));
+  const double from_middle = std::abs(normal.dot(point_in_base) - shadow.offset_m);
+  return light * (1.0 - shadow.strength * SmoothStep(shadow.half_width_m - from_middle, shadow.softness_m));
+}
+
+// Row by row with a seed of its own each.
+void AddNoise(cv::Mat& picture, const RenderConditions& conditions) {
+  if (conditions.read_noise <= 0.0 && conditions.shot_noise <= 0.0) {
+    return;
+  }
+  const auto read_variance = static_cast<float>(conditions.read_noise * conditions.read_noise);
+  const auto shot = static_cast<float>(conditions.shot_noise);
+  cv::Mat noise(1, picture.cols, CV_32FC3);
+  for (int v = 0; v < picture.rows; ++v) {
+    cv::RNG rng(DeriveSeed(conditions.noise_seed, static_cast<std::uint64_t>(v)));
+    rng.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
+    auto* values = picture.ptr<float>(v);
+    const auto* normal = noise.ptr<float>(0);
+    for (int i = 0; i < 3 * picture.cols; ++i) {
+      values[i] += normal[i] * std::sqrt(read_variance + shot * std::max(0.0F, values[i]));
+    }
+  }
+}
+
+}  // namespace
+
+CameraRenderer::CameraRenderer(const FloorTexture& floor, const FloorCamera& camera)
+    : floor_(floor), camera_(camera), pyramid_(BuildPyramid(floor.bgr)) {
+  camera_.Check();
+  corners_ = UndistortCorners(camera_.camera);
+  levels_ = ChooseLevels(corners_, camera_.floor.base_from_pixel, floor_.resolution_m, static_cast<int>(pyramid_.size()));
+}
+
+cv::Mat CameraRenderer::Render(const Pose2& map_from_base, const RenderConditions& conditions) const {
+  cv::Mat picture = RenderFloor(map_from_base, conditions);
+  const cv::Mat light = RenderLight(map_from_base, conditions);
+  for (int v = 0; v < picture.rows; ++v) {
+    auto* pixels = picture.ptr<cv::Vec3f>(v);
+    const auto* light_row = light.ptr<float>(v);
+    for (int u = 0; u < picture.cols; ++u) {
+      for (int c = 0; c < 3; ++c) {
+        const auto channel_gain = static_cast<float>(conditions.white_balance[static_cast<std::size_t>(c)]);
+        pixels[u][c] = pixels[u][c] * light_row[u] * channel_gain + static_cast<float>(conditions.bias);
+      }
+    }
+  }
+  if (conditions.defocus_px > 0.0) {
+    cv::GaussianBlur(picture, picture, {}, conditions.defocus_px);
+  }
+  AddNoise(picture, conditions);
+  cv::Mat raw;
+  picture.convertTo(raw, CV_8UC3);
+  return raw;
+}
+
+cv::Mat CameraRenderer::RenderFloor(const Pose2& map_from_base, const RenderConditions& conditions) const {
+  const Eigen::Matrix3d base_from_pixel = VibratedBaseFromPixel(camera_, conditions.vibration);
+  const double view_distance_m = camera_.floor.roi.Center().norm();
+  const double blur_m = conditions.motion.head<2>().norm() + std::abs(conditions.motion.z()) * view_distance_m;
+  const std::vector<Eigen::Affine2d> samples =
+      PlanSamples(floor_, map_from_base, conditions.motion, blur_m / camera_.floor.resolution_m);
+  // In front of the camera the homography's third coordinate has the sign that it has at the region of interest.
+  const double front = base_from_pixel.inverse().row(2) * camera_.floor.roi.Center().homogeneous();
+  const float scale = 1.0F / static_cast<float>(samples.size());
+  cv::Mat picture = cv::Mat::zeros(levels_.size(), CV_32FC3);
+  for (int v = 0; v < picture.rows; ++v) {
+    const auto* upper = corners_.ptr<cv::Vec2d>(v);
+    const auto* lower = corners_.ptr<cv::Vec2d>(v + 1);
+    const auto* levels = levels_.ptr<std::uint8_t>(v);
+    auto* pixels = picture.ptr<cv::Vec3f>(v);
+    for (int u = 0; u < picture.cols; ++u) {
+      const auto quarters = QuartersInBase(upper + u, lower + u, base_from_pixel, front);
+      const cv::Mat& level = pyramid_[levels[u]];
+      const double shrink = 1.0 / (1 << levels[u]);
+      for (std::size_t k = 0; k < samples.size(); ++k) {
+        const Eigen::Vector2d texel = samples[k] * quarters[k % 4];
+        AddTexel(level, (texel.x() + 0.5) * shrink - 0.5, (texel.y() + 0.5) * shrink - 0.5, pixels[u].val);
+      }
+      pixels[u] *= scale;
+    }
+  }
+  return picture;
+}
+
+cv::Mat CameraRenderer::RenderLight(const Pose2& map_from_base, const RenderConditions& conditions) const {
+  const cv::Size size = levels_.size();
+  cv::Mat coarse(size.height / kLightStepPx + 2, size.width / kLightStepPx + 2, CV_32FC1);
+  const Eigen::Vector2d half(0.5 * size.width, 0.5 * size.height);
+  for (int v = 0; v < coarse.rows; ++v) {
+    for (int u = 0; u < coarse.cols; ++u) {
+      const int column = std::min(u * kLightStepPx, size.width);
+      const int row = std::min(v * kLightStepPx, size.height);
+      const Eigen::Vector2d pixel = ToEigen(corners_.at<cv::Vec2d>(row, column));
+      const Eigen::Vector2d relative = Eigen::Vector2d(column - half.x(), row - half.y()).cwiseQuotient(half);
+      double light = 1.0;
+      if (pixel.allFinite()) {
+        const Eigen::Vector2d base = (camera_.floor.base_from_pixel * pixel.homogeneous()).hnormalized();
+        light = LightAt(base, map_from_base, conditions);
+      }
+      light *= 1.0 + conditions.light_gradient.dot(relative);
+      light *= 1.0 - conditions.vignetting * 0.5 * relative.squaredNorm();
+      coarse.at<float>(v, u) = static_cast<float>(conditions.gain * light);
+    }
+  }
+  cv::Mat light;
+  const double step = 1.0 / kLightStepPx;
+  const cv::Matx23d coarse_from_pixel(step, 0.0, 0.5 * step, 0.0, step, 0.5 * step);
+  cv::warpAffine(coarse, light, coarse_from_pixel, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_REPLICATE);
+  return light;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "mapbuilder/floor_texture.h"
+#include "mapbuilder/render_conditions.h"
+
+namespace floorloc {
+
+/// What a camera over a floor sees: lens and floor homography are exact, the picture is integrated over each pixel's
+/// area and over the exposure. Immutable after construction; Render may run in many threads.
+class CameraRenderer {
+ public:
+  /// The floor's picture is shared, not copied: do not change it afterwards.
+  /// Throws std::invalid_argument when the camera does not pass FloorCamera::Check().
+  CameraRenderer(const FloorTexture& floor, const FloorCamera& camera);
+
+  /// Raw camera picture (CV_8UC3). map_from_base is the pose in the middle of the exposure. Beside the floor it is dark.
+  cv::Mat Render(const Pose2& map_from_base, const RenderConditions& conditions) const;
+
+ private:
+  cv::Mat RenderFloor(const Pose2& map_from_base, const RenderConditions& conditions) const;
+  cv::Mat RenderLight(const Pose2& map_from_base, const RenderConditions& conditions) const;
+
+  FloorTexture floor_;
+  FloorCamera camera_;
+  std::vector<cv::Mat> pyramid_;  // level n: texels of 2^n times the floor's resolution
+  cv::Mat corners_;               // CV_64FC2: undistorted position of every raw pixel's corner, NaN where there is none
+  cv::Mat levels_;                // CV_8UC1: the pyramid level that suits a raw pixel's footprint
+};
+
+}  // namespace floorloc

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/floor_texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "mapbuilder/procedural_floor.h"
+#include "mapbuilder/quilting.h"
+
+namespace floorloc {
+namespace {
+
+constexpr double kMaxPixels = 400e6;
+constexpr int kMaxPictureSidePx = 16384;
+
+void Require(bool ok, const char* message) {
+  if (!ok) {
+    throw std::invalid_argument(message);
+  }
+}
+
+cv::Mat ReadPicture(const std::string& source) {
+  const std::filesystem::path file(source);
+  if (!std::filesystem::is_regular_file(file)) {
+    throw InputError(file, "no such picture, and no floor of that name (concrete, wood, tiles, carpet)");
+  }
+  const std::vector<std::uint8_t> bytes = ReadBinaryFile(file);
+  const auto header = ProbeImage(bytes);
+  if (!header) {
+    throw InputError(file, "is neither a JPEG nor a PNG picture; convert it to one of them");
+  }
+  if (std::max(header->width_px, header->height_px) > kMaxPictureSidePx) {
+    throw InputError(file, "has more than 16384 pixels on a side; scale it down");
+  }
+  return DecodeColor(bytes, header->width_px, header->height_px, file);
+}
+
+}  // namespace
+
+void FloorTextureOptions::Check() const {
+  Require(std::isfinite(width_m) && width_m >= 0.1, "the floor must be at least 0.1 m wide");
+  Require(std::isfinite(height_m) && height_m >= 0.1, "the floor must be at least 0.1 m high");
+  Require(std::isfinite(resolution_m) && resolution_m >= 1e-5, "the floor's resolution must be at least 0.00001 m");
+  Require(resolution_m <= 0.01, "the floor's resolution must be at most 0.01 m");
+  Require(width_m / resolution_m * height_m / resolution_m <= kMaxPixels,
+          "the floor's picture would have more than 400 million pixels: make it smaller or its resolution coarser");
+  Require(std::isfinite(picture_width_m) && picture_width_m >= 0.02, "the photograph must show at least 0.02 m");
+}
+
+std::vector<std::string> ProceduralFloorNames() { return {"concrete", "wood", "tiles", "carpet"}; }
+
+FloorTexture MakeFloorTexture(const FloorTextureOptions& options) {
+  options.Check();
+  const cv::Size size_px(static_cast<int>(std::lround(options.width_m / options.resolution_m)),
+                         static_cast<int>(std::lround(options.height_m / options.resolution_m)));
+  const PixelGrid grid{size_px, options.resolution_m};
+  FloorTexture texture{{}, options.resolution_m};
+  if (std::ranges::count(ProceduralFloorNames(), options.source) > 0) {
+    texture.bgr = PaintProceduralFloor(options.source, grid, options.seed);
+  } else {
+    QuiltOptions quilt;
+    quilt.picture_width_m = options.picture_width_m;
+    quilt.rotate_patches = options.rotate_patches;
+    quilt.seed = options.seed;
+    quilt.threads = options.threads;
+    texture.bgr = QuiltFloor(ReadPicture(options.source), grid, quilt);
+  }
+  return texture;
+}
+
+}  // namespace floorloc

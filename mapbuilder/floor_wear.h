@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "mapbuilder/floor_texture.h"
+
+namespace floorloc {
+
+/// Changes a share (0 ... 0.9) of the floor, as time does: stains, tyre marks, litter, scratches. Returns the share
+/// that really changed. Throws std::invalid_argument for a share out of range.
+double WearFloor(FloorTexture& floor, double share, std::uint64_t seed);
+
+}  // namespace floorloc

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/procedural_floor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "mapbuilder/simulated_noise.h"
+
+namespace floorloc {
+namespace {
+
+// Noise whose coarsest structure has the given size in metres.
+cv::Mat MetricNoise(const PixelGrid& grid, double cell_m, int octaves, std::uint64_t seed) {
+  const double cell_px = std::max(1.0, cell_m / grid.resolution_m);
+  return FractalNoise(grid.size_px, {cell_px, cell_px, octaves}, seed);
+}
+
+// Tone (grey values around zero) and tint (-1 ... 1: bluish ... reddish) around a mean colour.
+cv::Mat Colorize(const cv::Mat& tone, const cv::Mat& tint, const cv::Scalar& mean_bgr, double tint_strength) {
+  const std::vector<cv::Mat> channels = {tone - tint * tint_strength + mean_bgr[0], tone + mean_bgr[1],
+                                         tone + tint * tint_strength + mean_bgr[2]};
+  cv::Mat floor;
+  cv::merge(channels, floor);
+  floor.convertTo(floor, CV_8UC3);
+  return floor;
+}
+
+struct Specks {
+  double per_m2 = 0.0;
+  double min_radius_m = 0.0;
+  double max_radius_m = 0.0;
+  double min_gray = 0.0;
+  double max_gray = 0.0;
+};
+
+// Grains, pores and flecks: small ellipses, placed to a fraction of a pixel.
+void ScatterSpecks(cv::Mat& floor, const PixelGrid& grid, const Specks& specks, std::uint64_t seed) {
+  constexpr int kShift = 4;
+  constexpr double kSubpixels = 1 << kShift;
+  cv::RNG rng(seed);
+  const double area_m2 = floor.cols * grid.resolution_m * floor.rows * grid.resolution_m;
+  const int count = static_cast<int>(specks.per_m2 * area_m2);
+  for (int i = 0; i < count; ++i) {
+    const cv::Point center(static_cast<int>(rng.uniform(0.0, floor.cols * kSubpixels)),
+                           static_cast<int>(rng.uniform(0.0, floor.rows * kSubpixels)));
+    // Squaring makes small specks common and large ones rare.
+    const double share = std::pow(rng.uniform(0.0, 1.0), 2.0);
+    const double radius_px =
+        (specks.min_radius_m + share * (specks.max_radius_m - specks.min_radius_m)) / grid.resolution_m;
+    const cv::Size axes(static_cast<int>(radius_px * kSubpixels),
+                        static_cast<int>(radius_px * rng.uniform(0.4, 1.0) * kSubpixels));
+    const double gray = rng.uniform(specks.min_gray, specks.max_gray);
+    const cv::Scalar color(gray, gray + rng.uniform(-6.0, 6.0), gray + rng.uniform(-10.0, 10.0));
+    cv::ellipse(floor, center, axes, rng.uniform(0.0, 180.0), 0.0, 360.0, color, cv::FILLED, cv::LINE_AA, kShift);
+  }
+}
+
+// Hairline cracks: wandering lines of about half a millimetre.
+void DrawCracks(cv::Mat& floor, const PixelGrid& grid, std::uint64_t seed) {
+  cv::RNG rng(seed);
+  const double area_m2 = floor.cols * grid.resolution_m * floor.rows * grid.resolution_m;
+  const int count = static_cast<int>(std::ceil(0.8 * area_m2));
+  const double step_px = 0.004 / grid.resolution_m;
+  for (int i = 0; i < count; ++i) {
+    cv::Point2d p(rng.uniform(0.0, static_cast<double>(floor.cols)), rng.uniform(0.0, static_cast<double>(floor.rows)));
+    double heading = rng.uniform(0.0, 2.0 * std::numbers::pi);
+    const int steps = rng.uniform(30, 150);
+    const int thickness = std::max(1, static_cast<int>(std::lround(0.0005 / grid.resolution_m)));
+    for (int k = 0; k < steps; ++k) {
+      heading += rng.gaussian(0.35);
+      const cv::Point2d q(p.x + step_px * std::cos(heading), p.y + step_px * std::sin(heading));
+      cv::line(floor, p, q, cv::Scalar(96, 98, 100), thickness, cv::LINE_AA);
+      p = q;
+    }
+  }
+}
+
+cv::Mat PaintConcrete(const PixelGrid& grid, std::uint64_t seed) {
+  const cv::Mat tone = MetricNoise(grid, 0.3, 5, DeriveSeed(seed, 1)) * 9.0 +
+                       MetricNoise(grid, 0.004, 3, DeriveSeed(seed, 2)) * 7.0;
+  cv::Mat floor = Colorize(tone, MetricNoise(grid, 0.2, 3, DeriveSeed(seed, 3)), {166, 169, 171}, 3.0);
+  ScatterSpecks(floor, grid, {14000, 0.0003, 0.0016, 70, 130}, DeriveSeed(seed, 4));
+  ScatterSpecks(floor, grid, {7000, 0.0004, 0.0022, 185, 215}, DeriveSeed(seed, 5));
+  DrawCracks(floor, grid, DeriveSeed(seed, 6));
+  return floor;
+}
+
+cv::Mat PaintCarpet(const PixelGrid& grid, std::uint64_t seed) {
+  const cv::Mat tone = MetricNoise(grid, 0.4, 3, DeriveSeed(seed, 1)) * 5.0 +
+                       MetricNoise(grid, 0.0045, 2, DeriveSeed(seed, 2)) * 22.0;
+  cv::Mat floor = Colorize(tone, MetricNoise(grid, 0.006, 2, DeriveSeed(seed, 3)), {104, 92, 88}, 9.0);
+  ScatterSpecks(floor, grid, {2500, 0.0006, 0.0018, 130, 190}, DeriveSeed(seed, 4));
+  ScatterSpecks(floor, grid, {2500, 0.0006, 0.0018, 30, 60}, DeriveSeed(seed, 5));
+  cv::GaussianBlur(floor, floor, {}, 0.0005 / grid.resolution_m);
+  return floor;
+}
+
+// One plank: grain is noise stretched along the board, bent by slow waves.
+void PaintPlank(cv::Mat board, const PixelGrid& grid, std::uint64_t seed) {
+  cv::RNG rng(seed);
+  const double px_per_m = 1.0 / grid.resolution_m;
+  const cv::Mat grain = FractalNoise(board.size(), {0.25 * px_per_m, 0.006 * px_per_m, 3}, DeriveSeed(seed, 1));
+  const cv::Mat bend = FractalNoise(board.size(), {0.3 * px_per_m, 0.05 * px_per_m, 2}, DeriveSeed(seed, 2));
+  const cv::Mat pores = FractalNoise(board.size(), {0.012 * px_per_m, 0.0012 * px_per_m, 1}, DeriveSeed(seed, 3));
+  const double rings_per_m = rng.uniform(60.0, 140.0);
+  const double light = rng.uniform(-16.0, 16.0);
+  cv::Mat tone(board.size(), CV_32FC1);
+  for (int v = 0; v < board.rows; ++v) {
+    for (int u = 0; u < board.cols; ++u) {
+      const double phase = 2.0 * std::numbers::pi * (rings_per_m * v * grid.resolution_m + 1.5 * bend.at<float>(v, u));
+      const double pore = std::min(0.0, 0.35 - pores.at<float>(v, u));
+      tone.at<float>(v, u) =
+          static_cast<float>(light + 6.0 * std::sin(phase) + 9.0 * grain.at<float>(v, u) + 45.0 * pore);
+    }
+  }
+  Colorize(tone, grain, {84, 124, 166}, 3.0).copyTo(board);
+}
+
+cv::Mat PaintWood(const PixelGrid& grid, std::uint64_t seed) {
+  cv::RNG rng(seed);
+  cv::Mat floor(grid.size_px, CV_8UC3, cv::Scalar(30, 40, 52));
+  const int gap_px = std::max(1, static_cast<int>(std::lround(0.001 / grid.resolution_m)));
+  const int row_px = std::max(gap_px + 1, static_cast<int>(std::lround(0.11 / grid.resolution_m)));
+  std::uint64_t plank = 0;
+  for (int v = 0; v < floor.rows; v += row_px) {
+    int u = -static_cast<int>(rng.uniform(0.0, 0.8) / grid.resolution_m);
+    while (u < floor.cols) {
+      const int length_px = static_cast<int>(rng.uniform(0.6, 1.2) / grid.resolution_m);
+      const cv::Rect board = cv::Rect(u, v, length_px - gap_px, row_px - gap_px) & cv::Rect({0, 0}, floor.size());
+      if (!board.empty()) {
+        PaintPlank(floor(board), grid, DeriveSeed(seed, ++plank));
+      }
+      u += length_px;
+    }
+  }
+  return floor;
+}
+
+// All tiles show the same print; only a faint tone, wear of the glaze and the joints tell them apart.
+cv::Mat PaintTiles(const PixelGrid& grid, std::uint64_t seed) {
+  constexpr double kTileM = 0.3;
+  constexpr double kJointM = 0.004;
+  cv::RNG rng(DeriveSeed(seed, 1));
+  const PixelGrid print_grid{{static_cast<int>((kTileM - kJointM) / grid.resolution_m),
+                              static_cast<int>((kTileM - kJointM) / grid.resolution_m)},
+                             grid.resolution_m};
+  cv::Mat print = Colorize(MetricNoise(print_grid, 0.06, 5, DeriveSeed(seed, 2)) * 9.0,
+                           MetricNoise(print_grid, 0.04, 3, DeriveSeed(seed, 3)), {172, 182, 190}, 4.0);
+  ScatterSpecks(print, print_grid, {5000, 0.0004, 0.002, 110, 150}, DeriveSeed(seed, 4));
+  cv::Mat floor = Colorize(MetricNoise(grid, 0.004, 3, DeriveSeed(seed, 5)) * 14.0,
+                           cv::Mat::zeros(grid.size_px, CV_32FC1), {120, 122, 124}, 0.0);
+  const int pitch_px = std::max(2, static_cast<int>(std::lround(kTileM / grid.resolution_m)));
+  for (int v = 0; v < floor.rows; v += pitch_px) {
+    for (int u = 0; u < floor.cols; u += pitch_px) {
+      const cv::Rect tile = cv::Rect({u, v}, print.size()) & cv::Rect({0, 0}, floor.size());
+      cv::Mat(print(cv::Rect({0, 0}, tile.size())) + cv::Scalar::all(rng.uniform(-3.0, 3.0))).copyTo(floor(tile));
+    }
+  }
+  ScatterSpecks(floor, grid, {900, 0.0004, 0.0015, 95, 215}, DeriveSeed(seed, 6));
+  return floor;
+}
+
+}  // namespace
+
+cv::Mat PaintProceduralFloor(const std::string& name, const PixelGrid& grid, std::uint64_t seed) {
+  if (name == "concrete") {
+    return PaintConcrete(grid, seed);
+  }
+  if (name == "wood") {
+    return PaintWood(grid, seed);
+  }
+  if (name == "tiles") {
+    return PaintTiles(grid, seed);
+  }
+  if (name == "carpet") {
+    return PaintCarpet(grid, seed);
+  }
+  throw std::invalid_argument("no floor named '" + name + "' (concrete, wood, tiles, carpet)");
+}
+
+}  // namespace floorloc

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "mapbuilder/quilting.h"
+
+namespace floorloc {
+
+/// Paints "concrete", "wood" (planks along x), "tiles" (nearly alike, 0.3 m) or "carpet" (CV_8UC3). Throws
+/// std::invalid_argument for another name.
+cv::Mat PaintProceduralFloor(const std::string& name, const PixelGrid& grid, std::uint64_t seed);
+
+}  // namespace floorloc

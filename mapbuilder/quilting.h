@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+namespace floorloc {
+
+/// The picture to be made.
+struct PixelGrid {
+  cv::Size size_px;
+  double resolution_m = 0.0;
+};
+
+struct QuiltOptions {
+  double picture_width_m = 0.8;  ///< width of the piece of floor in the photograph
+  bool rotate_patches = true;
+  std::uint64_t seed = 1;
+  int threads = 0;
+};
+
+/// Covers a floor with patches cut at random places (and rotations) of a photograph that tiles seamlessly (CV_8UC3).
+/// Tone (structures above a few centimetres) blends over wide seams; grain blends over seams of a few millimetres, so
+/// that the floor keeps its contrast everywhere.
+cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const QuiltOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "core/geometry/pose2.h"
+#include "core/io/trajectory.h"
+
+namespace floorloc {
+
+enum class PathType {
+  kSurvey,  ///< lanes to and fro that cover the floor
+  kDrive,   ///< a curved drive at constant speed
+  kRandom,  ///< independent poses, no odometry
+};
+
+/// "survey", "drive" or "random"; throws std::invalid_argument for another name.
+PathType ParsePathType(const std::string& name);
+
+/// Errors of a wheel odometry. Constant per recording: scale and drift, drawn from the given standard deviations.
+struct OdometryErrors {
+  double scale = 0.005;               ///< of distances
+  double yaw_scale = 0.005;           ///< of turns
+  double drift_rad_per_m = 0.0025;
+  double noise_m = 0.003;             ///< after one metre, growing with the root of the distance
+  double noise_rad = 0.005;           ///< after one metre
+
+  /// All errors times a factor.
+  OdometryErrors Scaled(double factor) const;
+};
+
+struct PathOptions {
+  PathType type = PathType::kSurvey;
+  double floor_width_m = 2.6;
+  double floor_height_m = 1.8;
+  RectM roi;                    ///< what the camera sees, base frame; it stays on the floor
+  double overlap = 0.5;         ///< survey: of neighbouring pictures, along and across the lanes, 0 ... 0.95
+  int frames = 120;             ///< drive and random
+  double fps = 10.0;            ///< drive
+  double speed_m_per_s = 0.3;
+  OdometryErrors odometry;
+  std::uint64_t seed = 1;
+
+  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  void Check() const;
+};
+
+/// Where the robot was when a frame was taken.
+struct PathFrame {
+  std::int64_t stamp_ns = 0;
+  Pose2 map_from_base;
+  Eigen::Vector3d twist = Eigen::Vector3d::Zero();  ///< base frame: m/s, m/s, rad/s
+};
+
+struct SimulatedPath {
+  std::vector<PathFrame> frames;
+  Trajectory odometry;  ///< odom_from_base at the frames, starting at the identity; empty for random poses
+};
+
+/// Throws std::invalid_argument when the options do not pass Check() or the floor is too small for the camera.
+SimulatedPath PlanPath(const PathOptions& options);
+
+}  // namespace floorloc
