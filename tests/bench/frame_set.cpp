@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/frame_set.h"
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "core/io/survey.h"
+#include "core/io/text_file.h"
+
+namespace floorloc {
+
+FrameSet FrameSet::Read(const std::filesystem::path& folder) {
+  const Survey survey = ReadSurvey(folder);
+  FrameSet set{folder.string(), Rectifier(survey.camera), {}, {}};
+  for (const SurveyFrame& frame : survey.frames) {
+    if (const std::optional<Pose2> truth = InterpolatePose(survey.ground_truth, frame.stamp_ns)) {
+      set.encoded.push_back(ReadBinaryFile(survey.ImagePath(frame)));
+      set.truth_from_base.push_back(*truth);
+    }
+  }
+  if (set.encoded.empty()) {
+    throw InputError(folder, "has no frame with a pose in groundtruth.tum; the benchmark needs the truth");
+  }
+  return set;
+}
+
+cv::Mat FrameSet::Decode(std::size_t frame) const {
+  const CameraModel& camera = rectifier.camera().camera;
+  return DecodeGray(encoded[frame], camera.width_px, camera.height_px, name);
+}
+
+}  // namespace floorloc

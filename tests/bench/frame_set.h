@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/vision/rectifier.h"
+
+namespace floorloc {
+
+/// A folder of frames with ground truth, its pictures in memory as they came from the camera (JPEG or PNG).
+struct FrameSet {
+  std::string name;
+  Rectifier rectifier;
+  std::vector<std::vector<std::uint8_t>> encoded;
+  std::vector<Pose2> truth_from_base;  ///< of each picture
+
+  /// Frames that the ground truth does not cover are left out. Throws InputError, also when none is left.
+  static FrameSet Read(const std::filesystem::path& folder);
+
+  std::size_t size() const { return encoded.size(); }
+  cv::Mat Decode(std::size_t frame) const;
+};
+
+}  // namespace floorloc
