@@ -156,4 +156,23 @@ std::optional<int> CountJpegScans(std::span<const std::uint8_t> bytes) {
   return std::nullopt;
 }
 
+bool HasPngEnd(std::span<const std::uint8_t> bytes) {
+  // A chunk is its length, name, data and checksum.
+  constexpr std::size_t kSignature = 8;
+  constexpr std::size_t kFrame = 12;
+  constexpr std::uint32_t kEnd = 0x49454E44;  // "IEND"
+  Bytes rest = bytes.subspan(std::min(kSignature, bytes.size()));
+  while (rest.size() >= kFrame) {
+    const std::size_t length = BigEndian32(rest);
+    if (length > rest.size() - kFrame) {
+      return false;
+    }
+    if (BigEndian32(rest.subspan(4)) == kEnd) {
+      return true;
+    }
+    rest = rest.subspan(kFrame + length);
+  }
+  return false;
+}
+
 }  // namespace floorloc

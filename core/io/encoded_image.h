@@ -11,4 +11,7 @@ namespace floorloc {
 /// when the file ends before its end marker: decoders only warn about that and make up the missing rows.
 std::optional<int> CountJpegScans(std::span<const std::uint8_t> bytes);
 
+/// Walks over a PNG's chunks. False when the file ends before its end chunk.
+bool HasPngEnd(std::span<const std::uint8_t> bytes);
+
 }  // namespace floorloc

@@ -36,14 +36,13 @@ void CheckBeforeDecoding(std::span<const std::uint8_t> bytes, const cv::Size& ex
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     throw InputError(source, "the file is larger than 2 GiB; use a smaller picture");
   }
-  if (header->format == ImageFormat::kJpeg) {
-    const std::optional<int> scans = CountJpegScans(bytes);
-    if (!scans) {
-      throw InputError(source, "the JPEG is cut off or damaged; copy it again or remove it");
-    }
-    if (*scans > kMaxJpegScans) {
-      throw InputError(source, "the JPEG has more than 100 scans; save it again as an ordinary JPEG");
-    }
+  const bool is_jpeg = header->format == ImageFormat::kJpeg;
+  const std::optional<int> scans = is_jpeg ? CountJpegScans(bytes) : std::nullopt;
+  if (is_jpeg ? !scans : !HasPngEnd(bytes)) {
+    throw InputError(source, "the picture is cut off or damaged; copy it again or remove it");
+  }
+  if (is_jpeg && *scans > kMaxJpegScans) {
+    throw InputError(source, "the JPEG has more than 100 scans; save it again as an ordinary JPEG");
   }
 }
 

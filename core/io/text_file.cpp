@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "core/io/input_error.h"
 
@@ -33,13 +34,13 @@ Bytes ReadWhole(const std::filesystem::path& file, std::uint64_t max_bytes) {
   Bytes content;
   while (in) {
     const std::size_t size = content.size();
-    if (size > max_bytes) {
-      throw InputError(file, "is larger than the limit of " + std::to_string(max_bytes) +
-                                 " bytes; check that it is the right file");
-    }
     content.resize(size + kPiece);
     in.read(reinterpret_cast<char*>(content.data() + size), static_cast<std::streamsize>(kPiece));
     content.resize(size + static_cast<std::size_t>(in.gcount()));
+    if (content.size() > max_bytes) {
+      throw InputError(file, "is larger than the limit of " + std::to_string(max_bytes) +
+                                 " bytes; check that it is the right file");
+    }
   }
   if (in.bad()) {
     throw InputError(file, "cannot be read to its end; check the disk");

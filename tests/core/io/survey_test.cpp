@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/survey.h"
+
+#include <fstream>
+
+#include "tests/core/io/io_test_support.h"
+
+namespace floorloc {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using testing_io::ErrorOf;
+using testing_io::TemporaryFolder;
+
+TEST(FramesCsv, ReadsRows) {
+  const auto frames = ParseFramesCsv("timestamp,filename\r\n1000.25, images/a.jpg \r\n\r\n# note\n1001,b c.png\n", "f");
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].stamp_ns, 1000'250'000'000);
+  EXPECT_EQ(frames[0].filename, "images/a.jpg");
+  EXPECT_EQ(frames[1].filename, "b c.png");
+}
+
+TEST(ImuCsv, ReadsEurocRows) {
+  const auto samples = ParseImuCsv("#timestamp [ns],w_x\n10,1,2,3,4,5,6\n20,-1,0,0,0,0,9.81\n", "imu.csv");
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[0].stamp_ns, 10);
+  EXPECT_EQ(samples[0].angular_velocity, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(samples[0].acceleration, Eigen::Vector3d(4, 5, 6));
+}
+
+TEST(ControlPointsCsv, ReadsRows) {
+  const auto points = ParseControlPointsCsv("filename,u,v,x,y\na.jpg,1,2,3,4\na.jpg,5,6,7,8\n", "control_points.csv");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[1].filename, "a.jpg");
+  EXPECT_EQ(points[1].raw_px, Eigen::Vector2d(5, 6));
+  EXPECT_EQ(points[1].point_in_map_m, Eigen::Vector2d(7, 8));
+}
+
+struct BrokenCsv {
+  const char* name;
+  const char* text;
+  const char* where;
+  const char* reason;
+};
+
+class BrokenFramesCsv : public ::testing::TestWithParam<BrokenCsv> {};
+
+TEST_P(BrokenFramesCsv, NamesFileLineAndReason) {
+  EXPECT_THAT(ErrorOf([] { ParseFramesCsv(GetParam().text, "frames.csv"); }),
+              AllOf(StartsWith(GetParam().where), HasSubstr(GetParam().reason)));
+}
+
+const BrokenCsv kBrokenFrames[] = {
+    {"Empty", "", "frames.csv: ", "has no frames"},
+    {"OnlyHeader", "timestamp,filename\n\n", "frames.csv: ", "has no frames"},
+    {"NoHeader", "1000,a.jpg\n", "frames.csv:1: ", "first line must be 'timestamp,filename'"},
+    {"OneField", "timestamp,filename\n1000\n", "frames.csv:2: ", "has 1 fields instead of 2"},
+    {"ThreeFields", "timestamp,filename\n1000,a.jpg,b\n", "frames.csv:2: ", "has 3 fields instead of 2"},
+    {"TextStamp", "timestamp,filename\n\nnoon,a.jpg\n", "frames.csv:3: ", "'noon' is not a number of seconds"},
+    {"EmptyName", "timestamp,filename\n1000,\n", "frames.csv:2: ", "does not lie inside the folder"},
+    {"AbsoluteName", "timestamp,filename\n1000,/etc/passwd\n", "frames.csv:2: ", "does not lie inside the folder"},
+    {"LeadsOut", "timestamp,filename\n1000,images/../../a.jpg\n", "frames.csv:2: ", "does not lie inside the folder"},
+    {"SameName", "timestamp,filename\n1,a.jpg\n2,b.jpg\n3,a.jpg\n", "frames.csv:4: ", "a.jpg is listed twice"},
+    {"SameStamp", "timestamp,filename\n1,a.jpg\n1.0,b.jpg\n", "frames.csv:3: ", "is not later than the one before"},
+    {"Backwards", "timestamp,filename\n2,a.jpg\n1,b.jpg\n", "frames.csv:3: ", "is not later than the one before"},
+};
+INSTANTIATE_TEST_SUITE_P(Inputs, BrokenFramesCsv, ::testing::ValuesIn(kBrokenFrames),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+class BrokenImuCsv : public ::testing::TestWithParam<BrokenCsv> {};
+
+TEST_P(BrokenImuCsv, NamesFileLineAndReason) {
+  EXPECT_THAT(ErrorOf([] { ParseImuCsv(GetParam().text, "imu.csv"); }),
+              AllOf(StartsWith(GetParam().where), HasSubstr(GetParam().reason)));
+}
+
+const BrokenCsv kBrokenImu[] = {
+    {"SixFields", "#t\n10,1,2,3,4,5\n", "imu.csv:2: ", "has 6 fields instead of 7"},
+    {"Seconds", "10.5,1,2,3,4,5,6\n", "imu.csv:1: ", "not a whole number of nanoseconds"},
+    {"Word", "10,1,2,three,4,5,6\n", "imu.csv:1: ", "'three' is not a finite number"},
+    {"Nan", "10,1,2,3,4,5,nan\n", "imu.csv:1: ", "'nan' is not a finite number"},
+    {"Backwards", "10,1,2,3,4,5,6\n9,1,2,3,4,5,6\n", "imu.csv:2: ", "is not later"},
+};
+INSTANTIATE_TEST_SUITE_P(Inputs, BrokenImuCsv, ::testing::ValuesIn(kBrokenImu),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+class BrokenControlPointsCsv : public ::testing::TestWithParam<BrokenCsv> {};
+
+TEST_P(BrokenControlPointsCsv, NamesFileLineAndReason) {
+  EXPECT_THAT(ErrorOf([] { ParseControlPointsCsv(GetParam().text, "control_points.csv"); }),
+              AllOf(StartsWith(GetParam().where), HasSubstr(GetParam().reason)));
+}
+
+const BrokenCsv kBrokenControlPoints[] = {
+    {"NoHeader", "a.jpg,1,2,3,4\n", "control_points.csv:1: ", "first line must be 'filename,u,v,x,y'"},
+    {"FourFields", "filename,u,v,x,y\na.jpg,1,2,3\n", "control_points.csv:2: ", "has 4 fields instead of 5"},
+    {"Word", "filename,u,v,x,y\na.jpg,1,2,3,far\n", "control_points.csv:2: ", "'far' is not a finite number"},
+    {"EmptyField", "filename,u,v,x,y\na.jpg,,2,3,4\n", "control_points.csv:2: ", "'' is not a finite number"},
+    {"LeadsOut", "filename,u,v,x,y\n../a.jpg,1,2,3,4\n", "control_points.csv:2: ", "does not lie inside the folder"},
+};
+INSTANTIATE_TEST_SUITE_P(Inputs, BrokenControlPointsCsv, ::testing::ValuesIn(kBrokenControlPoints),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+class SurveyFolder : public ::testing::Test {
+ protected:
+  SurveyFolder() {
+    std::filesystem::create_directory(folder_.path() / "images");
+    Write("camera.yaml", testing_io::kCameraYaml);
+    Write("floor.yaml", testing_io::kFloorYaml);
+    Write("frames.csv", "timestamp,filename\n10,images/b.jpg\n11,images/a.png\n");
+    Write("images/a.png", "only looked for");
+    Write("images/b.jpg", "only looked for");
+  }
+  void Write(const std::string& name, const std::string& text) { std::ofstream(folder_.path() / name) << text; }
+  void Remove(const std::string& name) { std::filesystem::remove_all(folder_.path() / name); }
+  Survey Read() const { return ReadSurvey(folder_.path()); }
+  std::string Error() const {
+    return ErrorOf([this] { Read(); });
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(SurveyFolder, ReadsTheSmallestOne) {
+  const Survey survey = Read();
+  ASSERT_EQ(survey.frames.size(), 2u);
+  EXPECT_EQ(survey.frames[0].filename, "images/b.jpg");
+  EXPECT_TRUE(std::filesystem::exists(survey.ImagePath(survey.frames[0])));
+  EXPECT_EQ(survey.camera.camera.width_px, 640);
+  EXPECT_TRUE(survey.odometry.empty() && survey.ground_truth.empty());
+  EXPECT_TRUE(survey.imu.empty() && survey.control_points.empty());
+}
+
+TEST_F(SurveyFolder, ReadsEveryPart) {
+  Write("odometry.tum", "10 1 0 0 0 0 0 1\n");
+  Write("groundtruth.tum", "10 2 0 0 0 0 0 1\n");
+  Write("imu.csv", "10,1,2,3,4,5,6\n");
+  Write("control_points.csv", "filename,u,v,x,y\nimages/a.png,1,2,3,4\n");
+  const Survey survey = Read();
+  ASSERT_EQ(survey.odometry.size(), 1u);
+  EXPECT_EQ(survey.odometry[0].translation_m.x(), 1);
+  ASSERT_EQ(survey.ground_truth.size(), 1u);
+  EXPECT_EQ(survey.ground_truth[0].translation_m.x(), 2);
+  EXPECT_EQ(survey.imu.size(), 1u);
+  EXPECT_EQ(survey.control_points.size(), 1u);
+}
+
+TEST_F(SurveyFolder, ListsPicturesWithoutFramesCsv) {
+  Remove("frames.csv");
+  Write("images/notes.txt", "no picture");
+  Write("images/C.JPEG", "a picture");
+  const Survey survey = Read();
+  ASSERT_EQ(survey.frames.size(), 3u);
+  EXPECT_EQ(survey.frames[0].filename, "images/C.JPEG");
+  EXPECT_EQ(survey.frames[1].filename, "images/a.png");
+  EXPECT_EQ(survey.frames[2].filename, "images/b.jpg");
+  EXPECT_EQ(survey.frames[0].stamp_ns, 0);
+  EXPECT_EQ(survey.frames[2].stamp_ns, 2'000'000'000);
+}
+
+TEST_F(SurveyFolder, SaysWhatIsMissing) {
+  EXPECT_THAT(ErrorOf([] { ReadSurvey("/nonexistent/survey"); }), HasSubstr("/nonexistent/survey: is no folder"));
+  Remove("images/a.png");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("frames.csv:3: "), HasSubstr("images/a.png is missing")));
+  Write("frames.csv", "timestamp,filename\n");
+  EXPECT_THAT(Error(), HasSubstr("frames.csv: has no frames"));
+  Remove("frames.csv");
+  Remove("images/b.jpg");
+  EXPECT_THAT(Error(), HasSubstr("images: has no frames"));
+  Remove("images");
+  EXPECT_THAT(Error(), HasSubstr("has neither frames.csv nor a readable folder images"));
+  Remove("camera.yaml");
+  EXPECT_THAT(Error(), HasSubstr("camera.yaml: cannot be opened"));
+}
+
+TEST_F(SurveyFolder, AFolderIsNoPicture) {
+  const std::filesystem::path picture = Read().folder / "images" / "a.png";
+  std::filesystem::remove(picture);
+  std::filesystem::create_directory(picture);
+  EXPECT_THAT(Error(), HasSubstr("images/a.png is missing"));
+}
+
+TEST_F(SurveyFolder, RefusesControlPointsOfUnknownPictures) {
+  Write("control_points.csv", "filename,u,v,x,y\n# corner\nimages/a.png,1,2,3,4\nimages/z.png,1,2,3,4\n");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("control_points.csv:4: "), HasSubstr("images/z.png is none of the survey")));
+}
+
+TEST_F(SurveyFolder, PassesOnErrorsOfItsParts) {
+  Write("imu.csv", "10,1\n");
+  EXPECT_THAT(Error(), HasSubstr("imu.csv:1: "));
+  Write("groundtruth.tum", "x\n");
+  EXPECT_THAT(Error(), HasSubstr("groundtruth.tum:1: "));
+  Write("odometry.tum", "x\n");
+  EXPECT_THAT(Error(), HasSubstr("odometry.tum:1: "));
+}
+
+}  // namespace
+}  // namespace floorloc
