@@ -76,40 +76,54 @@ cv::Mat BentDistance(const Patch& patch, const Window& window, double spacing) {
   return distance;
 }
 
-// Weights that sum to one at every pixel: the nearest patch wins, over seams of the given half width.
-std::vector<cv::Mat> SeamWeights(const std::vector<Patch>& patches, const Window& window, double spacing, double seam) {
-  std::vector<cv::Mat> weights;
-  cv::Mat nearest(window.size_px, CV_32FC1, cv::Scalar(1e9));
+// A patch and how much it counts at every pixel of a window.
+struct WeightedPatch {
+  Patch patch;
+  cv::Mat weight;  // CV_32FC1
+};
+
+// The nearest patch wins, over seams of the given half width; the weights sum to one. Distances are smooth, so they are
+// measured at every 8th pixel and interpolated.
+std::vector<WeightedPatch> WeighPatches(const std::vector<Patch>& patches, const Window& window, double spacing,
+                                        double seam) {
+  constexpr int kStep = 8;
+  const Window coarse{window.origin, window.step * kStep,
+                      {window.size_px.width / kStep + 2, window.size_px.height / kStep + 2}};
+  std::vector<cv::Mat> distances;
+  cv::Mat nearest(coarse.size_px, CV_32FC1, cv::Scalar(1e9));
   for (const Patch& patch : patches) {
-    weights.push_back(BentDistance(patch, window, spacing));
-    cv::min(nearest, weights.back(), nearest);
+    distances.push_back(BentDistance(patch, coarse, spacing));
+    cv::min(nearest, distances.back(), nearest);
   }
+  const cv::Matx23d coarse_from_pixel(1.0 / kStep, 0.0, 0.0, 0.0, 1.0 / kStep, 0.0);
+  const double reach = -seam * std::log(kNegligibleWeight);
+  std::vector<WeightedPatch> weighted;
   cv::Mat sum = cv::Mat::zeros(window.size_px, CV_32FC1);
-  for (cv::Mat& weight : weights) {
-    weight = (nearest - weight) / seam;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const cv::Mat lead = nearest - distances[i];
+    if (cv::countNonZero(lead > -reach) == 0) {
+      continue;
+    }
+    cv::Mat weight;
+    cv::warpAffine(lead, weight, coarse_from_pixel, window.size_px, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
+    weight /= seam;
     cv::exp(weight, weight);
     sum += weight;
+    weighted.push_back({patches[i], weight});
   }
-  for (cv::Mat& weight : weights) {
-    weight /= sum;
+  for (WeightedPatch& patch : weighted) {
+    patch.weight /= sum;
   }
-  return weights;
+  return weighted;
 }
 
 cv::Mat Blend(const cv::Mat& source, const Window& window, double seam, const QuiltOptions& options) {
   const double spacing = source.cols / kPatchesPerPicture;
   const std::vector<Patch> patches = PatchesNear(window, spacing, options);
-  const std::vector<cv::Mat> weights = SeamWeights(patches, window, spacing, seam);
   cv::Mat sum = cv::Mat::zeros(window.size_px, CV_32FC3);
   cv::Mat piece;
   cv::Mat weight3;
-  for (std::size_t i = 0; i < patches.size(); ++i) {
-    double largest = 0.0;
-    cv::minMaxLoc(weights[i], nullptr, &largest);
-    if (largest < kNegligibleWeight) {
-      continue;
-    }
-    const Patch& patch = patches[i];
+  for (const auto& [patch, weight] : WeighPatches(patches, window, spacing, seam)) {
     const double c = std::cos(patch.angle_rad);
     const double s = std::sin(patch.angle_rad);
     const cv::Point2d d = window.origin - patch.center;
@@ -117,7 +131,7 @@ cv::Mat Blend(const cv::Mat& source, const Window& window, double seam, const Qu
                                         s * window.step, c * window.step, s * d.x + c * d.y + patch.source.y);
     cv::warpAffine(source, piece, source_from_pixel, window.size_px, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP,
                    cv::BORDER_WRAP);
-    cv::merge(std::vector<cv::Mat>(3, weights[i]), weight3);
+    cv::merge(std::vector<cv::Mat>(3, weight), weight3);
     cv::accumulateProduct(piece, weight3, sum);
   }
   return sum;

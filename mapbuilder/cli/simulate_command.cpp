@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <stdexcept>
+#include <string>
+
+#include "core/io/camera_yaml.h"
+#include "core/io/text_file.h"
+#include "mapbuilder/cli/command.h"
+#include "mapbuilder/simulate.h"
+
+namespace floorloc {
+namespace {
+
+// What stands on the command line, before it is turned into SimulateOptions.
+struct Arguments {
+  SimulateOptions options;
+  std::string size = "2.6x1.8";
+  std::string trajectory = "survey";
+  std::string camera = "down";
+  std::string condition = "mild";
+  std::string camera_yaml;
+  std::string floor_yaml;
+  bool keep_direction = false;
+  bool no_odometry = false;
+  double odometry_drift = 1.0;
+  std::optional<double> blur_px, shadow, lamps, noise;
+  std::optional<int> jpeg_quality;
+  bool json = false;
+};
+
+void ParseSize(const std::string& text, FloorTextureOptions& floor) {
+  static const std::regex kSize(R"((\d+(?:\.\d*)?)x(\d+(?:\.\d*)?))");
+  std::smatch match;
+  if (!std::regex_match(text, match, kSize)) {
+    throw std::invalid_argument("--size '" + text + "' is not WIDTHxHEIGHT in metres, such as 2.6x1.8");
+  }
+  floor.width_m = std::stod(match[1]);
+  floor.height_m = std::stod(match[2]);
+}
+
+FloorCamera ChooseCamera(const Arguments& arguments) {
+  if (!arguments.camera_yaml.empty()) {
+    FloorCamera camera;
+    camera.camera = ParseCameraYaml(ReadTextFile(arguments.camera_yaml), arguments.camera_yaml);
+    camera.floor = ParseFloorYaml(ReadTextFile(arguments.floor_yaml), arguments.floor_yaml);
+    return camera;
+  }
+  if (arguments.camera == "forward") {
+    return MakeForwardCamera();
+  }
+  return arguments.camera == "equidistant" ? MakeEquidistantCamera() : MakeDownwardCamera();
+}
+
+ConditionLevels ChooseConditions(const Arguments& arguments) {
+  ConditionLevels levels = ConditionLevels::FromName(arguments.condition);
+  levels.blur_px = arguments.blur_px.value_or(levels.blur_px);
+  levels.shadow = arguments.shadow.value_or(levels.shadow);
+  levels.lamps = arguments.lamps.value_or(levels.lamps);
+  levels.read_noise = arguments.noise.value_or(levels.read_noise);
+  levels.jpeg_quality = arguments.jpeg_quality.value_or(levels.jpeg_quality);
+  return levels;
+}
+
+void PrintSummary(const SimulateOptions& options, const SimulationResult& result) {
+  std::cout << options.out.string() << ": " << result.frames << " frames along " << result.path_length_m
+            << " m; odometry is off by " << result.odometry_drift_m << " m at the end; " << 100.0 * result.wear_share
+            << " % of the floor changed (floor " << result.floor_s << " s, frames " << result.render_s << " s)\n";
+}
+
+void PrintJson(const SimulateOptions& options, const SimulationResult& result) {
+  const nlohmann::json json = {{"out", options.out.string()},
+                               {"frames", result.frames},
+                               {"path_length_m", result.path_length_m},
+                               {"odometry_drift_m", result.odometry_drift_m},
+                               {"odometry_drift_rad", result.odometry_drift_rad},
+                               {"wear_share", result.wear_share},
+                               {"floor_s", result.floor_s},
+                               {"render_s", result.render_s}};
+  std::cout << json.dump(2) << "\n";
+}
+
+void Run(Arguments& arguments) {
+  SimulateOptions& options = arguments.options;
+  ParseSize(arguments.size, options.floor);
+  options.floor.rotate_patches = !arguments.keep_direction;
+  options.floor.threads = options.threads;
+  options.camera = ChooseCamera(arguments);
+  options.conditions = ChooseConditions(arguments);
+  options.path.type = ParsePathType(arguments.trajectory);
+  options.path.odometry = options.path.odometry.Scaled(arguments.odometry_drift);
+  options.write_odometry = !arguments.no_odometry;
+  options.progress = ProgressOutput::Stderr();
+  const SimulationResult result = Simulate(options);
+  arguments.json ? PrintJson(options, result) : PrintSummary(options, result);
+}
+
+void AddFloorOptions(CLI::App& command, Arguments& a) {
+  command.add_option("--texture", a.options.floor.source,
+                     "Photograph of a floor that tiles seamlessly, or concrete, wood, tiles, carpet")->required();
+  command.add_option("--size", a.size, "Floor, WIDTHxHEIGHT in metres")->capture_default_str();
+  command.add_option("--texture-width", a.options.floor.picture_width_m, "Width of the photographed piece, metres")
+      ->capture_default_str();
+  command.add_flag("--keep-direction", a.keep_direction, "Don't rotate pieces of the photograph (wood, bricks)");
+  command.add_option("--resolution", a.options.floor.resolution_m, "Metres per pixel of the floor's picture")
+      ->capture_default_str();
+  command.add_option("--floor-seed", a.options.floor.seed, "Another number, another floor")->capture_default_str();
+  command.add_option("--wear", a.options.wear, "Share of the floor that has changed, 0 to 0.9")->capture_default_str();
+}
+
+void AddPathOptions(CLI::App& command, Arguments& a) {
+  command.add_option("--trajectory", a.trajectory, "What the robot does")
+      ->check(CLI::IsMember({"survey", "drive", "random"}))->capture_default_str();
+  command.add_option("--frames", a.options.path.frames, "Number of frames of a drive or of random poses")
+      ->capture_default_str();
+  command.add_option("--overlap", a.options.path.overlap, "Of neighbouring pictures of a survey")->capture_default_str();
+  command.add_option("--speed", a.options.path.speed_m_per_s, "Metres per second")->capture_default_str();
+  command.add_option("--fps", a.options.path.fps, "Frames per second of a drive")->capture_default_str();
+  command.add_option("--odometry-drift", a.odometry_drift, "Factor on the odometry's errors; 0: perfect odometry")
+      ->check(CLI::Range(0.0, 1000.0))->capture_default_str();
+  command.add_flag("--no-odometry", a.no_odometry, "Leave odometry.tum out");
+}
+
+void AddPictureOptions(CLI::App& command, Arguments& a) {
+  command.add_option("--camera", a.camera, "Built-in camera")
+      ->check(CLI::IsMember({"down", "forward", "equidistant"}))->capture_default_str();
+  auto* camera_yaml = command.add_option("--camera-yaml", a.camera_yaml, "Camera from a file, with --floor-yaml");
+  auto* floor_yaml = command.add_option("--floor-yaml", a.floor_yaml, "Its place over the floor, with --camera-yaml");
+  camera_yaml->needs(floor_yaml);
+  floor_yaml->needs(camera_yaml);
+  command.add_option("--condition", a.condition, "Light, blur, noise, vibration")
+      ->check(CLI::IsMember({"clean", "mild", "hard"}))->capture_default_str();
+  command.add_option("--blur", a.blur_px, "Longest motion blur, pixels, instead of the condition's");
+  command.add_option("--shadow", a.shadow, "Strength of the shadow, 0 to 1, instead of the condition's");
+  command.add_option("--lamps", a.lamps, "Strength of the lamps, 0 to 10, instead of the condition's");
+  command.add_option("--noise", a.noise, "Sensor noise, grey values, instead of the condition's");
+  command.add_option("--jpeg-quality", a.jpeg_quality, "1 to 100, instead of the condition's");
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("simulate", "Makes a survey or a drive with exact ground truth");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("--out", arguments->options.out, "Folder to be made")->required();
+  AddFloorOptions(*command, *arguments);
+  AddPathOptions(*command, *arguments);
+  AddPictureOptions(*command, *arguments);
+  command->add_option("--seed", arguments->options.seed, "Of everything but the floor")->capture_default_str();
+  command->add_option("--threads", arguments->options.threads, "0: one per core")
+      ->check(CLI::Range(0, 1024))->capture_default_str();
+  command->add_flag("--json", arguments->json, "Machine-readable summary on stdout");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace floorloc

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/simulate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "core/io/camera_yaml.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "core/io/trajectory.h"
+#include "mapbuilder/camera_renderer.h"
+#include "mapbuilder/floor_wear.h"
+#include "mapbuilder/parallel.h"
+#include "mapbuilder/simulated_noise.h"
+
+namespace floorloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+enum SeedStream : std::uint64_t { kPathSeed = 1, kConditionSeed = 2, kWearSeed = 3 };
+
+double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// A folder that is filled under another name and gets its own when it is complete.
+class PendingFolder {
+ public:
+  explicit PendingFolder(const fs::path& target) : target_(target), pending_(target) {
+    std::error_code error;
+    if (fs::exists(target_) && !(fs::is_directory(target_) && fs::is_empty(target_, error) && !error)) {
+      throw InputError(target_, "is there already and not an empty folder; choose another --out or remove it");
+    }
+    pending_ += ".partial";
+    fs::remove_all(pending_, error);
+    fs::create_directories(pending_ / "images", error);
+    if (error) {
+      throw InputError(pending_, "cannot be created (" + error.message() + "); check the path and its permissions");
+    }
+  }
+  ~PendingFolder() {
+    std::error_code ignored;
+    fs::remove_all(pending_, ignored);
+  }
+  PendingFolder(const PendingFolder&) = delete;
+  PendingFolder& operator=(const PendingFolder&) = delete;
+
+  const fs::path& path() const { return pending_; }
+
+  void Complete() {
+    std::error_code error;
+    fs::rename(pending_, target_, error);  // replaces an empty folder
+    if (error) {
+      throw InputError(target_, "cannot be created (" + error.message() + "); check the path and its permissions");
+    }
+  }
+
+ private:
+  fs::path target_;
+  fs::path pending_;
+};
+
+std::string ImageName(std::size_t index) {
+  std::string digits = std::to_string(index);
+  digits.insert(0, 6 - std::min<std::size_t>(6, digits.size()), '0');
+  return "images/" + digits + ".jpg";
+}
+
+void WriteJpeg(const fs::path& file, const cv::Mat& picture, int quality) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!out.flush()) {
+    throw InputError(file, "cannot be written; is the disk full?");
+  }
+}
+
+void WriteTables(const fs::path& folder, const SimulateOptions& options, const SimulatedPath& path) {
+  std::string frames = "timestamp,filename\n";
+  Trajectory truth;
+  for (std::size_t i = 0; i < path.frames.size(); ++i) {
+    const PathFrame& frame = path.frames[i];
+    frames += FormatSeconds(frame.stamp_ns) + "," + ImageName(i) + "\n";
+    truth.push_back(StampedPose3::FromPose2(frame.stamp_ns, frame.map_from_base));
+  }
+  WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(options.camera.camera));
+  WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(options.camera.floor));
+  WriteFileAtomically(folder / "frames.csv", frames);
+  WriteFileAtomically(folder / "groundtruth.tum", FormatTum(truth));
+  if (options.write_odometry && !path.odometry.empty()) {
+    WriteFileAtomically(folder / "odometry.tum", FormatTum(path.odometry));
+  }
+}
+
+void RenderFrames(const fs::path& folder, const SimulateOptions& options, const FloorTexture& floor,
+                  const SimulatedPath& path) {
+  const CameraRenderer renderer(floor, options.camera);
+  const ConditionSampler sampler(options.conditions, floor, options.camera, DeriveSeed(options.seed, kConditionSeed));
+  ProgressBar progress("Rendering", static_cast<std::int64_t>(path.frames.size()), options.progress);
+  ParallelFor(static_cast<int>(path.frames.size()), options.threads, [&](int i) {
+    const auto index = static_cast<std::size_t>(i);
+    const PathFrame& frame = path.frames[index];
+    const double time_s = ToSeconds(frame.stamp_ns - path.frames.front().stamp_ns);
+    const RenderConditions conditions = sampler.Sample(index, time_s, frame.twist);
+    WriteJpeg(folder / ImageName(index), renderer.Render(frame.map_from_base, conditions),
+              options.conditions.jpeg_quality);
+    progress.Advance();
+  });
+}
+
+SimulationResult Summarize(const SimulatedPath& path) {
+  SimulationResult result;
+  result.frames = static_cast<int>(path.frames.size());
+  for (std::size_t i = 1; i < path.frames.size(); ++i) {
+    result.path_length_m +=
+        path.frames[i - 1].map_from_base.Between(path.frames[i].map_from_base).translation().norm();
+  }
+  if (!path.odometry.empty()) {
+    const Pose2 truth = path.frames.front().map_from_base.Between(path.frames.back().map_from_base);
+    const Pose2 error = truth.Between(path.odometry.back().ToPose2());
+    result.odometry_drift_m = error.translation().norm();
+    result.odometry_drift_rad = std::abs(error.yaw());
+  }
+  return result;
+}
+
+}  // namespace
+
+SimulationResult Simulate(const SimulateOptions& options) {
+  options.camera.Check();
+  options.conditions.Check();
+  PathOptions path_options = options.path;
+  path_options.floor_width_m = options.floor.width_m;
+  path_options.floor_height_m = options.floor.height_m;
+  path_options.roi = options.camera.floor.roi;
+  path_options.seed = DeriveSeed(options.seed, kPathSeed);
+  const SimulatedPath path = PlanPath(path_options);
+  SimulationResult result = Summarize(path);
+  PendingFolder folder(options.out);
+
+  const Clock::time_point floor_start = Clock::now();
+  FloorTexture floor = MakeFloorTexture(options.floor);
+  result.wear_share = WearFloor(floor, options.wear, DeriveSeed(options.seed, kWearSeed));
+  result.floor_s = SecondsSince(floor_start);
+
+  const Clock::time_point render_start = Clock::now();
+  WriteTables(folder.path(), options, path);
+  RenderFrames(folder.path(), options, floor, path);
+  folder.Complete();
+  result.render_s = SecondsSince(render_start);
+  return result;
+}
+
+}  // namespace floorloc
