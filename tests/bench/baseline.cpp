@@ -17,6 +17,9 @@ namespace {
 constexpr int kTilePx = 1024;
 constexpr int kMarginPx = 64;
 
+// OpenCV's brute-force matcher refuses more map descriptors than that: a larger floor gets a thinner map.
+constexpr double kMaxBruteForceKeypoints = (1 << 18) - 1;
+
 cv::Ptr<cv::Feature2D> CreateSift(int keypoints, double contrast_threshold) {
   return cv::SIFT::create(keypoints, 3, contrast_threshold, 10.0, 1.6);
 }
@@ -62,13 +65,14 @@ Baseline::Baseline(const Mosaic& mosaic, BaselineMatcher matcher, const Baseline
     : options_(options),
       frame_sift_(CreateSift(options.frame_keypoints, options.contrast_threshold)),
       matcher_(CreateMatcher(matcher)) {
+  if (matcher == BaselineMatcher::kBruteForce) {
+    const double area_m2 = cv::countNonZero(mosaic.gray) * mosaic.resolution_m * mosaic.resolution_m;
+    options_.map_keypoints_per_m2 = std::min(options_.map_keypoints_per_m2, kMaxBruteForceKeypoints / area_m2);
+  }
   for (int top = 0; top < mosaic.gray.rows; top += kTilePx) {
     for (int left = 0; left < mosaic.gray.cols; left += kTilePx) {
       AddTile(mosaic, cv::Rect(left, top, kTilePx, kTilePx) & cv::Rect({0, 0}, mosaic.gray.size()));
     }
-  }
-  if (matcher == BaselineMatcher::kBruteForce) {
-    CapForBruteForce();
   }
   matcher_->add(descriptors_);
   matcher_->train();
@@ -98,13 +102,6 @@ void Baseline::AddTile(const Mosaic& mosaic, const cv::Rect& tile) {
                            static_cast<float>(mosaic.top_left_m.y() - pixel.y * mosaic.resolution_m));
       descriptors_.push_back(descriptors.row(static_cast<int>(i)));
     }
-  }
-}
-
-void Baseline::CapForBruteForce() {
-  if (map_keypoints() > kMaxBruteForceKeypoints) {
-    points_.resize(kMaxBruteForceKeypoints);
-    descriptors_ = descriptors_.rowRange(0, kMaxBruteForceKeypoints).clone();
   }
 }
 

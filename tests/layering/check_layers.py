@@ -18,11 +18,13 @@ ARROWS = {
     "core/localization": ["core/map", "core/registration", "core/surface", "core/vision"],
     "core/odometry": ["core/registration", "core/vision"],
     "core/fusion": ["core/geometry"],
-    "core/evaluation": ["core/geometry", "core/vision"],
+    "core/evaluation": ["core/geometry", "core/io", "core/vision"],
     "mapbuilder": ["core/io", "core/localization", "core/odometry", "core/fusion", "core/evaluation"],
     "mapbuilder/cli": ["mapbuilder"],
-    "server": ["core/io", "core/localization", "core/odometry", "core/fusion", "core/evaluation", "schema"],
+    "server": ["core/io", "core/localization", "core/odometry", "core/fusion", "core/evaluation", "schema",
+               "web"],
     "schema": [],
+    "web": [],
 }
 
 # Header of another library -> the only places in the product that may include it.
@@ -38,7 +40,7 @@ LIBRARIES = {
                  "core/evaluation/", "mapbuilder/", "server/"],
 }
 
-PRODUCT = ["core", "mapbuilder", "server"]
+PRODUCT = ["core", "mapbuilder", "server", "schema", "web"]
 FORBIDDEN_FOLDERS = {"util", "utils"}
 NOT_OURS = {"build", ".git", "node_modules"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
