@@ -111,8 +111,8 @@ class YamlDocument {
     const double rows = Number(Get(matrix, "rows"), key + ".rows");
     const double cols = Number(Get(matrix, "cols"), key + ".cols");
     if (rows * cols != static_cast<double>(count)) {
-      Fail(matrix.Mark(), key + ": rows x cols does not agree with the " + std::to_string(count) +
-                              " numbers of data; correct it");
+      Fail(matrix.Mark(),
+           key + ": rows x cols does not agree with the " + std::to_string(count) + " numbers of data; correct it");
     }
   }
 
@@ -203,8 +203,8 @@ std::string ListText(const std::vector<double>& numbers) {
 
 std::string MatrixText(const std::string& key, int rows, const std::vector<double>& data) {
   const std::size_t cols = data.size() / static_cast<std::size_t>(rows);
-  return key + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(cols) + "\n  data: " +
-         ListText(data) + "\n";
+  return key + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(cols) +
+         "\n  data: " + ListText(data) + "\n";
 }
 
 }  // namespace

@@ -93,8 +93,9 @@ std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const std::vec
   const std::vector<TextLine> lines = ContentLines(text);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!known.contains(points[i].filename)) {
-      throw InputError(file, lines[i + 1].number, "the picture " + points[i].filename +
-                                                      " is none of the survey's frames; correct or delete the row");
+      throw InputError(
+          file, lines[i + 1].number,
+          "the picture " + points[i].filename + " is none of the survey's frames; correct or delete the row");
     }
   }
   return points;

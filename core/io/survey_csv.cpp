@@ -30,8 +30,9 @@ std::vector<std::string_view> FieldsOf(const TextLine& line, const std::string& 
   std::vector<std::string_view> fields = SplitFields(line.text, ',');
   const std::size_t count = SplitFields(columns, ',').size();
   if (fields.size() != count) {
-    throw InputError(source, line.number, "the row has " + std::to_string(fields.size()) + " fields instead of " +
-                                              std::to_string(count) + "; write '" + columns + "'");
+    throw InputError(source, line.number,
+                     "the row has " + std::to_string(fields.size()) + " fields instead of " + std::to_string(count) +
+                         "; write '" + columns + "'");
   }
   return fields;
 }
@@ -43,8 +44,10 @@ std::array<double, kCount> Numbers(std::span<const std::string_view> fields, int
   for (std::size_t i = 0; i < kCount; ++i) {
     const std::optional<double> number = ParseNumber(fields[i]);
     if (!number) {
-      throw InputError(source, line, "'" + std::string(fields[i]) + "' is not a finite number; correct or delete the "
-                                     "row");
+      throw InputError(source, line,
+                       "'" + std::string(fields[i]) +
+                           "' is not a finite number; correct or delete the "
+                           "row");
     }
     numbers[i] = *number;
   }
@@ -53,9 +56,10 @@ std::array<double, kCount> Numbers(std::span<const std::string_view> fields, int
 
 void CheckLater(std::int64_t stamp_ns, std::int64_t previous_ns, int line, const std::filesystem::path& source) {
   if (stamp_ns <= previous_ns) {
-    throw InputError(source, line, "the time stamp " + FormatSeconds(stamp_ns) +
-                                       " s is not later than the one before; sort the rows by time and delete "
-                                       "duplicates");
+    throw InputError(source, line,
+                     "the time stamp " + FormatSeconds(stamp_ns) +
+                         " s is not later than the one before; sort the rows by time and delete "
+                         "duplicates");
   }
 }
 
@@ -67,8 +71,10 @@ void CheckInsideFolder(const std::string& filename, int line, const std::filesys
     inside = inside && part != "..";
   }
   if (!inside) {
-    throw InputError(source, line, "the file name '" + filename + "' does not lie inside the folder; write it relative "
-                                   "to the folder, as images/000000.jpg");
+    throw InputError(source, line,
+                     "the file name '" + filename +
+                         "' does not lie inside the folder; write it relative "
+                         "to the folder, as images/000000.jpg");
   }
 }
 
@@ -82,8 +88,9 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
     const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
     const std::optional<std::int64_t> stamp_ns = ParseSeconds(std::string(fields[0]));
     if (!stamp_ns) {
-      throw InputError(source, line.number, "the time stamp '" + std::string(fields[0]) +
-                                                "' is not a number of seconds; correct or delete the row");
+      throw InputError(
+          source, line.number,
+          "the time stamp '" + std::string(fields[0]) + "' is not a number of seconds; correct or delete the row");
     }
     SurveyFrame frame{*stamp_ns, std::string(fields[1])};
     CheckInsideFolder(frame.filename, line.number, source);
@@ -91,8 +98,10 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
       CheckLater(frame.stamp_ns, frames.back().stamp_ns, line.number, source);
     }
     if (!seen.insert(frame.filename).second) {
-      throw InputError(source, line.number, "the picture " + frame.filename + " is listed twice; delete one of the "
-                                            "rows");
+      throw InputError(source, line.number,
+                       "the picture " + frame.filename +
+                           " is listed twice; delete one of the "
+                           "rows");
     }
     frames.push_back(std::move(frame));
   }
@@ -108,8 +117,9 @@ std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesyste
     const std::vector<std::string_view> fields = FieldsOf(line, "timestamp [ns],wx,wy,wz,ax,ay,az", source);
     const std::optional<std::int64_t> stamp_ns = ParseNanoseconds(fields[0]);
     if (!stamp_ns) {
-      throw InputError(source, line.number, "the time stamp is not a whole number of nanoseconds; correct or delete "
-                                            "the row");
+      throw InputError(source, line.number,
+                       "the time stamp is not a whole number of nanoseconds; correct or delete "
+                       "the row");
     }
     const auto n = Numbers<6>(std::span(fields).subspan(1), line.number, source);
     if (!samples.empty()) {

@@ -38,8 +38,8 @@ Bytes ReadWhole(const std::filesystem::path& file, std::uint64_t max_bytes) {
     in.read(reinterpret_cast<char*>(content.data() + size), static_cast<std::streamsize>(kPiece));
     content.resize(size + static_cast<std::size_t>(in.gcount()));
     if (content.size() > max_bytes) {
-      throw InputError(file, "is larger than the limit of " + std::to_string(max_bytes) +
-                                 " bytes; check that it is the right file");
+      throw InputError(
+          file, "is larger than the limit of " + std::to_string(max_bytes) + " bytes; check that it is the right file");
     }
   }
   if (in.bad()) {
@@ -101,8 +101,9 @@ class TemporaryFile {
 
  private:
   [[noreturn]] void Fail() const {
-    throw InputError(target_, "cannot be written (" + Reason(errno) + "); check the folder, its permissions and the "
-                              "free space");
+    throw InputError(target_, "cannot be written (" + Reason(errno) +
+                                  "); check the folder, its permissions and the "
+                                  "free space");
   }
 
   // The rename itself is on the disk once the folder is. File systems that cannot flush a folder say EINVAL.

@@ -92,7 +92,8 @@ std::string FormatSeconds(std::int64_t stamp_ns) {
   const std::int64_t rest = stamp_ns % kNsPerSecond;
   char text[40];
   std::snprintf(text, sizeof(text), "%s%lld.%09lld", stamp_ns < 0 ? "-" : "",
-                static_cast<long long>(seconds < 0 ? -seconds : seconds), static_cast<long long>(rest < 0 ? -rest : rest));
+                static_cast<long long>(seconds < 0 ? -seconds : seconds),
+                static_cast<long long>(rest < 0 ? -rest : rest));
   return text;
 }
 

@@ -48,7 +48,8 @@ Eigen::Quaterniond CheckedRotation(const Eigen::Quaterniond& q, const Row& row) 
 
 void AppendInOrder(Trajectory& trajectory, const StampedPose3& pose, const Row& row) {
   if (!trajectory.empty() && pose.stamp_ns <= trajectory.back().stamp_ns) {
-    row.Fail("the time stamp " + FormatSeconds(pose.stamp_ns) + " s is not later than the one before; sort the rows "
+    row.Fail("the time stamp " + FormatSeconds(pose.stamp_ns) +
+             " s is not later than the one before; sort the rows "
              "by time and delete duplicates");
   }
   trajectory.push_back(pose);

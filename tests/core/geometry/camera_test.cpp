@@ -111,7 +111,8 @@ TEST(CameraModel, PlumbBobByHand) {
   CameraModel camera = MakeCamera(DistortionModel::kPlumbBob, {0.1, 0.01, 0.002, 0.003});
   camera.fx = camera.fy = 100;
   camera.cx = camera.cy = 0;
-  // x = 1, y = 2, r2 = 5: radial = 1 + 0.5 + 0.25, tangential = (2 p1 x y + p2 (r2 + 2 x^2), p1 (r2 + 2 y^2) + 2 p2 x y).
+  // x = 1, y = 2, r2 = 5: radial = 1 + 0.5 + 0.25, tangential = (2 p1 x y + p2 (r2 + 2 x^2), p1 (r2 + 2 y^2) + 2 p2 x
+  // y).
   const Eigen::Vector2d raw = camera.Distort({100, 200});
   EXPECT_NEAR(raw.x(), 100 * (1.75 + 2 * 0.002 * 2 + 0.003 * 7), 1e-9);
   EXPECT_NEAR(raw.y(), 100 * (3.5 + 0.002 * 13 + 2 * 0.003 * 2), 1e-9);
@@ -149,7 +150,7 @@ TEST(CameraModel, ContainsThePixelCentresOfThePicture) {
 
 struct BrokenCamera {
   const char* name;
-  std::function<void(CameraModel&)> breakIt;
+  std::function<void(CameraModel&)> break_it;
   const char* message;
 };
 
@@ -158,7 +159,7 @@ class CameraCheckTest : public ::testing::TestWithParam<BrokenCamera> {};
 TEST_P(CameraCheckTest, NamesTheField) {
   CameraModel camera = PlumbBob();
   ASSERT_NO_THROW(camera.Check());
-  GetParam().breakIt(camera);
+  GetParam().break_it(camera);
   try {
     camera.Check();
     FAIL() << "accepted";

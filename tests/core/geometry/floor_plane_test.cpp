@@ -88,7 +88,7 @@ TEST(FloorCamera, LooksWhereItShould) {
 
 struct BrokenFloor {
   const char* name;
-  std::function<void(FloorCamera&)> breakIt;
+  std::function<void(FloorCamera&)> break_it;
   const char* message;
 };
 
@@ -97,7 +97,7 @@ class FloorCheckTest : public ::testing::TestWithParam<BrokenFloor> {};
 TEST_P(FloorCheckTest, NamesTheField) {
   FloorCamera camera = MakeTilted(0.9);
   ASSERT_NO_THROW(camera.Check());
-  GetParam().breakIt(camera);
+  GetParam().break_it(camera);
   try {
     camera.Check();
     FAIL() << "accepted";
@@ -110,8 +110,8 @@ const BrokenFloor kBrokenFloors[] = {
     {"BrokenCamera", [](FloorCamera& c) { c.camera.fx = 0; }, "focal lengths"},
     {"NanHomography", [](FloorCamera& c) { c.floor.base_from_pixel(1, 2) = kNan; }, "9 finite numbers"},
     {"ZeroHomography", [](FloorCamera& c) { c.floor.base_from_pixel.setZero(); }, "singular"},
-    {"SingularHomography",
-     [](FloorCamera& c) { c.floor.base_from_pixel.row(1) = 2 * c.floor.base_from_pixel.row(0); }, "singular"},
+    {"SingularHomography", [](FloorCamera& c) { c.floor.base_from_pixel.row(1) = 2 * c.floor.base_from_pixel.row(0); },
+     "singular"},
     {"MirroredHomography", [](FloorCamera& c) { c.floor.base_from_pixel.row(1) *= -1; }, "mirrored"},
     {"NanRoi", [](FloorCamera& c) { c.floor.roi.x_min = kNan; }, "roi must be finite"},
     {"InfiniteRoi", [](FloorCamera& c) { c.floor.roi.y_max = std::numeric_limits<double>::infinity(); },

@@ -200,8 +200,9 @@ TEST(Seconds, ParsesEveryWayOfWritingThem) {
 }
 
 TEST(Seconds, RefusesEverythingElse) {
-  for (const char* text : {"", ".", "-", "+", "e5", "1e", "1e+", "1.2.3", "1 ", " 1", "1s", "nan", "inf", "0x10", "1e1.5",
-                           "1e100", "4000000001", "-4000000001", "1e10", "--1", "+-1", "1e99999999999"}) {
+  for (const char* text :
+       {"",    ".",   "-",    "+",     "e5",    "1e",         "1e+",         "1.2.3", "1 ",  " 1",  "1s",
+        "nan", "inf", "0x10", "1e1.5", "1e100", "4000000001", "-4000000001", "1e10",  "--1", "+-1", "1e99999999999"}) {
     EXPECT_FALSE(ParseSeconds(text).has_value()) << text;
   }
   EXPECT_FALSE(ParseSeconds(std::string(1000, '1')).has_value());
