@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+
+#include "server/compute_pool.h"
+#include "server/config.h"
+#include "server/fix_history.h"
+#include "server/map_catalog.h"
+#include "server/metrics.h"
+#include "server/rectifier_store.h"
+#include "server/router.h"
+#include "server/vehicle_registry.h"
+
+namespace floorloc {
+
+/// Everything that the routes share. The parts are thread-safe each.
+struct AppState {
+  /// Loads the maps. Throws InputError.
+  AppState(const ServerConfig& server_config, const std::filesystem::path& maps_folder);
+
+  const ServerConfig config;
+  Metrics metrics;
+  MapCatalog catalog;
+  RectifierStore rectifiers;
+  VehicleRegistry vehicles;
+  FixHistory fixes;
+  std::atomic<bool> draining{false};
+  std::function<int()> count_connections = [] { return 0; };  ///< set before serving
+  ComputePool pool;                                          ///< last: its jobs use what stands above
+};
+
+/// The whole HTTP interface, without the sockets.
+class App {
+ public:
+  /// Throws InputError or std::invalid_argument when the configuration, the token or the maps folder is wrong.
+  App(const ServerConfig& config, const std::filesystem::path& maps_folder);
+
+  AppState& state() { return state_; }
+  Router& router() { return router_; }
+
+ private:
+  AppState state_;
+  Router router_;
+};
+
+}  // namespace floorloc

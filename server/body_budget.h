@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace floorloc {
+
+/// Bytes of all bodies that are held at a time.
+class BodyBudget {
+ public:
+  explicit BodyBudget(std::size_t limit) : left_(static_cast<std::int64_t>(limit)) {}
+  bool Take(std::size_t bytes) {
+    if (left_.fetch_sub(static_cast<std::int64_t>(bytes)) >= static_cast<std::int64_t>(bytes)) {
+      return true;
+    }
+    Give(bytes);
+    return false;
+  }
+  void Give(std::size_t bytes) { left_.fetch_add(static_cast<std::int64_t>(bytes)); }
+
+ private:
+  std::atomic<std::int64_t> left_;
+};
+
+/// A share of the budget for the life of one request.
+class BodyReservation {
+ public:
+  BodyReservation(BodyBudget& budget, std::size_t bytes) : budget_(budget), bytes_(bytes), ok_(budget.Take(bytes)) {}
+  ~BodyReservation() {
+    if (ok_) {
+      budget_.Give(bytes_);
+    }
+  }
+  BodyReservation(const BodyReservation&) = delete;
+  BodyReservation& operator=(const BodyReservation&) = delete;
+  bool ok() const { return ok_; }
+
+ private:
+  BodyBudget& budget_;
+  std::size_t bytes_;
+  bool ok_;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/camera_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "server/strict_json.h"
+
+namespace floorloc {
+namespace {
+
+constexpr std::int64_t kMaxSidePx = 1'000'000;
+
+// A flat list, or a ROS matrix {rows, cols, data}.
+std::vector<double> MatrixNumbers(JsonObject& object, const std::string& key) {
+  const nlohmann::json& value = object.Value(key);
+  if (!value.is_object()) {
+    return ReadNumbers(value, object.PathOf(key));
+  }
+  JsonObject matrix = object.Object(key);
+  const std::vector<double> numbers = matrix.Numbers("data");
+  const std::int64_t rows = matrix.Integer("rows", 1, 100);
+  const std::int64_t cols = matrix.Integer("cols", 1, 100);
+  if (rows * cols != static_cast<std::int64_t>(numbers.size())) {
+    throw JsonError(object.PathOf(key) + ": rows x cols does not agree with the number of values in data.");
+  }
+  return numbers;
+}
+
+std::vector<double> NineNumbers(JsonObject& object, const std::string& key) {
+  std::vector<double> numbers = MatrixNumbers(object, key);
+  if (numbers.size() != 9) {
+    throw JsonError(object.PathOf(key) + " must have 9 numbers, row by row.");
+  }
+  return numbers;
+}
+
+DistortionModel ParseModel(const std::string& name) {
+  for (const DistortionModel model :
+       {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant}) {
+    if (name == ToString(model)) {
+      return model;
+    }
+  }
+  throw JsonError("camera.distortion_model must be plumb_bob, rational_polynomial or equidistant.");
+}
+
+nlohmann::json Matrix(int rows, int cols, const std::vector<double>& data) {
+  return {{"rows", rows}, {"cols", cols}, {"data", data}};
+}
+
+}  // namespace
+
+CameraModel ParseCamera(const nlohmann::json& json) {
+  JsonObject object(json, "camera");
+  CameraModel camera;
+  camera.width_px = static_cast<int>(object.Integer("image_width", 1, kMaxSidePx));
+  camera.height_px = static_cast<int>(object.Integer("image_height", 1, kMaxSidePx));
+  if (object.Has("camera_name")) {
+    camera.name = object.Text("camera_name");
+  }
+  const std::vector<double> k = NineNumbers(object, "camera_matrix");
+  if (k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
+    throw JsonError("camera.camera_matrix must be [fx, 0, cx, 0, fy, cy, 0, 0, 1].");
+  }
+  camera.fx = k[0];
+  camera.cx = k[2];
+  camera.fy = k[4];
+  camera.cy = k[5];
+  camera.distortion_model = ParseModel(object.Text("distortion_model"));
+  camera.distortion = MatrixNumbers(object, "distortion_coefficients");
+  return camera;
+}
+
+FloorPlane ParseFloor(const nlohmann::json& json) {
+  JsonObject object(json, "floor");
+  FloorPlane floor;
+  const std::vector<double> h = NineNumbers(object, "homography");
+  floor.base_from_pixel = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
+  JsonObject roi = object.Object("roi");
+  floor.roi = {roi.Number("x_min"), roi.Number("x_max"), roi.Number("y_min"), roi.Number("y_max")};
+  floor.resolution_m = object.Number("resolution");
+  return floor;
+}
+
+nlohmann::json FormatCamera(const CameraModel& camera) {
+  return {{"image_width", camera.width_px},
+          {"image_height", camera.height_px},
+          {"camera_name", camera.name},
+          {"camera_matrix", Matrix(3, 3, {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0})},
+          {"distortion_model", ToString(camera.distortion_model)},
+          {"distortion_coefficients", Matrix(1, static_cast<int>(camera.distortion.size()), camera.distortion)}};
+}
+
+nlohmann::json FormatFloor(const FloorPlane& floor) {
+  nlohmann::json homography = nlohmann::json::array();
+  for (int i = 0; i < 9; ++i) {
+    homography.push_back(floor.base_from_pixel(i / 3, i % 3));
+  }
+  return {{"homography", std::move(homography)},
+          {"roi",
+           {{"x_min", floor.roi.x_min},
+            {"x_max", floor.roi.x_max},
+            {"y_min", floor.roi.y_min},
+            {"y_max", floor.roi.y_max}}},
+          {"resolution", floor.resolution_m}};
+}
+
+}  // namespace floorloc

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+namespace floorloc {
+
+/// A job waited longer than the pool's deadline and was not run.
+class QueueTimeout : public std::runtime_error {
+ public:
+  QueueTimeout() : std::runtime_error("The work waited too long for a free thread.") {}
+};
+
+struct ComputePoolOptions {
+  int threads = 0;                       ///< 0: one per core
+  std::size_t queue_length = 64;         ///< jobs that wait; the excess is refused
+  std::chrono::duration<double> queue_timeout{1.0};
+
+  void Check() const;
+};
+
+/// A fixed number of threads behind a bounded queue: the only place where pictures are decoded and localized.
+class ComputePool {
+ public:
+  explicit ComputePool(const ComputePoolOptions& options);
+  /// Runs what is queued, then joins.
+  ~ComputePool();
+  ComputePool(const ComputePool&) = delete;
+  ComputePool& operator=(const ComputePool&) = delete;
+
+  /// Queues a job. Empty when the queue is full. The future throws what the job threw, or QueueTimeout.
+  template <typename Job>
+  std::optional<std::future<std::invoke_result_t<Job>>> Submit(Job job) {
+    using Result = std::invoke_result_t<Job>;
+    auto promise = std::make_shared<std::promise<Result>>();
+    auto future = promise->get_future();
+    const bool queued = Enqueue([promise, job = std::move(job)](bool expired) mutable {
+      try {
+        if (expired) {
+          throw QueueTimeout();
+        }
+        promise->set_value(job());
+      } catch (...) {
+        promise->set_exception(std::current_exception());
+      }
+    });
+    return queued ? std::optional(std::move(future)) : std::nullopt;
+  }
+
+  std::size_t QueueDepth() const;
+  int threads() const { return static_cast<int>(threads_.size()); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Entry {
+    std::function<void(bool expired)> run;
+    Clock::time_point deadline;
+  };
+
+  bool Enqueue(std::function<void(bool expired)> run);
+  void Work();
+
+  ComputePoolOptions options_;
+  mutable std::mutex mutex_;
+  std::condition_variable ready_;
+  std::deque<Entry> queue_;
+  bool stopping_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/config.h"
+
+#include <charconv>
+#include <stdexcept>
+
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "server/config_json.h"
+#include "server/strict_json.h"
+
+namespace floorloc {
+namespace {
+
+constexpr std::uint64_t kMaxConfigBytes = 1u << 20;
+
+}  // namespace
+
+bool ServerConfig::IsLoopback() const { return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0; }
+
+void ServerConfig::Check() const {
+  localizer.Check();
+  if (!IsLoopback() && token_file.empty() && !open) {
+    throw std::invalid_argument("--listen " + host +
+                                " can be reached from other machines and no token is set: name a token_file in the "
+                                "configuration, or set \"open\": true to let everybody register vehicles.");
+  }
+  if (protect_reads && token_file.empty()) {
+    throw std::invalid_argument("protect_reads needs a token_file in the configuration.");
+  }
+}
+
+void SetListenAddress(const std::string& text, ServerConfig& config) {
+  const std::size_t colon = text.rfind(':');
+  std::string host = colon == std::string::npos ? "" : text.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  }
+  int port = -1;
+  if (colon != std::string::npos) {
+    const char* end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data() + colon + 1, end, port);
+    port = parsed.ec == std::errc() && parsed.ptr == end ? port : -1;
+  }
+  if (host.empty() || port < 0 || port > 65535) {
+    throw std::invalid_argument("--listen '" + text + "' is not HOST:PORT, for example 127.0.0.1:8080.");
+  }
+  config.host = host;
+  config.port = port;
+}
+
+ServerConfig ReadServerConfig(const std::filesystem::path& file) {
+  const std::string text = ReadTextFile(file, kMaxConfigBytes);
+  try {
+    ServerConfig config = ParseServerConfig(text);
+    if (!config.token_file.empty()) {
+      config.token_file = file.parent_path() / config.token_file;
+    }
+    return config;
+  } catch (const JsonError& error) {
+    throw InputError(file, error.what());
+  }
+}
+
+}  // namespace floorloc

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <sys/types.h>
+
+namespace floorloc {
+
+struct ConnectionTimeouts {
+  std::chrono::duration<double> idle{60.0};     ///< between two requests
+  std::chrono::duration<double> request{30.0};  ///< for a whole request, and again for its answer
+};
+
+/// A buffered TCP connection. Every wait has a deadline, and a request that reads more than it was allowed to fails:
+/// neither a slow nor a talkative client holds the server for long.
+class Connection {
+ public:
+  /// Owns socket; stop_event becomes readable when the server stops (it is not read).
+  Connection(int socket, int stop_event, const ConnectionTimeouts& timeouts);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  /// Waits for the first byte of a request. False: closed, idle for too long, or the server stops.
+  bool WaitForRequest();
+  bool IsStopping() const;
+
+  /// Starts the clock of a request whose head may have this many bytes.
+  void BeginRequest(std::size_t max_head_bytes);
+  /// From here on the body is read.
+  void AllowBody(std::size_t max_bytes) { budget_ = max_bytes; }
+
+  /// Bytes read, 0 at the end, -1 on error, timeout or an exhausted budget.
+  ssize_t Read(char* data, std::size_t size);
+  /// Buffers; -1 when the client does not take it.
+  ssize_t Write(const char* data, std::size_t size);
+  bool Flush();
+
+  /// The client is still sending: on close its bytes are swallowed for a moment, so that it can read the answer.
+  void SwallowInputOnClose() { swallow_ = true; }
+
+  int socket() const { return socket_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool WaitFor(short events) const;
+  void SwallowInput() const;
+
+  int socket_;
+  int stop_event_;
+  ConnectionTimeouts timeouts_;
+  Clock::time_point deadline_;
+  std::size_t budget_ = 0;
+  bool answering_ = false;
+  bool swallow_ = false;
+  std::string input_;
+  std::size_t input_used_ = 0;
+  std::string output_;
+};
+
+}  // namespace floorloc

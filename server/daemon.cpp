@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/daemon.h"
+
+#include <signal.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <iostream>
+#include <opencv2/core/utility.hpp>
+#include <thread>
+
+#include "server/app.h"
+#include "server/http_server.h"
+
+namespace floorloc {
+namespace {
+
+/// SIGTERM and SIGINT, blocked in every thread that is started later and taken by one.
+class StopSignals {
+ public:
+  StopSignals() {
+    ::sigemptyset(&set_);
+    ::sigaddset(&set_, SIGTERM);
+    ::sigaddset(&set_, SIGINT);
+    ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+  }
+
+  void Wait() const {
+    int signal = 0;
+    ::sigwait(&set_, &signal);
+  }
+
+  /// At most that long: a second signal shortens it.
+  void WaitFor(double seconds) const {
+    timespec time{};
+    time.tv_sec = static_cast<time_t>(std::floor(seconds));
+    time.tv_nsec = static_cast<long>(1e9 * (seconds - std::floor(seconds)));
+    ::sigtimedwait(&set_, nullptr, &time);
+  }
+
+ private:
+  sigset_t set_{};
+};
+
+void StartLogging(const std::string& level) {
+  static const char* const kLogger = "floorloc";
+  if (spdlog::get(kLogger) == nullptr) {
+    spdlog::set_default_logger(spdlog::stderr_color_mt(kLogger));
+  }
+  spdlog::set_level(spdlog::level::from_str(level));
+}
+
+std::string Address(const ServerConfig& config, int port) {
+  const bool v6 = config.host.find(':') != std::string::npos;
+  return "http://" + (v6 ? "[" + config.host + "]" : config.host) + ":" + std::to_string(port) + "/";
+}
+
+int PrintCheck(const MapCatalog& catalog) {
+  bool all_ready = catalog.CountReady() > 0;
+  for (const auto& map : catalog.All()) {
+    all_ready = all_ready && map->ready();
+    if (map->ready()) {
+      std::cout << map->name << ": version " << map->info().content_version << ", " << map->info().area_m2 << " m2, "
+                << map->localizer->map().keypoints.size() << " keypoints\n";
+    } else {
+      std::cout << map->name << ": not served: " << map->error << '\n';
+    }
+  }
+  if (catalog.All().empty()) {
+    std::cout << "no NAME.floormap in the maps folder\n";
+  }
+  return all_ready ? 0 : 1;
+}
+
+void WarnWhenOpen(const ServerConfig& config) {
+  if (!config.IsLoopback() && config.token_file.empty()) {
+    spdlog::warn("OPEN SERVER: everybody who reaches {} can register and delete vehicles; set a token_file",
+                 config.host);
+  }
+}
+
+void Serve(App& app, const StopSignals& signals) {
+  AppState& state = app.state();
+  HttpServer server({state.config.host, state.config.port, state.config.limits}, app.router());
+  state.count_connections = [&server] { return server.connections(); };
+  std::thread stopper([&] {
+    signals.Wait();
+    spdlog::info("stopping");
+    state.draining = true;
+    signals.WaitFor(state.config.drain_s);
+    server.Stop();
+  });
+  spdlog::info("serving {} maps on {}", state.catalog.CountReady(), Address(state.config, server.port()));
+  server.Serve();
+  stopper.join();
+  spdlog::info("stopped");
+}
+
+}  // namespace
+
+int RunDaemon(const DaemonOptions& options) {
+  ServerConfig config = options.config_file.empty() ? ServerConfig{} : ReadServerConfig(options.config_file);
+  SetListenAddress(options.listen, config);
+  StartLogging(config.log_level);
+  const StopSignals signals;
+  // One request, one thread: OpenCV's own threads would only take the cores from the other requests.
+  cv::setNumThreads(1);
+  App app(config, options.maps_folder);
+  if (options.check) {
+    return PrintCheck(app.state().catalog);
+  }
+  WarnWhenOpen(config);
+  Serve(app, signals);
+  return 0;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace floorloc {
+
+/// The command line of floorloc-server.
+struct DaemonOptions {
+  std::filesystem::path maps_folder;
+  std::string listen = "127.0.0.1:8080";
+  std::filesystem::path config_file;  ///< empty: all defaults
+  bool check = false;                 ///< only say what would be served
+};
+
+/// Serves until SIGTERM or SIGINT, then answers what is in flight. Returns the exit code: with `check` 1 when a map
+/// cannot be served, otherwise 0. Throws with one sentence when it cannot start.
+int RunDaemon(const DaemonOptions& options);
+
+}  // namespace floorloc

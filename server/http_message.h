@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace floorloc {
+
+/// One part of a multipart/form-data body.
+struct HttpPart {
+  std::string name;
+  std::string content_type;
+  std::string content;
+};
+
+/// A request as the handlers see it: decoded, and independent of the HTTP library.
+struct HttpRequest {
+  std::string method;
+  std::string path;                          ///< decoded, without the query
+  std::multimap<std::string, std::string> query;
+  std::map<std::string, std::string> headers;  ///< names in lower case; the first of several with one name
+  std::map<std::string, std::string> path_parameters;
+  std::string remote_address;
+  std::string body;             ///< empty for multipart/form-data
+  std::vector<HttpPart> parts;  ///< of multipart/form-data
+
+  /// Value of a header (name in lower case), or "".
+  std::string Header(const std::string& name) const;
+  /// Media type of the body in lower case, without parameters; "" when there is none.
+  std::string ContentType() const;
+  /// Value of a query parameter. Throws Problem when it is given twice.
+  std::optional<std::string> QueryValue(const std::string& name) const;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;
+  std::string body;
+  std::map<std::string, std::string> headers;
+};
+
+}  // namespace floorloc

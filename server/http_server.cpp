@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http_server.h"
+
+#include <httplib.h>
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+
+#include <atomic>
+#include <list>
+#include <mutex>
+#include <thread>
+
+#include "server/body_budget.h"
+#include "server/connection.h"
+#include "server/listener.h"
+
+namespace floorloc {
+namespace {
+
+constexpr std::size_t kMaxHeadBytes = std::size_t{32} << 10;
+constexpr std::size_t kBodyOverheadBytes = std::size_t{64} << 10;  // chunk sizes, part headers
+constexpr std::size_t kMaxParts = 16;
+constexpr std::chrono::milliseconds kAcceptRetry{50};
+
+class ConnectionStream : public httplib::Stream {
+ public:
+  explicit ConnectionStream(Connection& connection) : connection_(connection) {}
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* data, size_t size) override { return connection_.Read(data, size); }
+  ssize_t write(const char* data, size_t size) override { return connection_.Write(data, size); }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip = RemoteAddress(connection_.socket());
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return connection_.socket(); }
+
+ private:
+  Connection& connection_;
+};
+
+std::string LowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+HttpRequest ToRequest(const httplib::Request& raw) {
+  HttpRequest request;
+  request.method = raw.method;
+  request.path = raw.path;
+  request.query = raw.params;
+  request.remote_address = raw.remote_addr;
+  for (const auto& [name, value] : raw.headers) {
+    request.headers.emplace(LowerCase(name), value);
+  }
+  return request;
+}
+
+void Fill(const HttpResponse& response, httplib::Response& raw) {
+  raw.status = response.status;
+  raw.set_content(response.body, response.content_type);
+  for (const auto& [name, value] : response.headers) {
+    raw.set_header(name, value);
+  }
+}
+
+bool HasBody(const httplib::Request& raw) {
+  return raw.has_header("Transfer-Encoding") ||
+         (raw.has_header("Content-Length") && raw.get_header_value("Content-Length") != "0");
+}
+
+/// Parses the requests of one connection with cpp-httplib and hands them to the handler.
+class RequestLoop : private httplib::Server {
+ public:
+  RequestLoop(Connection& connection, const ServerLimits& limits, BodyBudget& budget, HttpHandler& handler)
+      : connection_(connection), stream_(connection), limits_(limits), budget_(budget), handler_(handler) {
+    // Any path, line breaks included.
+    static const std::string kAnything = R"([\s\S]*)";
+    const HandlerWithContentReader with_body = [this](const httplib::Request& raw, httplib::Response& answer,
+                                                      const httplib::ContentReader& reader) {
+      AnswerWithBody(raw, answer, reader);
+    };
+    Post(kAnything, with_body).Put(kAnything, with_body).Patch(kAnything, with_body).Delete(kAnything, with_body);
+    set_pre_routing_handler([this](const httplib::Request& raw, httplib::Response& answer) {
+      return AnswerWithoutBody(raw, answer);
+    });
+    set_error_handler([this](const httplib::Request& raw, httplib::Response& answer) {
+      if (answer.body.empty()) {
+        Fill(handler_.Refuse(ToRequest(raw), ProblemOfStatus(answer.status)), answer);
+      }
+    });
+    set_post_routing_handler([this](const httplib::Request&, httplib::Response& answer) {
+      if (close_) {
+        answer.headers.erase("Connection");
+        answer.headers.erase("Keep-Alive");
+        answer.set_header("Connection", "close");
+      }
+    });
+    set_payload_max_length(limits.max_body_bytes);
+    set_keep_alive_timeout(static_cast<time_t>(limits.idle_timeout_s));
+    set_keep_alive_max_count(std::numeric_limits<std::int32_t>::max());
+  }
+
+  void Run() {
+    bool open = true;
+    while (open && connection_.WaitForRequest()) {
+      connection_.BeginRequest(kMaxHeadBytes);
+      close_ = connection_.IsStopping();
+      bool asked_to_close = false;
+      const bool answered = process_request(stream_, close_, asked_to_close, [this](httplib::Request& raw) {
+        raw.ranges.clear();
+        // A body that no handler reads would be taken for the next request.
+        if (HasBody(raw) && !TakesBody(raw.method)) {
+          CloseWithUnreadBody();
+        }
+        connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
+      });
+      open = connection_.Flush() && answered && !asked_to_close && !close_;
+    }
+  }
+
+ private:
+  static bool TakesBody(const std::string& method) {
+    return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
+  }
+
+  void CloseWithUnreadBody() {
+    close_ = true;
+    connection_.SwallowInputOnClose();
+  }
+
+  HandlerResponse AnswerWithoutBody(const httplib::Request& raw, httplib::Response& answer) {
+    if (TakesBody(raw.method)) {
+      return HandlerResponse::Unhandled;
+    }
+    HttpRequest request = ToRequest(raw);
+    const std::optional<HttpResponse> refusal = handler_.Admit(request);
+    Fill(refusal ? *refusal : handler_.Handle(std::move(request)), answer);
+    return HandlerResponse::Handled;
+  }
+
+  void AnswerWithBody(const httplib::Request& raw, httplib::Response& answer, const httplib::ContentReader& reader) {
+    HttpRequest request = ToRequest(raw);
+    if (const std::optional<HttpResponse> refusal = handler_.Admit(request)) {
+      Fill(*refusal, answer);
+      if (HasBody(raw)) {
+        CloseWithUnreadBody();
+      }
+      return;
+    }
+    const BodyReservation reservation(budget_, BytesToReserve(raw));
+    try {
+      ReadBody(raw, answer, reader, reservation.ok(), request);
+    } catch (const Problem& problem) {
+      CloseWithUnreadBody();
+      Fill(handler_.Refuse(request, problem), answer);
+      return;
+    }
+    Fill(handler_.Handle(std::move(request)), answer);
+  }
+
+  // What is not announced, or packed, may grow up to the limit.
+  std::size_t BytesToReserve(const httplib::Request& raw) const {
+    if (!HasBody(raw)) {
+      return 0;
+    }
+    const bool announced = raw.has_header("Content-Length") && !raw.has_header("Content-Encoding");
+    return announced ? std::min<std::size_t>(raw.get_header_value<std::uint64_t>("Content-Length"),
+                                             limits_.max_body_bytes)
+                     : limits_.max_body_bytes;
+  }
+
+  void ReadBody(const httplib::Request& raw, const httplib::Response& answer, const httplib::ContentReader& reader,
+                bool reserved, HttpRequest& request) {
+    if (!HasBody(raw)) {
+      return;
+    }
+    const Problem too_large(413, "body_too_large",
+                            "The body is larger than " + std::to_string(limits_.max_body_bytes) + " bytes.");
+    if (raw.get_header_value<std::uint64_t>("Content-Length") > limits_.max_body_bytes) {
+      throw too_large;
+    }
+    if (!reserved) {
+      throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
+    }
+    bool exceeded = false;
+    const bool complete = raw.is_multipart_form_data() ? ReadParts(reader, request, exceeded)
+                                                       : ReadPlain(reader, request, exceeded);
+    if (exceeded) {
+      throw too_large;
+    }
+    if (!complete) {
+      throw answer.status == 415 ? ProblemOfStatus(415)
+                                 : Problem(400, "malformed_body", raw.is_multipart_form_data()
+                                                                      ? "The multipart/form-data body is malformed."
+                                                                      : "The body ended before it was complete.");
+    }
+  }
+
+  bool ReadPlain(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {
+    return reader([&](const char* data, std::size_t size) {
+      exceeded = request.body.size() + size > limits_.max_body_bytes;
+      if (!exceeded) {
+        request.body.append(data, size);
+      }
+      return !exceeded;
+    });
+  }
+
+  bool ReadParts(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {
+    std::size_t total = 0;
+    const auto begin_part = [&](const httplib::MultipartFormData& part) {
+      exceeded = exceeded || request.parts.size() >= kMaxParts;
+      request.parts.push_back({part.name, part.content_type, ""});
+      return !exceeded;
+    };
+    return reader(begin_part, [&](const char* data, std::size_t size) {
+      total += size;
+      exceeded = exceeded || total > limits_.max_body_bytes;
+      if (!exceeded) {
+        request.parts.back().content.append(data, size);
+      }
+      return !exceeded;
+    });
+  }
+
+  Connection& connection_;
+  ConnectionStream stream_;
+  const ServerLimits& limits_;
+  BodyBudget& budget_;
+  HttpHandler& handler_;
+  bool close_ = false;
+};
+
+void WriteAnswer(const HttpResponse& response, Connection& connection) {
+  std::string head = "HTTP/1.1 " + std::to_string(response.status) + " Service Unavailable\r\nConnection: close\r\n" +
+                     "Content-Type: " + response.content_type +
+                     "\r\nContent-Length: " + std::to_string(response.body.size()) + "\r\n";
+  for (const auto& [name, value] : response.headers) {
+    head.append(name).append(": ").append(value).append("\r\n");
+  }
+  head.append("\r\n").append(response.body);
+  connection.Write(head.data(), head.size());
+  connection.Flush();
+}
+
+}  // namespace
+
+struct HttpServer::Impl {
+  Impl(const HttpServerOptions& server_options, HttpHandler& server_handler)
+      : options(server_options),
+        handler(server_handler),
+        budget(options.limits.max_bodies_bytes),
+        stop_event(::eventfd(0, EFD_CLOEXEC)),
+        listener(Listen(options.host, options.port)) {
+    timeouts.idle = std::chrono::duration<double>(options.limits.idle_timeout_s);
+    timeouts.request = std::chrono::duration<double>(options.limits.request_timeout_s);
+  }
+
+  bool WaitForConnection() const {
+    std::array<pollfd, 2> waiting{pollfd{listener.socket.get(), POLLIN, 0}, pollfd{stop_event.get(), POLLIN, 0}};
+    ::poll(waiting.data(), waiting.size(), -1);
+    return (waiting[1].revents & POLLIN) == 0;
+  }
+
+  void Accept();
+  void Run(int socket);
+  void Reject(int socket);
+  void JoinFinished();
+
+  HttpServerOptions options;
+  HttpHandler& handler;
+  BodyBudget budget;
+  ConnectionTimeouts timeouts;
+  FileDescriptor stop_event;
+  Listener listener;
+  std::atomic<int> active{0};
+  std::list<std::thread> threads;
+  std::mutex mutex;
+  std::vector<std::thread::id> finished;  // guarded by mutex
+};
+
+// Runs in the accepting thread, so it must not wait for the client.
+void HttpServer::Impl::Reject(int socket) {
+  const Overload problem("too_many_connections", "The server has as many connections as it takes; try again later.");
+  ConnectionTimeouts at_once;
+  at_once.idle = at_once.request = std::chrono::duration<double>(0.0);
+  Connection connection(socket, stop_event.get(), at_once);
+  connection.SwallowInputOnClose();
+  WriteAnswer(handler.Refuse({}, problem), connection);
+}
+
+void HttpServer::Impl::Run(int socket) {
+  try {
+    Connection connection(socket, stop_event.get(), timeouts);
+    RequestLoop(connection, options.limits, budget, handler).Run();
+  } catch (const std::exception& error) {
+    spdlog::error("a connection was dropped: {}", error.what());
+  }
+  active.fetch_sub(1);
+  const std::lock_guard lock(mutex);
+  finished.push_back(std::this_thread::get_id());
+}
+
+void HttpServer::Impl::Accept() {
+  const int socket = ::accept4(listener.socket.get(), nullptr, nullptr, SOCK_CLOEXEC);
+  if (socket < 0) {
+    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+      spdlog::warn("cannot accept a connection: {}", std::strerror(errno));
+      std::this_thread::sleep_for(kAcceptRetry);
+    }
+    return;
+  }
+  if (active.load() >= options.limits.max_connections) {
+    Reject(socket);
+    return;
+  }
+  active.fetch_add(1);
+  try {
+    threads.emplace_back([this, socket] { Run(socket); });
+  } catch (const std::system_error& error) {
+    active.fetch_sub(1);
+    spdlog::warn("cannot start a thread for a connection: {}", error.what());
+    Reject(socket);
+  }
+}
+
+void HttpServer::Impl::JoinFinished() {
+  std::vector<std::thread::id> ids;
+  {
+    const std::lock_guard lock(mutex);
+    ids.swap(finished);
+  }
+  for (const std::thread::id id : ids) {
+    const auto it = std::find_if(threads.begin(), threads.end(), [id](const auto& t) { return t.get_id() == id; });
+    it->join();
+    threads.erase(it);
+  }
+}
+
+HttpServer::HttpServer(const HttpServerOptions& options, HttpHandler& handler)
+    : impl_(std::make_unique<Impl>(options, handler)) {}
+
+HttpServer::~HttpServer() = default;
+
+int HttpServer::port() const { return impl_->listener.port; }
+
+int HttpServer::connections() const { return impl_->active.load(); }
+
+void HttpServer::Serve() {
+  while (impl_->WaitForConnection()) {
+    impl_->Accept();
+    impl_->JoinFinished();
+  }
+  impl_->listener.socket.Reset();
+  for (std::thread& thread : impl_->threads) {
+    thread.join();
+  }
+  impl_->threads.clear();
+}
+
+void HttpServer::Stop() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = ::write(impl_->stop_event.get(), &one, sizeof one);
+}
+
+}  // namespace floorloc

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/localize_json.h"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "server/camera_json.h"
+#include "server/names.h"
+#include "server/problem.h"
+#include "server/strict_json.h"
+
+namespace floorloc {
+namespace {
+
+constexpr double kMaxCoordinateM = 1e7;
+
+std::optional<double> ParseFinite(std::string_view text) {
+  double value = 0.0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = result.ec == std::errc() && result.ptr == text.data() + text.size();
+  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+std::vector<double> ParseNumberList(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::optional<double> value = ParseFinite(text.substr(start, end - start));
+    if (!value) {
+      return {};
+    }
+    numbers.push_back(*value);
+    start = end + 1;
+  }
+  return numbers;
+}
+
+PosePrior MakePrior(const std::vector<double>& numbers, const std::optional<double>& radius_m) {
+  if (numbers.size() != 3 || std::abs(numbers[0]) > kMaxCoordinateM || std::abs(numbers[1]) > kMaxCoordinateM ||
+      std::abs(numbers[2]) > kMaxCoordinateM) {
+    throw JsonError("prior must be three finite numbers x,y,yaw (metres, metres, radians).");
+  }
+  PosePrior prior;
+  prior.map_from_base = Pose2(numbers[0], numbers[1], numbers[2]);
+  if (radius_m) {
+    if (*radius_m <= 0.0 || *radius_m > kMaxCoordinateM) {
+      throw JsonError("radius must be a positive number of metres.");
+    }
+    prior.radius_m = *radius_m;
+  }
+  return prior;
+}
+
+// "x,y,yaw", [x, y, yaw] or {"x","y","yaw"}
+std::vector<double> ParsePriorValue(JsonObject& object) {
+  const nlohmann::json& value = object.Value("prior");
+  if (value.is_string()) {
+    return ParseNumberList(value.get_ref<const std::string&>());
+  }
+  if (value.is_array()) {
+    return ReadNumbers(value, "prior");
+  }
+  JsonObject pose(value, "prior");
+  std::vector<double> numbers = {pose.Number("x"), pose.Number("y"), pose.Number("yaw")};
+  pose.RejectUnknownKeys();
+  return numbers;
+}
+
+void CheckWhole(const LocalizeRequest& request, bool has_radius) {
+  if (has_radius && !request.prior) {
+    throw JsonError("radius only makes sense with prior.");
+  }
+  if (request.vehicle.empty() && !request.camera) {
+    throw JsonError("vehicle is missing: name a registered vehicle, or send camera and floor.");
+  }
+  if (!request.vehicle.empty() && (request.camera || !IsVehicleId(request.vehicle))) {
+    throw JsonError("vehicle must be an id of letters, digits, '_', '.' and '-', and excludes camera and floor.");
+  }
+}
+
+std::optional<double> QueryNumber(const HttpRequest& request, const std::string& name) {
+  const std::optional<std::string> text = request.QueryValue(name);
+  const std::optional<double> value = text ? ParseFinite(*text) : std::nullopt;
+  if (text && !value) {
+    throw JsonError(name + " must be a finite number.");
+  }
+  return value;
+}
+
+LocalizeRequest ReadQuery(const HttpRequest& request) {
+  static const std::set<std::string> kKnown = {"vehicle", "prior", "radius", "stamp"};
+  for (const auto& [name, value] : request.query) {
+    if (!kKnown.contains(name)) {
+      throw JsonError("'" + name + "' is not a query parameter of localize: vehicle, prior, radius, stamp.");
+    }
+  }
+  LocalizeRequest localize;
+  localize.vehicle = request.QueryValue("vehicle").value_or("");
+  localize.stamp_s = QueryNumber(request, "stamp");
+  const std::optional<double> radius_m = QueryNumber(request, "radius");
+  if (const std::optional<std::string> prior = request.QueryValue("prior")) {
+    localize.prior = MakePrior(ParseNumberList(*prior), radius_m);
+  }
+  CheckWhole(localize, radius_m.has_value());
+  return localize;
+}
+
+// Map, version, frame and time travel in one object with the coordinates: nobody can mix them up.
+nlohmann::json FormatPose(const FixRecord& record, const Pose2& pose) {
+  return {{"map", record.map},  {"map_version", record.map_version}, {"frame", "map"}, {"stamp", record.stamp_s},
+          {"x", pose.x()},      {"y", pose.y()},                     {"yaw", pose.yaw()}};
+}
+
+nlohmann::json FormatFixPose(const FixRecord& record) {
+  nlohmann::json pose = FormatPose(record, record.result.map_from_base);
+  nlohmann::json covariance = nlohmann::json::array();
+  for (int i = 0; i < 9; ++i) {
+    covariance.push_back(record.result.covariance(i / 3, i % 3));
+  }
+  pose["covariance"] = std::move(covariance);
+  return pose;
+}
+
+nlohmann::json FormatFix(const FixRecord& record) {
+  const LocalizationResult& r = record.result;
+  return {{"keypoints", r.keypoints}, {"matches", r.matches},   {"inliers", r.inliers},
+          {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong},   {"search", record.search}};
+}
+
+nlohmann::json FormatAlternatives(const FixRecord& record) {
+  nlohmann::json alternatives = nlohmann::json::array();
+  for (const PoseHypothesis& hypothesis : record.result.alternatives) {
+    nlohmann::json item = FormatPose(record, hypothesis.target_from_source);
+    item["inliers"] = hypothesis.inliers;
+    item["weight"] = hypothesis.weight;
+    alternatives.push_back(std::move(item));
+  }
+  return alternatives;
+}
+
+void AddStatus(const FixRecord& record, nlohmann::json& answer) {
+  answer["status"] = ToString(record.result.status);
+  if (record.result.status == LocalizationStatus::kLocalized) {
+    answer["pose"] = FormatFixPose(record);
+  } else if (record.result.status == LocalizationStatus::kNotLocalized) {
+    answer["reason"] = ToString(record.result.reason);
+  }
+  answer["fix"] = FormatFix(record);
+  answer["alternatives"] = FormatAlternatives(record);
+}
+
+}  // namespace
+
+LocalizeRequest ParseLocalizeQuery(const HttpRequest& request) {
+  try {
+    return ReadQuery(request);
+  } catch (const JsonError& error) {
+    throw Problem(400, "invalid_parameter", error.what());
+  }
+}
+
+LocalizeRequest ParseLocalizeJson(const std::string& text) {
+  const nlohmann::json json = ParseJson(text);
+  JsonObject object(json, "");
+  LocalizeRequest request;
+  if (object.Has("vehicle")) {
+    request.vehicle = object.Text("vehicle");
+  }
+  if (object.Has("camera") || object.Has("floor")) {
+    request.camera = FloorCamera{ParseCamera(object.Value("camera")), ParseFloor(object.Value("floor"))};
+  }
+  if (object.Has("stamp")) {
+    request.stamp_s = object.Number("stamp");
+  }
+  const bool has_radius = object.Has("radius");
+  const std::optional<double> radius_m = has_radius ? std::optional(object.Number("radius")) : std::nullopt;
+  if (object.Has("prior")) {
+    request.prior = MakePrior(ParsePriorValue(object), radius_m);
+  }
+  object.RejectUnknownKeys();
+  CheckWhole(request, has_radius);
+  return request;
+}
+
+std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome& outcome) {
+  nlohmann::json answer;
+  AddStatus(record, answer);
+  const LocalizationTiming& timing = record.result.timing;
+  answer["timing_ms"] = {{"decode", outcome.decode_ms},   {"rectify", timing.rectify_ms},
+                         {"features", timing.features_ms}, {"match", timing.match_ms},
+                         {"register", timing.register_ms}, {"total", outcome.total_ms}};
+  return ToText(answer);
+}
+
+nlohmann::json FormatFixRecord(const FixRecord& record) {
+  nlohmann::json json = {{"sequence", record.sequence},
+                         {"received", record.received_s},
+                         {"stamp", record.stamp_s},
+                         {"vehicle", record.vehicle.empty() ? nlohmann::json() : nlohmann::json(record.vehicle)}};
+  AddStatus(record, json);
+  return json;
+}
+
+std::string FormatFixList(const std::vector<FixRecord>& records, std::uint64_t next) {
+  nlohmann::json fixes = nlohmann::json::array();
+  for (const FixRecord& record : records) {
+    fixes.push_back(FormatFixRecord(record));
+  }
+  return ToText({{"fixes", std::move(fixes)}, {"next", next}});
+}
+
+}  // namespace floorloc

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "core/geometry/floor_plane.h"
+#include "core/localization/localizer.h"
+#include "server/fix_history.h"
+#include "server/http_message.h"
+#include "server/localize_service.h"
+
+namespace floorloc {
+
+/// What a client asks of localize, apart from the picture.
+struct LocalizeRequest {
+  std::string vehicle;                ///< empty: the camera is inline
+  std::optional<FloorCamera> camera;  ///< inline
+  std::optional<PosePrior> prior;
+  std::optional<double> stamp_s;
+};
+
+/// From the query: vehicle, prior=x,y,yaw, radius, stamp. Throws Problem 400 invalid_parameter.
+LocalizeRequest ParseLocalizeQuery(const HttpRequest& request);
+/// From the part `request`: the same fields, or camera and floor. Throws JsonError.
+LocalizeRequest ParseLocalizeJson(const std::string& text);
+
+/// The answer of localize.
+std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome& outcome);
+
+/// A fix as viewers get it.
+nlohmann::json FormatFixRecord(const FixRecord& record);
+/// {"fixes":[...],"next":SEQUENCE}
+std::string FormatFixList(const std::vector<FixRecord>& records, std::uint64_t next);
+
+}  // namespace floorloc

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/localize_service.h"
+
+#include <chrono>
+#include <string>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "server/problem.h"
+
+namespace floorloc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+std::string SizeText(int width_px, int height_px) { return std::to_string(width_px) + " x " + std::to_string(height_px); }
+
+void AddTiming(const LocalizationTiming& more, LocalizationTiming& timing) {
+  timing.rectify_ms += more.rectify_ms;
+  timing.features_ms += more.features_ms;
+  timing.match_ms += more.match_ms;
+  timing.register_ms += more.register_ms;
+  timing.total_ms += more.total_ms;
+}
+
+cv::Mat Decode(const LocalizeJob& job) {
+  const CameraModel& camera = job.rectifier->camera().camera;
+  try {
+    return DecodeGray(job.bytes, camera.width_px, camera.height_px, "image");
+  } catch (const InputError& error) {
+    throw Problem(422, "invalid_image", error.what());
+  }
+}
+
+}  // namespace
+
+void CheckImageHeader(std::span<const std::uint8_t> bytes, const CameraModel& camera, std::int64_t max_pixels) {
+  const std::optional<ImageHeader> header = ProbeImage(bytes);
+  if (!header) {
+    throw Problem(422, "invalid_image", "The image is no JPEG or PNG, or its header is damaged.");
+  }
+  if (static_cast<std::int64_t>(header->width_px) * header->height_px > max_pixels) {
+    throw Problem(413, "image_too_large",
+                  "The image announces " + SizeText(header->width_px, header->height_px) +
+                      " pixels; this server decodes at most " + std::to_string(max_pixels) + ".");
+  }
+  if (header->width_px != camera.width_px || header->height_px != camera.height_px) {
+    throw Problem(422, "image_size_mismatch",
+                  "The image has " + SizeText(header->width_px, header->height_px) + " pixels, but the camera " +
+                      SizeText(camera.width_px, camera.height_px) + "; send what the calibrated camera takes.");
+  }
+}
+
+LocalizeOutcome RunLocalization(const LocalizeJob& job) {
+  const auto start = Clock::now();
+  const cv::Mat picture = Decode(job);
+  LocalizeOutcome outcome;
+  outcome.decode_ms = MillisecondsSince(start);
+  outcome.search = job.prior ? "prior" : "global";
+  outcome.result = job.map->localizer->Localize(*job.rectifier, picture, job.prior);
+  if (job.prior && outcome.result.status == LocalizationStatus::kNotLocalized) {
+    LocalizationResult global = job.map->localizer->Localize(*job.rectifier, picture, std::nullopt);
+    AddTiming(outcome.result.timing, global.timing);
+    outcome.search = "global";
+    outcome.result = std::move(global);
+  }
+  outcome.total_ms = MillisecondsSince(start);
+  return outcome;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/localization/localizer.h"
+#include "core/map/map_database.h"
+
+namespace floorloc {
+
+/// A map as it is served; never changes. A request keeps the one it started with.
+struct LoadedMap {
+  std::string name;
+  std::string error;  ///< why it cannot be served; empty when it can
+  std::unique_ptr<const MapDatabase> database;
+  std::unique_ptr<const Localizer> localizer;
+
+  bool ready() const { return localizer != nullptr; }
+  const MapInfo& info() const { return localizer->map().info; }
+};
+
+/// Opens a map file and builds its search structures. A map that cannot be read comes back with its error.
+std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, const LocalizerOptions& options);
+
+/// All maps of a folder, by name. Thread-safe.
+class MapCatalog {
+ public:
+  /// Loads every NAME.floormap of the folder. Throws InputError when the folder cannot be read.
+  MapCatalog(const std::filesystem::path& folder, const LocalizerOptions& options);
+
+  /// Null when there is no such map.
+  std::shared_ptr<const LoadedMap> Find(const std::string& name) const;
+  std::vector<std::shared_ptr<const LoadedMap>> All() const;
+  std::size_t CountReady() const;
+
+ private:
+  void Set(std::shared_ptr<const LoadedMap> map);
+
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const LoadedMap>> maps_;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/map_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "server/camera_json.h"
+#include "server/strict_json.h"
+
+namespace floorloc {
+namespace {
+
+nlohmann::json FormatExtent(const RectM& extent) {
+  return {{"x_min", extent.x_min}, {"x_max", extent.x_max}, {"y_min", extent.y_min}, {"y_max", extent.y_max}};
+}
+
+nlohmann::json FormatExtractor(const ExtractorOptions& options) {
+  return {{"type", ToString(options.type)},
+          {"max_keypoints", options.max_keypoints},
+          {"cell_px", options.cell_px},
+          {"levels", options.levels},
+          {"scale_factor", options.scale_factor},
+          {"threshold", options.threshold},
+          {"normalize_radius_px", options.normalize_radius_px},
+          {"smooth_sigma_px", options.smooth_sigma_px}};
+}
+
+nlohmann::json FormatMosaic(const MosaicLayout& mosaic) {
+  return {{"tile_px", mosaic.tile_px}, {"max_zoom", mosaic.max_zoom}, {"resolution", mosaic.resolution_m}};
+}
+
+nlohmann::json FormatSummary(const LoadedMap& map) {
+  if (!map.ready()) {
+    return {{"name", map.name}, {"status", "error"}, {"error", map.error}};
+  }
+  const MapInfo& info = map.info();
+  const FloorMap& content = map.localizer->map();
+  return {{"name", map.name},
+          {"status", "ready"},
+          {"id", info.id},
+          {"version", info.content_version},
+          {"created", info.created},
+          {"builder_version", info.builder_version},
+          {"frame", "map"},
+          {"resolution", info.resolution_m},
+          {"extent", FormatExtent(info.extent)},
+          {"area_m2", info.area_m2},
+          {"layers",
+           {{{"name", "floor"},
+             {"extractor", ToString(info.extractor.type)},
+             {"keypoints", content.keypoints.size()}}}},
+          {"mosaic", FormatMosaic(content.mosaic)}};
+}
+
+// The builder writes JSON objects; a map from elsewhere may hold anything.
+nlohmann::json EmbeddedJson(const std::string& text) {
+  nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
+  return value.is_discarded() ? nlohmann::json() : value;
+}
+
+}  // namespace
+
+std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& map : maps) {
+    list.push_back(FormatSummary(*map));
+  }
+  return ToText({{"maps", std::move(list)}});
+}
+
+std::string FormatMap(const LoadedMap& map) {
+  nlohmann::json json = FormatSummary(map);
+  if (map.ready()) {
+    const MapInfo& info = map.info();
+    json["format_version"] = info.format_version;
+    json["extractor"] = FormatExtractor(info.extractor);
+    json["camera"] = FormatCamera(info.camera.camera);
+    json["floor"] = FormatFloor(info.camera.floor);
+  }
+  return ToText(json);
+}
+
+std::string FormatReport(const LoadedMap& map) {
+  const nlohmann::json report = EmbeddedJson(map.info().report_json);
+  return report.is_object() ? ToText(report) : "{}";
+}
+
+}  // namespace floorloc

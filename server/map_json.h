@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/map_catalog.h"
+
+namespace floorloc {
+
+/// {"maps":[...]}
+std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps);
+/// One map with everything it says about itself.
+std::string FormatMap(const LoadedMap& map);
+/// The build report as it stands in the map; {} when it has none.
+std::string FormatReport(const LoadedMap& map);
+
+}  // namespace floorloc

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <charconv>
+
+#include "server/localize_json.h"
+#include "server/map_json.h"
+#include "server/routes.h"
+
+namespace floorloc {
+namespace {
+
+constexpr int kMaxTileIndex = 1 << 30;
+
+std::optional<int> ParseTileIndex(const std::string& text) {
+  int value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = result.ec == std::errc() && result.ptr == text.data() + text.size();
+  return whole && std::abs(value) <= kMaxTileIndex ? std::optional(value) : std::nullopt;
+}
+
+TileId ParseTileId(const HttpRequest& request, const MosaicLayout& layout) {
+  const auto z = ParseTileIndex(request.path_parameters.at("z"));
+  const auto x = ParseTileIndex(request.path_parameters.at("x"));
+  const auto y = ParseTileIndex(request.path_parameters.at("y"));
+  if (!z || !x || !y || *z < 0 || *z > layout.max_zoom) {
+    throw Problem(404, "tile_not_found", "There is no such tile; z goes from 0 to " + std::to_string(layout.max_zoom) +
+                                             ", x and y are whole numbers.");
+  }
+  return {*z, *x, *y};
+}
+
+// An address with the version in it (?v=...) never changes; the plain one has to be asked for again.
+std::string CacheControl(const HttpRequest& request, const std::string& version) {
+  return request.QueryValue("v") == version ? "public, max-age=31536000, immutable" : "no-cache";
+}
+
+std::shared_ptr<const LoadedMap> FindMap(const AppState& state, const HttpRequest& request) {
+  auto map = state.catalog.Find(request.path_parameters.at("map"));
+  if (map == nullptr) {
+    throw Problem(404, "unknown_map", "There is no map of this name; GET /v1/maps lists them.");
+  }
+  return map;
+}
+
+HttpResponse AnswerTile(const AppState& state, const HttpRequest& request) {
+  const auto map = RequireMap(state, request);
+  const TileId id = ParseTileId(request, map->localizer->map().mosaic);
+  const std::string& version = map->info().content_version;
+  const std::string etag = '"' + version + '"';
+  HttpResponse response;
+  response.headers = {{"ETag", etag}, {"Cache-Control", CacheControl(request, version)}};
+  if (request.Header("if-none-match") == etag) {
+    response.status = 304;
+    return response;
+  }
+  const auto jpeg = map->database->ReadMosaicTile(id);
+  if (!jpeg) {
+    throw Problem(404, "tile_not_found", "The mosaic has no tile here.");
+  }
+  response.content_type = "image/jpeg";
+  response.body.assign(jpeg->begin(), jpeg->end());
+  return response;
+}
+
+HttpResponse AnswerMap(const AppState& state, const HttpRequest& request) {
+  return JsonResponse(200, FormatMap(*FindMap(state, request)));
+}
+
+HttpResponse AnswerFixes(const AppState& state, const HttpRequest& request) {
+  const auto map = RequireMap(state, request);
+  const std::string text = request.QueryValue("since").value_or("0");
+  std::uint64_t since = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), since);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size()) {
+    throw Problem(400, "invalid_parameter", "since must be the number that the previous answer gave as next.");
+  }
+  const std::vector<FixRecord> records = state.fixes.Since(map->name, since);
+  const std::uint64_t next = records.empty() ? std::min(since, state.fixes.last_sequence()) : records.back().sequence;
+  return JsonResponse(200, FormatFixList(records, next));
+}
+
+}  // namespace
+
+HttpResponse JsonResponse(int status, std::string body) {
+  return {status, "application/json", std::move(body), {{"Cache-Control", "no-store"}}};
+}
+
+std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request) {
+  auto map = FindMap(state, request);
+  if (!map->ready()) {
+    throw Overload("map_unavailable", "The map could not be loaded: " + map->error);
+  }
+  return map;
+}
+
+void AddMapRoutes(AppState& state, Router& router) {
+  router.Add({"GET", "/v1/maps", RouteAccess::kRead, {},
+              [&state](const HttpRequest&) { return JsonResponse(200, FormatMapList(state.catalog.All())); }});
+  router.Add({"GET", "/v1/maps/{map}", RouteAccess::kRead, {},
+              [&state](const HttpRequest& request) { return AnswerMap(state, request); }});
+  router.Add({"GET", "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg", RouteAccess::kRead, {},
+              [&state](const HttpRequest& request) { return AnswerTile(state, request); }});
+  router.Add({"GET", "/v1/maps/{map}/report", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return JsonResponse(200, FormatReport(*RequireMap(state, request)));
+              }});
+  router.Add({"GET", "/v1/maps/{map}/fixes", RouteAccess::kRead, {},
+              [&state](const HttpRequest& request) { return AnswerFixes(state, request); }});
+}
+
+}  // namespace floorloc

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace floorloc {
+
+/// Counts of a Prometheus histogram; bounds in seconds.
+class Histogram {
+ public:
+  static constexpr std::array<double, 14> kBounds = {0.0005, 0.001, 0.002, 0.004, 0.008, 0.015, 0.03,
+                                                     0.06,   0.125, 0.25,  0.5,   1.0,   2.5,   10.0};
+  void Observe(double seconds);
+  const std::array<std::uint64_t, kBounds.size()>& counts() const { return counts_; }  ///< not cumulated
+  std::uint64_t total() const { return total_; }
+  double sum() const { return sum_; }
+
+ private:
+  std::array<std::uint64_t, kBounds.size()> counts_{};
+  std::uint64_t total_ = 0;
+  double sum_ = 0.0;
+};
+
+struct RequestLabels {
+  std::string route;  ///< the pattern, never the path: the number of series stays bounded
+  std::string method;
+  int status = 0;
+  auto operator<=>(const RequestLabels&) const = default;
+};
+
+struct LocalizationLabels {
+  std::string map;
+  std::string status;
+  auto operator<=>(const LocalizationLabels&) const = default;
+};
+
+/// Values that are read when somebody asks.
+struct Gauge {
+  std::string name;
+  std::string help;
+  double value = 0.0;
+};
+
+/// Counters of the server, as Prometheus text. Thread-safe.
+class Metrics {
+ public:
+  void CountRequest(const RequestLabels& labels, double seconds);
+  void CountLocalization(const LocalizationLabels& labels, double seconds);
+  std::string Render(const std::vector<Gauge>& gauges) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<RequestLabels, std::uint64_t> requests_;
+  std::map<std::string, Histogram> request_seconds_;  // by route
+  std::map<LocalizationLabels, std::uint64_t> localizations_;
+  std::map<std::string, Histogram> localize_seconds_;  // by map
+};
+
+}  // namespace floorloc

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/problem.h"
+
+#include <map>
+
+#include "server/problem_json.h"
+
+namespace floorloc {
+
+HttpResponse ToResponse(const Problem& problem) {
+  HttpResponse response;
+  response.status = problem.status();
+  response.content_type = "application/problem+json";
+  response.body = FormatProblem(problem);
+  response.headers["Cache-Control"] = "no-store";
+  if (problem.status() == 503 || problem.status() == 429) {
+    response.headers["Retry-After"] = "1";
+  }
+  if (problem.status() == 401) {
+    response.headers["WWW-Authenticate"] = "Bearer";
+  }
+  return response;
+}
+
+Problem ProblemOfStatus(int status) {
+  switch (status) {
+    case 404:
+      return Problem(404, "not_found", "There is nothing at this address; /openapi.yaml lists what there is.");
+    case 413:
+      return Problem(413, "body_too_large", "The body is larger than this server accepts.");
+    case 414:
+      return Problem(414, "uri_too_long", "The request line is too long.");
+    case 415:
+      return Problem(415, "unsupported_encoding", "The body has a Content-Encoding that this server does not read.");
+    case 416:
+      return Problem(416, "invalid_range", "The Range header is malformed; this server does not need one.");
+    default:
+      return Problem(status, status < 500 ? "malformed_request" : "internal_error",
+                     status < 500 ? "The request is not well-formed HTTP." : "The server failed to answer.");
+  }
+}
+
+}  // namespace floorloc

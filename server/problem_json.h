@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "server/problem.h"
+
+namespace floorloc {
+
+/// {"type","title","status","detail","code"}
+std::string FormatProblem(const Problem& problem);
+
+}  // namespace floorloc

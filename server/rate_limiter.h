@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+namespace floorloc {
+
+/// One token bucket per client address: `rate` requests per second, bursts of one second.
+class RateLimiter {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  /// rate 0: no limit.
+  explicit RateLimiter(double rate_per_s) : rate_per_s_(rate_per_s) {}
+
+  /// Takes a token. False: the client has to wait.
+  bool Allow(const std::string& client, TimePoint now);
+
+ private:
+  struct Bucket {
+    double tokens = 0.0;
+    TimePoint updated;
+  };
+
+  void ForgetFullBuckets(TimePoint now);
+
+  const double rate_per_s_;
+  std::mutex mutex_;
+  std::unordered_map<std::string, Bucket> buckets_;
+};
+
+}  // namespace floorloc

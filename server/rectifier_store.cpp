@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rectifier_store.h"
+
+#include <cmath>
+#include <cstring>
+#include <iterator>
+
+#include "server/problem.h"
+
+namespace floorloc {
+namespace {
+
+// Lookup coordinates (2 x 16 bit), their fractions (16 bit) and the mask.
+constexpr double kBytesPerPixel = 7.0;
+
+void Append(double value, std::string& key) {
+  const std::size_t at = key.size();
+  key.resize(at + sizeof value);
+  std::memcpy(key.data() + at, &value, sizeof value);
+}
+
+// Everything that decides the lookup tables, bit by bit; the camera's name does not.
+std::string KeyOf(const FloorCamera& camera) {
+  std::string key;
+  const CameraModel& c = camera.camera;
+  for (const double value : {static_cast<double>(c.width_px), static_cast<double>(c.height_px), c.fx, c.fy, c.cx, c.cy,
+                             static_cast<double>(c.distortion_model)}) {
+    Append(value, key);
+  }
+  for (const double value : c.distortion) {
+    Append(value, key);
+  }
+  const FloorPlane& f = camera.floor;
+  for (int i = 0; i < 9; ++i) {
+    Append(f.base_from_pixel(i / 3, i % 3), key);
+  }
+  for (const double value : {f.roi.x_min, f.roi.x_max, f.roi.y_min, f.roi.y_max, f.resolution_m}) {
+    Append(value, key);
+  }
+  return key;
+}
+
+double RectifiedPixels(const FloorPlane& floor) {
+  return std::ceil(floor.roi.width_m() / floor.resolution_m) * std::ceil(floor.roi.height_m() / floor.resolution_m);
+}
+
+void CheckCamera(const FloorCamera& camera, std::int64_t max_pixels) {
+  try {
+    camera.Check();
+  } catch (const std::invalid_argument& error) {
+    throw Problem(422, "invalid_camera", error.what());
+  }
+  const auto limit = static_cast<double>(max_pixels);
+  if (static_cast<double>(camera.camera.width_px) * camera.camera.height_px > limit ||
+      RectifiedPixels(camera.floor) > limit) {
+    throw Problem(422, "camera_too_large", "The camera's picture, or its floor at this resolution, has more than " +
+                                               std::to_string(max_pixels) + " pixels.");
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera) {
+  CheckCamera(camera, options_.max_image_pixels);
+  const std::string key = KeyOf(camera);
+  const auto bytes = static_cast<std::size_t>(kBytesPerPixel * RectifiedPixels(camera.floor));
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto rectifier = FindLocked(key)) {
+      return rectifier;
+    }
+    MakeRoomLocked(bytes);
+    bytes_ += bytes;
+  }
+  std::shared_ptr<const Rectifier> rectifier;
+  try {
+    rectifier = std::make_shared<const Rectifier>(camera);
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    bytes_ -= bytes;
+    throw;
+  }
+  const std::lock_guard lock(mutex_);
+  if (auto built_meanwhile = FindLocked(key)) {
+    bytes_ -= bytes;
+    return built_meanwhile;
+  }
+  entries_.push_front({key, bytes, rectifier});
+  by_key_[key] = entries_.begin();
+  return rectifier;
+}
+
+std::shared_ptr<const Rectifier> RectifierStore::FindLocked(const std::string& key) {
+  const auto it = by_key_.find(key);
+  if (it == by_key_.end()) {
+    return nullptr;
+  }
+  entries_.splice(entries_.begin(), entries_, it->second);
+  return it->second->rectifier;
+}
+
+// Forgets what was not used for longest; what a vehicle or a request still holds has to stay.
+void RectifierStore::MakeRoomLocked(std::size_t bytes) {
+  std::size_t unheld = 0;
+  for (const Entry& entry : entries_) {
+    unheld += entry.rectifier.use_count() == 1 ? 1 : 0;
+  }
+  for (auto it = entries_.end(); it != entries_.begin();) {
+    --it;
+    if (bytes_ + bytes <= options_.max_bytes && unheld < options_.max_cached) {
+      break;
+    }
+    if (it->rectifier.use_count() == 1) {
+      bytes_ -= it->bytes;
+      --unheld;
+      by_key_.erase(it->key);
+      it = entries_.erase(it);
+    }
+  }
+  if (bytes_ + bytes > options_.max_bytes) {
+    throw Overload("camera_memory_full", "The cameras of all vehicles need more memory than the server may use for them.");
+  }
+}
+
+}  // namespace floorloc

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+#include "core/geometry/floor_plane.h"
+#include "core/vision/rectifier.h"
+
+namespace floorloc {
+
+struct RectifierStoreOptions {
+  std::int64_t max_image_pixels = 25'000'000;         ///< of the camera picture, and of the rectified one
+  std::size_t max_bytes = std::size_t{1} << 30;       ///< lookup tables of all cameras together
+  std::size_t max_cached = 64;                        ///< cameras kept that nobody holds any more
+};
+
+/// One Rectifier per different camera: vehicles with the same calibration share it, and a camera that comes inline with
+/// every request is only built once. Thread-safe.
+class RectifierStore {
+ public:
+  explicit RectifierStore(const RectifierStoreOptions& options) : options_(options) {}
+
+  /// The rectifier of a camera; builds it when it is new, which takes compute time.
+  /// Throws Problem: 422 for a camera that makes no sense or is too large, 503 when the memory is full.
+  std::shared_ptr<const Rectifier> Get(const FloorCamera& camera);
+
+ private:
+  struct Entry {
+    std::string key;
+    std::size_t bytes = 0;
+    std::shared_ptr<const Rectifier> rectifier;
+  };
+
+  std::shared_ptr<const Rectifier> FindLocked(const std::string& key);
+  void MakeRoomLocked(std::size_t bytes);
+
+  const RectifierStoreOptions options_;
+  std::mutex mutex_;
+  std::list<Entry> entries_;  // the most recently used first
+  std::unordered_map<std::string, std::list<Entry>::iterator> by_key_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace floorloc

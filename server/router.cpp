@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/router.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "server/strict_json.h"
+
+namespace floorloc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::vector<std::string_view> SplitPath(std::string_view path) {
+  std::vector<std::string_view> segments;
+  std::size_t start = 1;
+  while (start <= path.size()) {
+    const std::size_t end = std::min(path.find('/', start), path.size());
+    segments.push_back(path.substr(start, end - start));
+    start = end + 1;
+  }
+  return segments;
+}
+
+std::string RouteMethod(const HttpRequest& request) { return request.method == "HEAD" ? "GET" : request.method; }
+
+void CheckContentType(const Route& route, const HttpRequest& head) {
+  const std::string type = head.ContentType();
+  if (route.body_types.empty() ||
+      std::find(route.body_types.begin(), route.body_types.end(), type) != route.body_types.end()) {
+    return;
+  }
+  std::string known;
+  for (const std::string& body_type : route.body_types) {
+    known += (known.empty() ? "" : ", ") + body_type;
+  }
+  throw Problem(415, "unsupported_media_type",
+                "This call takes a body of type " + known + "; set the Content-Type header.");
+}
+
+}  // namespace
+
+std::optional<std::map<std::string, std::string>> MatchPattern(std::string_view pattern, std::string_view path) {
+  const auto expected = SplitPath(pattern);
+  const auto actual = SplitPath(path);
+  if (path.empty() || path.front() != '/' || expected.size() != actual.size()) {
+    return std::nullopt;
+  }
+  std::map<std::string, std::string> parameters;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const std::size_t close = expected[i].find('}');
+    if (close == std::string_view::npos) {
+      if (expected[i] != actual[i]) {
+        return std::nullopt;
+      }
+      continue;
+    }
+    const std::string_view suffix = expected[i].substr(close + 1);
+    if (actual[i].size() <= suffix.size() || !actual[i].ends_with(suffix)) {
+      return std::nullopt;
+    }
+    parameters.emplace(expected[i].substr(1, close - 1), actual[i].substr(0, actual[i].size() - suffix.size()));
+  }
+  return parameters;
+}
+
+Router::Router(RouterOptions options, Metrics& metrics)
+    : options_(std::move(options)), metrics_(metrics), rate_limiter_(options_.max_requests_per_s) {}
+
+void Router::Add(Route route) { routes_.push_back(std::move(route)); }
+
+Router::Found Router::Find(const HttpRequest& request) const {
+  std::set<std::string> methods;
+  for (const Route& route : routes_) {
+    auto parameters = MatchPattern(route.pattern, request.path);
+    if (!parameters) {
+      continue;
+    }
+    if (route.method == RouteMethod(request)) {
+      return {&route, std::move(*parameters), ""};
+    }
+    methods.insert(route.method);
+  }
+  Found found;
+  for (const std::string& method : methods) {
+    found.allow += (found.allow.empty() ? "" : ", ") + (method == "GET" ? std::string("GET, HEAD") : method);
+  }
+  return found;
+}
+
+void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
+  if (found.route == nullptr) {
+    throw found.allow.empty() ? ProblemOfStatus(404)
+                              : Problem(405, "method_not_allowed", "This address answers " + found.allow + " only.");
+  }
+  const RouteAccess access = found.route->access;
+  const bool guarded =
+      access == RouteAccess::kChange || (access == RouteAccess::kRead && options_.protect_reads);
+  if (guarded && !options_.token.Allows(head.Header("authorization"))) {
+    throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
+  }
+  if (access != RouteAccess::kEverybody && !rate_limiter_.Allow(head.remote_address, Clock::now())) {
+    throw Problem(429, "rate_limited", "Too many requests from this address; slow down.");
+  }
+  CheckContentType(*found.route, head);
+}
+
+std::optional<HttpResponse> Router::Admit(const HttpRequest& head) {
+  std::string allow;
+  HttpResponse refusal = Run(head, [&] {
+    const Found found = Find(head);
+    allow = found.allow;
+    CheckAdmission(found, head);
+    return HttpResponse{};
+  });
+  if (refusal.status < 400) {
+    return std::nullopt;
+  }
+  if (refusal.status == 405) {
+    refusal.headers["Allow"] = allow;
+  }
+  Count(head, refusal, 0.0);
+  return refusal;
+}
+
+HttpResponse Router::Handle(HttpRequest request) {
+  const auto start = Clock::now();
+  HttpResponse response = Run(request, [&] {
+    const Found found = Find(request);
+    if (found.route == nullptr) {
+      throw ProblemOfStatus(404);
+    }
+    request.path_parameters = found.parameters;
+    return found.route->handle(request);
+  });
+  Count(request, response, SecondsSince(start));
+  return response;
+}
+
+HttpResponse Router::Refuse(const HttpRequest& request, const Problem& problem) {
+  HttpResponse response = ToResponse(problem);
+  Count(request, response, 0.0);
+  return response;
+}
+
+HttpResponse Router::Run(const HttpRequest& request, const std::function<HttpResponse()>& answer) const {
+  try {
+    return answer();
+  } catch (const Problem& problem) {
+    return ToResponse(problem);
+  } catch (const MalformedJson& error) {
+    return ToResponse(Problem(400, "malformed_json", error.what()));
+  } catch (const JsonError& error) {
+    return ToResponse(Problem(422, "invalid_field", error.what()));
+  } catch (const std::exception& error) {
+    spdlog::error("{} {} failed: {}", request.method, request.path, error.what());
+  } catch (...) {
+    spdlog::error("{} {} failed with an unknown exception", request.method, request.path);
+  }
+  return ToResponse(Problem(500, "internal_error", "The server failed to answer; its log says why."));
+}
+
+void Router::Count(const HttpRequest& request, const HttpResponse& response, double seconds) const {
+  const Found found = Find(request);
+  metrics_.CountRequest({found.route == nullptr ? "unmatched" : found.route->pattern,
+                         found.route == nullptr ? "" : found.route->method, response.status},
+                        seconds);
+  spdlog::debug("{} {} {} -> {} ({:.1f} ms)", request.remote_address, request.method, request.path, response.status,
+                1e3 * seconds);
+}
+
+}  // namespace floorloc

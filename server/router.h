@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/access.h"
+#include "server/http_handler.h"
+#include "server/metrics.h"
+#include "server/rate_limiter.h"
+
+namespace floorloc {
+
+/// Who may call a route when the server has a token.
+enum class RouteAccess {
+  kEverybody,  ///< health and the page itself
+  kRead,       ///< changes nothing: needs the token with protect_reads only
+  kChange,     ///< needs the token
+};
+
+struct Route {
+  std::string method;   ///< GET answers HEAD too
+  std::string pattern;  ///< "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg": a name in braces takes one segment
+  RouteAccess access = RouteAccess::kRead;
+  std::vector<std::string> body_types;  ///< accepted media types; empty: the call takes no body
+  std::function<HttpResponse(const HttpRequest&)> handle;
+};
+
+struct RouterOptions {
+  AccessToken token;
+  bool protect_reads = false;
+  double max_requests_per_s = 0.0;  ///< per client address; 0: no limit
+};
+
+/// The route table, and the one place where exceptions become problem+json.
+class Router : public HttpHandler {
+ public:
+  Router(RouterOptions options, Metrics& metrics);
+
+  /// Before serving only.
+  void Add(Route route);
+  const std::vector<Route>& routes() const { return routes_; }
+
+  std::optional<HttpResponse> Admit(const HttpRequest& head) override;
+  HttpResponse Handle(HttpRequest request) override;
+  HttpResponse Refuse(const HttpRequest& request, const Problem& problem) override;
+
+ private:
+  struct Found {
+    const Route* route = nullptr;
+    std::map<std::string, std::string> parameters;
+    std::string allow;  ///< the methods of this path when none of them was asked for
+  };
+
+  Found Find(const HttpRequest& request) const;
+  void CheckAdmission(const Found& found, const HttpRequest& head);
+  HttpResponse Run(const HttpRequest& request, const std::function<HttpResponse()>& answer) const;
+  void Count(const HttpRequest& request, const HttpResponse& response, double seconds) const;
+
+  RouterOptions options_;
+  Metrics& metrics_;
+  RateLimiter rate_limiter_;
+  std::vector<Route> routes_;
+};
+
+/// Matches a path against a pattern; the values of the names in braces, or nothing.
+std::optional<std::map<std::string, std::string>> MatchPattern(std::string_view pattern, std::string_view path);
+
+}  // namespace floorloc

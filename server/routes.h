@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/app.h"
+#include "server/problem.h"
+#include "server/router.h"
+
+namespace floorloc {
+
+// Each adds one group of calls to the route table. The state must outlive the router.
+void AddSystemRoutes(AppState& state, Router& router);   ///< health, metrics, openapi.yaml
+void AddMapRoutes(AppState& state, Router& router);      ///< maps, tiles, reports, recent fixes
+void AddVehicleRoutes(AppState& state, Router& router);  ///< registration of vehicles
+void AddLocalizeRoute(AppState& state, Router& router);
+void AddWebRoutes(Router& router);                       ///< the page
+
+HttpResponse JsonResponse(int status, std::string body);
+
+/// The map of the path parameter {map}. Throws Problem: 404 unknown_map, 503 map_unavailable when it is damaged.
+std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request);
+
+/// Runs a job in the compute pool and waits for it. Throws Overload when the queue is full or the job waited too long,
+/// and what the job throws.
+template <typename Job>
+std::invoke_result_t<Job> RunInPool(ComputePool& pool, Job job) {
+  auto future = pool.Submit(std::move(job));
+  if (!future) {
+    throw Overload("queue_full", "The server has more work than it can do; try again in a moment.");
+  }
+  try {
+    return future->get();
+  } catch (const QueueTimeout&) {
+    throw Overload("queue_timeout", "The server had no time for this request; try again in a moment.");
+  }
+}
+
+}  // namespace floorloc

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace floorloc {
+
+/// JSON text or a value in it is wrong. what() is one sentence that names the field.
+class JsonError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The text is not JSON at all.
+class MalformedJson : public JsonError {
+ public:
+  using JsonError::JsonError;
+};
+
+/// Compact text. NaN and infinity become null, bytes that are not UTF-8 the replacement character.
+std::string ToText(const nlohmann::json& value);
+
+/// Throws MalformedJson that says where the text stops being JSON.
+nlohmann::json ParseJson(const std::string& text);
+
+/// Strict reader of one JSON object: every getter checks the type, RejectUnknownKeys() finds the keys nobody asked for.
+/// The JSON value must outlive the reader. Everything throws JsonError with the path of the field.
+class JsonObject {
+ public:
+  /// path: of the object itself, "" for the root.
+  JsonObject(const nlohmann::json& value, std::string path);
+
+  bool Has(const std::string& key) const;
+  double Number(const std::string& key);
+  std::int64_t Integer(const std::string& key, std::int64_t min, std::int64_t max);
+  std::string Text(const std::string& key);
+  bool Bool(const std::string& key);
+  std::vector<double> Numbers(const std::string& key);
+  JsonObject Object(const std::string& key);
+  const nlohmann::json& Value(const std::string& key);
+
+  /// Path of a field for messages: "camera.image_width".
+  std::string PathOf(const std::string& key) const;
+  void RejectUnknownKeys() const;
+
+ private:
+  const nlohmann::json* value_;
+  std::string path_;
+  std::set<std::string> asked_;
+};
+
+/// A JSON array of finite numbers. path: for messages.
+std::vector<double> ReadNumbers(const nlohmann::json& value, const std::string& path);
+
+}  // namespace floorloc

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "schema/embedded.h"
+#include "server/routes.h"
+#include "web/assets.h"
+
+namespace floorloc {
+namespace {
+
+// The page takes everything from this server; Leaflet needs data: for its placeholder image, the page blob: for tiles.
+constexpr const char* kContentSecurityPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+std::vector<Gauge> ReadGauges(const AppState& state) {
+  const auto total = static_cast<double>(state.catalog.All().size());
+  const auto ready = static_cast<double>(state.catalog.CountReady());
+  return {{"floorloc_ready", "1 while the server takes work.", state.draining ? 0.0 : 1.0},
+          {"floorloc_maps_ready", "Maps that are served.", ready},
+          {"floorloc_maps_failed", "Maps that could not be loaded.", total - ready},
+          {"floorloc_vehicles", "Registered vehicles.", static_cast<double>(state.vehicles.size())},
+          {"floorloc_connections", "Open connections.", static_cast<double>(state.count_connections())},
+          {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
+          {"floorloc_queue_depth", "Localizations that wait for a thread.",
+           static_cast<double>(state.pool.QueueDepth())}};
+}
+
+HttpResponse AnswerReadiness(const AppState& state) {
+  if (state.draining) {
+    throw Overload("draining", "The server is stopping.");
+  }
+  if (state.catalog.CountReady() == 0) {
+    throw Overload("no_maps", "No map could be loaded; put NAME.floormap files into the maps folder and restart.");
+  }
+  return JsonResponse(200, R"({"status":"ready"})");
+}
+
+HttpResponse AnswerMetrics(const AppState& state) {
+  return {200, "text/plain; version=0.0.4; charset=utf-8", state.metrics.Render(ReadGauges(state)), {}};
+}
+
+HttpResponse AnswerAsset(const std::string& name, const HttpRequest& request) {
+  const WebAsset* asset = FindWebAsset(name);
+  if (asset == nullptr) {
+    throw ProblemOfStatus(404);
+  }
+  const std::string etag = '"' + std::string(asset->hash) + '"';
+  HttpResponse response;
+  response.headers = {{"ETag", etag}, {"Cache-Control", "no-cache"}};
+  if (request.Header("if-none-match") == etag) {
+    response.status = 304;
+    return response;
+  }
+  response.content_type = asset->content_type;
+  response.body = asset->content;
+  response.headers["Content-Security-Policy"] = kContentSecurityPolicy;
+  response.headers["Referrer-Policy"] = "no-referrer";
+  return response;
+}
+
+}  // namespace
+
+void AddSystemRoutes(AppState& state, Router& router) {
+  router.Add({"GET", "/livez", RouteAccess::kEverybody, {},
+              [](const HttpRequest&) { return JsonResponse(200, R"({"status":"alive"})"); }});
+  router.Add({"GET", "/readyz", RouteAccess::kEverybody, {},
+              [&state](const HttpRequest&) { return AnswerReadiness(state); }});
+  router.Add({"GET", "/metrics", RouteAccess::kRead, {},
+              [&state](const HttpRequest&) { return AnswerMetrics(state); }});
+  router.Add({"GET", "/openapi.yaml", RouteAccess::kEverybody, {}, [](const HttpRequest&) {
+                return HttpResponse{200, "application/yaml", std::string(OpenApiYaml()), {}};
+              }});
+}
+
+void AddWebRoutes(Router& router) {
+  router.Add({"GET", "/", RouteAccess::kEverybody, {},
+              [](const HttpRequest& request) { return AnswerAsset("index.html", request); }});
+  router.Add({"GET", "/web/{file}", RouteAccess::kEverybody, {}, [](const HttpRequest& request) {
+                return AnswerAsset(request.path_parameters.at("file"), request);
+              }});
+}
+
+}  // namespace floorloc
