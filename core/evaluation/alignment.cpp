@@ -42,7 +42,7 @@ SimilarityN<kDim> Umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   if (!(svd.singularValues()(kDim - 2) > std::numeric_limits<double>::epsilon())) {
     throw std::invalid_argument(
         "the positions do not determine the alignment because they lie on one spot or line; "
-        "use --align se2 or none");
+        "align with se2 or none");
   }
   Vector signs = Vector::Ones();
   signs(kDim - 1) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;

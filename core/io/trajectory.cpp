@@ -15,6 +15,7 @@ namespace floorloc {
 namespace {
 
 constexpr std::size_t kPoseFields = 8;
+constexpr double kMaxPositionM = 1e9;
 
 // Where a row came from, for error messages.
 struct Row {
@@ -24,7 +25,8 @@ struct Row {
   [[noreturn]] void Fail(const std::string& reason) const { throw InputError(source, line.number, reason); }
 };
 
-// Numbers 2 to 8 of a row. Stamps are read apart because they need more digits than a double has.
+// Numbers 2 to 8 of a row: the position, then the quaternion. Stamps are read apart because they need more digits than
+// a double has.
 std::array<double, kPoseFields - 1> ParsePoseNumbers(std::span<const std::string_view> fields, const Row& row) {
   std::array<double, kPoseFields - 1> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -33,6 +35,11 @@ std::array<double, kPoseFields - 1> ParsePoseNumbers(std::span<const std::string
       row.Fail("number " + std::to_string(i + 2) + " of the row is not a finite number; correct or delete the row");
     }
     numbers[i] = *number;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (std::abs(numbers[i]) > kMaxPositionM) {
+      row.Fail("the position is farther than 1e9 m from the origin; check the order of the columns and the units");
+    }
   }
   return numbers;
 }

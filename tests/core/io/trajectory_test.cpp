@@ -96,6 +96,7 @@ const BrokenRow kBrokenTum[] = {
     {"InfiniteNumber", "1001 0 0 inf 0 0 0 1", "number 4 of the row is not a finite number"},
     {"HugeNumber", "1001 0 0 0 0 0 0 1e999", "number 8 of the row is not a finite number"},
     {"TrailingLetter", "1001 0 0 0.5m 0 0 0 1", "number 4 of the row is not a finite number"},
+    {"AnotherPlanet", "1001 0 -2e9 0 0 0 0 1", "farther than 1e9 m"},
     {"ZeroQuaternion", "1001 0 0 0 0 0 0 0", "quaternion"},
     {"LongQuaternion", "1001 0 0 0 0 0 0 1.02", "quaternion"},
     {"OverflowingQuaternion", "1001 0 0 0 1e300 1e300 0 1", "quaternion"},

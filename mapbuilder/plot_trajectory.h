@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+namespace floorloc {
+
+/// One estimated pose and how wrong it is.
+struct ErrorSample {
+  double time_s = 0.0;  ///< since any moment
+  Eigen::Vector2d reference_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d estimate_m = Eigen::Vector2d::Zero();
+  double error = 0.0;  ///< in the unit of the plot
+};
+
+struct ErrorPlot {
+  std::string title;
+  std::string unit;                  ///< of the errors, e.g. "mm"
+  std::vector<ErrorSample> samples;  ///< in order of time; at least one
+};
+
+/// Draws the trajectory in the plane, coloured by error, with a scale bar and a legend, beside the error over time.
+/// 8-bit BGR.
+cv::Mat DrawErrorPlot(const ErrorPlot& plot);
+
+/// Draws it into a PNG file. Throws InputError when the file cannot be written.
+void WriteErrorPlot(const std::filesystem::path& file, const ErrorPlot& plot);
+
+}  // namespace floorloc
