@@ -16,7 +16,7 @@ namespace floorloc {
 namespace {
 
 constexpr double kMaxShare = 0.9;
-constexpr double kVisibleOpacity = 0.15;  // a pixel counts as changed from here on
+constexpr double kVisibleOpacity = 0.08;  // a pixel counts as changed from here on
 constexpr int kTallyStep = 4;             // changed area is counted at every 4th pixel
 
 // What is laid over the floor: a colour and how opaque it is where.
@@ -66,13 +66,18 @@ cv::Scalar BlobColor(cv::RNG& rng) {
   return kColors[static_cast<std::size_t>(rng.uniform(0, static_cast<int>(kColors.size())))];
 }
 
-// Opaque in the middle, soft at the edge, uneven inside. `unevenness`: 0 smooth ... 1 patchy.
-Mark FinishMark(const cv::Mat& shape, cv::Rect box, double opacity, double unevenness, cv::RNG& rng) {
+struct Finish {
+  double opacity = 1.0;     // in the middle
+  double edge_px = 1.2;     // softness
+  double unevenness = 0.0;  // 0 smooth ... 1 patchy
+};
+
+Mark FinishMark(const cv::Mat& shape, cv::Rect box, const Finish& finish, cv::RNG& rng) {
   Mark mark{box, {}, {}};
-  shape.convertTo(mark.opacity, CV_32FC1, opacity / 255.0);
-  cv::GaussianBlur(mark.opacity, mark.opacity, {}, 1.2);
+  shape.convertTo(mark.opacity, CV_32FC1, finish.opacity / 255.0);
+  cv::GaussianBlur(mark.opacity, mark.opacity, {}, finish.edge_px);
   const cv::Mat noise = FractalNoise(box.size(), {9.0, 9.0, 2}, DeriveSeed(static_cast<std::uint64_t>(rng.next()), 0));
-  mark.opacity = mark.opacity.mul(1.0 - unevenness * (0.5 + 0.5 * noise));
+  mark.opacity = mark.opacity.mul(1.0 - finish.unevenness * (0.5 + 0.5 * noise));
   cv::min(mark.opacity, 1.0, mark.opacity);
   cv::max(mark.opacity, 0.0, mark.opacity);
   return mark;
@@ -84,7 +89,7 @@ Mark MakeBlob(cv::RNG& rng, cv::Point center, double px_per_m) {
   const cv::Rect box(center.x - reach, center.y - reach, 2 * reach + 1, 2 * reach + 1);
   cv::Mat shape = cv::Mat::zeros(box.size(), CV_8UC1);
   cv::fillPoly(shape, std::vector{BlobOutline(rng, radius_px, {reach, reach})}, cv::Scalar(255), cv::LINE_AA);
-  Mark mark = FinishMark(shape, box, rng.uniform(0.45, 0.95), 0.25, rng);
+  Mark mark = FinishMark(shape, box, {rng.uniform(0.45, 0.95), 1.2, 0.25}, rng);
   mark.bgr = BlobColor(rng);
   return mark;
 }
@@ -95,14 +100,15 @@ Mark MakeStreak(cv::RNG& rng, cv::Point center, double px_per_m) {
   const double width_m = scratch ? rng.uniform(0.0005, 0.0015) : rng.uniform(0.006, 0.018);
   const int width_px = std::max(1, static_cast<int>(std::lround(width_m * px_per_m)));
   const std::vector<cv::Point> line = BentLine(rng, length_px, center);
-  const int border = width_px + 6;
+  const int border = width_px + 14;
   const cv::Rect tight = cv::boundingRect(line);
   const cv::Rect box(tight.x - border, tight.y - border, tight.width + 2 * border, tight.height + 2 * border);
   std::vector<cv::Point> local;
   std::ranges::transform(line, std::back_inserter(local), [&box](cv::Point p) { return p - box.tl(); });
   cv::Mat shape = cv::Mat::zeros(box.size(), CV_8UC1);
   cv::polylines(shape, std::vector{local}, false, cv::Scalar(255), width_px, cv::LINE_AA);
-  Mark mark = FinishMark(shape, box, scratch ? 0.8 : rng.uniform(0.5, 0.75), scratch ? 0.3 : 0.7, rng);
+  const Finish finish = scratch ? Finish{0.8, 0.8, 0.3} : Finish{rng.uniform(0.4, 0.65), 4.0, 0.8};
+  Mark mark = FinishMark(shape, box, finish, rng);
   mark.bgr = scratch ? cv::Scalar(214, 216, 218) : cv::Scalar(52, 52, 54);
   return mark;
 }

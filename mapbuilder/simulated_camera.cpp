@@ -71,10 +71,11 @@ CameraModel PlumbBobLens() {
           {-0.25, 0.06, 0.0008, -0.0005, 0.0}};
 }
 
-// The rectangle scales with the height about the point below the camera.
+// The rectangle scales with the height about the point below the camera; whole micrometres keep floor.yaml readable.
 RectM RoiAt(double forward_m, double scale, const RectM& relative) {
-  return {forward_m + scale * relative.x_min, forward_m + scale * relative.x_max, scale * relative.y_min,
-          scale * relative.y_max};
+  const auto rounded = [](double metres) { return std::round(metres * 1e6) / 1e6; };
+  return {rounded(forward_m + scale * relative.x_min), rounded(forward_m + scale * relative.x_max),
+          rounded(scale * relative.y_min), rounded(scale * relative.y_max)};
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ constexpr double kTurnS = 4.0;        // between two lanes of a survey
 constexpr double kWobbleM = 0.005;    // a driver doesn't keep the lane exactly
 constexpr double kWobbleRad = 0.017;
 constexpr double kRandomSpacingS = 1.0;
+constexpr double kDriveStepS = 0.005;
 
 using PoseAtTime = std::function<Pose2(double time_s)>;
 
@@ -167,42 +168,64 @@ RectM FreeArea(const PathOptions& options) {
   return area;
 }
 
-// The view's centre follows a Lissajous curve, which fills the floor and never repeats; the base trails behind it like
-// the axle of a differential drive.
-SimulatedPath PlanDrive(const PathOptions& options) {
-  constexpr double kStepS = 0.005;
-  constexpr int kLeadSteps = 400;  // for the base to fall into line
+// A curve that fills its area evenly and never repeats.
+struct Lissajous {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  Eigen::Vector2d amplitude = Eigen::Vector2d::Zero();
+  Eigen::Vector2d frequency = Eigen::Vector2d::Ones();
+  Eigen::Vector2d phase = Eigen::Vector2d::Zero();
+
+  Eigen::Vector2d Angles(double s) const { return frequency * s + phase; }
+  Eigen::Vector2d Point(double s) const {
+    return center + amplitude.cwiseProduct(Eigen::Vector2d(Angles(s).array().sin()));
+  }
+  Eigen::Vector2d Slope(double s) const {
+    return amplitude.cwiseProduct(frequency).cwiseProduct(Eigen::Vector2d(Angles(s).array().cos()));
+  }
+};
+
+Lissajous DrawCurve(const PathOptions& options) {
   const RectM area = FreeArea(options);
   cv::RNG rng(DeriveSeed(options.seed, 3));
-  const double ratio = std::numbers::phi - 1.0 + rng.uniform(-0.05, 0.05);
-  const Eigen::Vector2d phase(rng.uniform(0.0, 2.0 * kPi), rng.uniform(0.0, 2.0 * kPi));
-  const Eigen::Vector2d half(0.5 * area.width_m(), 0.5 * area.height_m());
+  Lissajous curve;
+  curve.center = area.Center();
+  curve.amplitude = 0.5 * Eigen::Vector2d(area.width_m(), area.height_m());
+  curve.frequency.x() = std::numbers::phi - 1.0 + rng.uniform(-0.05, 0.05);
+  curve.phase.x() = rng.uniform(0.0, 2.0 * kPi);
+  curve.phase.y() = rng.uniform(0.0, 2.0 * kPi);
+  return curve;
+}
+
+// Base poses every kDriveStepS. The view's centre follows the curve at constant speed; the base trails behind it like
+// the axle of a differential drive.
+std::vector<Pose2> DriveAlong(const Lissajous& curve, const PathOptions& options, double duration_s) {
+  constexpr int kLeadSteps = 400;       // for the base to fall into line
+  constexpr double kMinSlopeM = 0.05;   // the curve's tips are not passed in a single step
   const double lever_m = std::max(0.1, options.roi.Center().x());
-  const auto view_at = [&](double s) -> Eigen::Vector2d {
-    return area.Center() + Eigen::Vector2d(half.x() * std::sin(ratio * s + phase.x()), half.y() * std::sin(s + phase.y()));
-  };
-  const auto slope_at = [&](double s) -> Eigen::Vector2d {
-    return {half.x() * ratio * std::cos(ratio * s + phase.x()), half.y() * std::cos(s + phase.y())};
-  };
-  const double duration_s = (options.frames - 1) / options.fps;
-  std::vector<Pose2> dense;
+  const double step_m = options.speed_m_per_s * kDriveStepS;
+  std::vector<Pose2> poses;
   double s = 0.0;
-  double yaw = std::atan2(slope_at(s).y(), slope_at(s).x());
-  for (int k = -kLeadSteps; (k - 2) * kStepS <= duration_s; ++k) {
-    const Eigen::Vector2d view = view_at(s);
+  double yaw = std::atan2(curve.Slope(s).y(), curve.Slope(s).x());
+  for (int k = -kLeadSteps; (k - 2) * kDriveStepS <= duration_s; ++k) {
+    const Eigen::Vector2d view = curve.Point(s);
     if (k >= 0) {
-      dense.push_back(BaseFromView({view.x(), view.y(), yaw}, options.roi));
+      poses.push_back(BaseFromView({view.x(), view.y(), yaw}, options.roi));
     }
-    const Eigen::Vector2d slope = slope_at(s);
-    const double course = std::atan2(slope.y(), slope.x());
-    yaw += options.speed_m_per_s * kStepS * std::sin(course - yaw) / lever_m;
-    s += options.speed_m_per_s * kStepS / std::max(slope.norm(), 0.05);
+    const Eigen::Vector2d slope = curve.Slope(s);
+    yaw += step_m * std::sin(std::atan2(slope.y(), slope.x()) - yaw) / lever_m;
+    s += step_m / std::max(slope.norm(), kMinSlopeM);
   }
-  const PoseAtTime map_from_base = [&dense](double time_s) {
-    const double position = std::clamp(time_s / kStepS, 0.0, static_cast<double>(dense.size()) - 1.001);
+  return poses;
+}
+
+SimulatedPath PlanDrive(const PathOptions& options) {
+  const double duration_s = (options.frames - 1) / options.fps;
+  const std::vector<Pose2> poses = DriveAlong(DrawCurve(options), options, duration_s);
+  const PoseAtTime map_from_base = [&poses](double time_s) {
+    const double position = std::clamp(time_s / kDriveStepS, 0.0, static_cast<double>(poses.size()) - 1.001);
     const auto index = static_cast<std::size_t>(position);
     const double share = position - static_cast<double>(index);
-    return dense[index] * Pose2::Exp(share * dense[index].Between(dense[index + 1]).Log());
+    return poses[index] * Pose2::Exp(share * poses[index].Between(poses[index + 1]).Log());
   };
   SimulatedPath path;
   for (int i = 0; i < options.frames; ++i) {
