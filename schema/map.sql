@@ -50,8 +50,7 @@ CREATE TABLE frame (
   id         INTEGER PRIMARY KEY,
   stamp_ns   INTEGER NOT NULL,
   filename   TEXT NOT NULL,
-  x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- map_from_base
-  covariance BLOB NOT NULL  -- float64[9], row-major, of (x, y, yaw)
+  x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL  -- map_from_base
 );
 
 -- Keypoints in square tiles: tile (x, y) covers [x, x+1) * keypoint_tile_m and likewise in y.

@@ -36,7 +36,6 @@ struct MapFrame {
   std::int64_t stamp_ns = 0;
   std::string filename;
   Pose2 map_from_base;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
 /// All keypoints of a map, in memory, in the map frame.

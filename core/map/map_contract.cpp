@@ -38,10 +38,9 @@ std::string ComputeContentVersion(const SqliteConnection& connection) {
   while (parameter.Step()) {
     hash.Add(parameter.Text(0)).Add(parameter.Text(1));
   }
-  SqliteStatement frame(connection, "SELECT stamp_ns, filename, x, y, yaw, covariance FROM frame ORDER BY id");
+  SqliteStatement frame(connection, "SELECT stamp_ns, filename, x, y, yaw FROM frame ORDER BY id");
   while (frame.Step()) {
     hash.Add(frame.Integer(0)).Add(frame.Text(1)).Add(frame.Real(2)).Add(frame.Real(3)).Add(frame.Real(4));
-    hash.Add(frame.Bytes(5));
   }
   SqliteStatement keypoints(connection, "SELECT x, y, count, checksum FROM keypoint_tile ORDER BY x, y");
   while (keypoints.Step()) {

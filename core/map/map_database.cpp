@@ -214,15 +214,10 @@ FloorMap MapDatabase::ReadMap() const {
 
 std::vector<MapFrame> MapDatabase::ReadFrames() const {
   const std::lock_guard lock(impl_->mutex);
-  SqliteStatement row(impl_->connection, "SELECT stamp_ns, filename, x, y, yaw, covariance FROM frame ORDER BY id");
+  SqliteStatement row(impl_->connection, "SELECT stamp_ns, filename, x, y, yaw FROM frame ORDER BY id");
   std::vector<MapFrame> frames;
   while (row.Step()) {
-    const std::vector<double> covariance = UnpackDoubles(row.Bytes(5));
-    if (covariance.size() != 9) {
-      impl_->Damaged("frame " + row.Text(1));
-    }
-    frames.push_back({row.Integer(0), row.Text(1), Pose2(row.Real(2), row.Real(3), row.Real(4)),
-                      Eigen::Map<const Eigen::Matrix3d>(covariance.data())});
+    frames.push_back({row.Integer(0), row.Text(1), Pose2(row.Real(2), row.Real(3), row.Real(4))});
   }
   return frames;
 }

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/build_map.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "core/map/map_writer.h"
+#include "mapbuilder/build_report.h"
+#include "mapbuilder/coverage.h"
+
+namespace floorloc {
+namespace {
+
+class StageClock {
+ public:
+  explicit StageClock(BuildReport* report) : report_(report) {}
+  void Finish(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    report_->stage_s.emplace_back(stage, std::chrono::duration<double>(now - start_).count());
+    report_->total_s += report_->stage_s.back().second;
+    start_ = now;
+  }
+
+ private:
+  BuildReport* report_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string NewUuid() {
+  std::string uuid = ReadTextFile("/proc/sys/kernel/random/uuid");
+  std::erase(uuid, '\n');
+  return uuid;
+}
+
+std::string UtcNow() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys) {
+  std::vector<RectM> floors;
+  for (const BuildFrame& frame : frames) {
+    floors.push_back(surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
+  }
+  return floors;
+}
+
+void AttachPoses(const Trajectory& poses, std::vector<BuildFrame>* frames) {
+  if (poses.empty()) {
+    return;
+  }
+  int attached = 0;
+  for (BuildFrame& frame : *frames) {
+    frame.prior_map_from_base = InterpolatePose(poses, frame.info.stamp_ns);
+    attached += frame.prior_map_from_base ? 1 : 0;
+  }
+  if (attached == 0) {
+    throw InputError("none of the --poses lies at the time of a survey frame; check that both use the same clock");
+  }
+}
+
+MapInfo MakeInfo(const BuildOptions& options, const std::vector<LoadedSurvey>& surveys, const CoverageGrid& coverage,
+                 const BuildReport& report) {
+  MapInfo info;
+  info.builder_version = FLOORLOC_VERSION;
+  info.id = NewUuid();
+  info.name = options.out.stem().string();
+  info.created = UtcNow();
+  info.extent = coverage.Extent();
+  info.area_m2 = coverage.AreaM2();
+  info.extractor = options.extractor;
+  info.camera = surveys.front().survey.camera;
+  nlohmann::ordered_json provenance = nlohmann::json::array();
+  for (const LoadedSurvey& loaded : surveys) {
+    const Survey& survey = loaded.survey;
+    provenance.push_back({{"folder", std::filesystem::absolute(survey.folder).lexically_normal().filename().string()},
+                          {"camera", survey.camera.camera.name},
+                          {"frames", survey.frames.size()},
+                          {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
+                          {"odometry", !survey.odometry.empty()},
+                          {"control_points", survey.control_points.size()}});
+  }
+  info.surveys_json = provenance.dump();
+  info.report_json = ToJson(report, false);
+  return info;
+}
+
+void FillReport(const Placement& placement, const std::vector<BuildFrame>& frames, const CoverageGrid& coverage,
+                BuildReport* report) {
+  report->frames = static_cast<int>(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (placement.map_from_base[i]) {
+      ++report->frames_used;
+    } else {
+      report->dropped.emplace_back(frames[i].info.filename, placement.drop_reason[i]);
+    }
+  }
+  report->part_sizes = placement.part_sizes;
+  report->links = static_cast<int>(placement.links.size());
+  report->rejected_links = placement.rejected_links;
+  report->link_rms_m = placement.rms_m;
+  report->link_rms_sigma = placement.rms_sigma;
+  report->drift_m = placement.drift_m;
+  report->drift_rad = placement.drift_rad;
+  report->area_m2 = coverage.AreaM2();
+  report->extent = coverage.Extent();
+}
+
+std::vector<MapFrame> PlacedFrames(const std::vector<BuildFrame>& frames, const Placement& placement) {
+  std::vector<MapFrame> placed;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (placement.map_from_base[i]) {
+      placed.push_back({frames[i].info.stamp_ns, frames[i].info.filename, *placement.map_from_base[i]});
+    }
+  }
+  return placed;
+}
+
+// The stages' options with what all of them share filled in.
+BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys) {
+  options.placement.registration.threads = options.threads;
+  options.placement.registration.progress = options.progress;
+  options.placement.registration.registration.seed = options.seed;
+  options.mosaic.threads = options.threads;
+  options.mosaic.progress = options.progress;
+  if (options.mosaic.resolution_m <= 0.0) {
+    options.mosaic.resolution_m = surveys.front().survey.camera.floor.resolution_m;
+  }
+  return options;
+}
+
+}  // namespace
+
+BuildReport BuildMap(const BuildOptions& requested) {
+  BuildReport report;
+  StageClock clock(&report);
+  const std::vector<LoadedSurvey> surveys = LoadSurveys(requested.surveys);
+  const BuildOptions options = WithSharedOptions(requested, surveys);
+  MapWriter writer(options.out);  // first: an output that can't be written is known before the work
+
+  std::vector<BuildFrame> frames =
+      ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress});
+  AttachPoses(options.poses, &frames);
+  clock.Finish("features");
+
+  const std::vector<RectM> floors = FloorsInBase(frames, surveys);
+  const Placement placement = PlaceFrames(frames, surveys, options.placement);
+  const CoverageGrid coverage(placement.map_from_base, floors);
+  FillReport(placement, frames, coverage, &report);
+  writer.WriteFrames(PlacedFrames(frames, placement));
+  clock.Finish("poses");
+
+  const MapKeypoints keypoints = FuseKeypoints(frames, placement.map_from_base, floors, options.fusion);
+  report.keypoints = static_cast<int>(keypoints.size());
+  report.mean_observations = std::accumulate(keypoints.observations.begin(), keypoints.observations.end(), 0.0) /
+                             std::max<double>(1.0, static_cast<double>(keypoints.size()));
+  writer.WriteKeypoints(keypoints, CreateFeatureExtractor(options.extractor)->descriptor_type());
+  clock.Finish("keypoints");
+
+  const Exposure exposure = EstimateExposure(frames, surveys, placement.links);
+  const MosaicInput input{frames, surveys, placement.map_from_base, exposure, coverage.Extent()};
+  const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), options.mosaic);
+  ComposeMosaic(input, layout, options.mosaic,
+                [&](const std::vector<MosaicTile>& tiles) { writer.WriteMosaicTiles(tiles); });
+  clock.Finish("mosaic");
+
+  report.content_version = writer.Commit(MakeInfo(options, surveys, coverage, report), layout);
+  clock.Finish("write");
+  return report;
+}
+
+}  // namespace floorloc

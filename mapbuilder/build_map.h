@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/io/trajectory.h"
+#include "core/vision/feature_extractor.h"
+#include "mapbuilder/fuse_keypoints.h"
+#include "mapbuilder/mosaic.h"
+#include "mapbuilder/place_frames.h"
+#include "mapbuilder/progress.h"
+
+namespace floorloc {
+
+struct BuildOptions {
+  std::vector<std::filesystem::path> surveys;
+  std::filesystem::path out;
+  ExtractorOptions extractor;
+  Trajectory poses;  ///< map_from_base known from another system; may be empty
+  PlacementOptions placement;
+  FusionOptions fusion;
+  MosaicOptions mosaic;  ///< resolution_m 0: the surveys'
+  int threads = 0;       ///< 0: one per core
+  std::uint32_t seed = 1;
+  ProgressOutput progress;
+};
+
+/// What a build did.
+struct BuildReport {
+  int frames = 0;
+  int frames_used = 0;
+  std::vector<std::pair<std::string, std::string>> dropped;  ///< file name, reason
+  std::vector<int> part_sizes;                               ///< largest first; more than one: the survey has gaps
+  int links = 0;
+  int rejected_links = 0;
+  double link_rms_m = 0.0;
+  double link_rms_sigma = 0.0;
+  double drift_m = 0.0;
+  double drift_rad = 0.0;
+  double area_m2 = 0.0;
+  RectM extent;
+  int keypoints = 0;
+  double mean_observations = 0.0;
+  std::string content_version;
+  std::vector<std::pair<std::string, double>> stage_s;  ///< stage, seconds
+  double total_s = 0.0;
+};
+
+/// Surveys -> map file. Throws InputError or MapError; the old file stays as it was then.
+BuildReport BuildMap(const BuildOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/build_report.h"
+
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+namespace floorloc {
+namespace {
+
+template <typename... Args>
+std::string Format(const char* format, Args... args) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof(buffer), format, args...);
+  return buffer;
+}
+
+std::string DroppedText(const BuildReport& report) {
+  std::map<std::string, std::vector<std::string>> by_reason;
+  for (const auto& [file, reason] : report.dropped) {
+    by_reason[reason].push_back(file);
+  }
+  constexpr std::size_t kShown = 3;
+  std::string text;
+  for (const auto& [reason, files] : by_reason) {
+    text += Format("  dropped      %zu: ", files.size()) + reason + " (";
+    for (std::size_t i = 0; i < std::min(files.size(), kShown); ++i) {
+      text += (i > 0 ? ", " : "") + files[i];
+    }
+    text += files.size() > kShown ? ", ...)\n" : ")\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ToJson(const BuildReport& report, bool with_times) {
+  nlohmann::ordered_json json{
+      {"frames", report.frames},
+      {"frames_used", report.frames_used},
+      {"dropped", nlohmann::json::array()},
+      {"parts", report.part_sizes},
+      {"links", report.links},
+      {"rejected_links", report.rejected_links},
+      {"link_rms_m", report.link_rms_m},
+      {"link_rms_sigma", report.link_rms_sigma},
+      {"drift_m", report.drift_m},
+      {"drift_rad", report.drift_rad},
+      {"area_m2", report.area_m2},
+      {"extent", {{"x_min", report.extent.x_min}, {"x_max", report.extent.x_max},
+                  {"y_min", report.extent.y_min}, {"y_max", report.extent.y_max}}},
+      {"keypoints", report.keypoints},
+      {"mean_observations", report.mean_observations}};
+  for (const auto& [file, reason] : report.dropped) {
+    json["dropped"].push_back({{"filename", file}, {"reason", reason}});
+  }
+  if (with_times) {
+    json["content_version"] = report.content_version;
+    for (const auto& [stage, seconds] : report.stage_s) {
+      json["stage_s"][stage] = seconds;
+    }
+    json["total_s"] = report.total_s;
+    json["frames_per_s"] = report.total_s > 0.0 ? report.frames / report.total_s : 0.0;
+  }
+  return json.dump(2);
+}
+
+std::string ToText(const BuildReport& r) {
+  std::ostringstream text;
+  text << Format("  frames       %d of %d used\n", r.frames_used, r.frames) << DroppedText(r);
+  if (r.part_sizes.size() > 1) {
+    text << "  gap          the pictures form " << r.part_sizes.size() << " parts that do not connect:";
+    for (const int size : r.part_sizes) {
+      text << " " << size;
+    }
+    text << " frames; survey the floor between them, or keep all with --keep-all\n";
+  }
+  text << Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
+                 r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);
+  if (r.drift_m > 0.0) {
+    text << Format("  drift        odometry strayed by up to %.1f cm and %.1f degrees; removed\n", 1e2 * r.drift_m,
+                   r.drift_rad * 180.0 / std::numbers::pi);
+  }
+  text << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())
+       << Format("  keypoints    %d (%.0f per m2), seen %.1f times on average\n", r.keypoints,
+                 r.area_m2 > 0 ? r.keypoints / r.area_m2 : 0.0, r.mean_observations)
+       << Format("  time         %.1f s, %.1f frames/s:", r.total_s, r.total_s > 0 ? r.frames / r.total_s : 0.0);
+  for (const auto& [stage, seconds] : r.stage_s) {
+    text << " " << stage << Format(" %.1f", seconds);
+  }
+  text << "\n  version      " << r.content_version.substr(0, 16) << "\n";
+  return text.str();
+}
+
+}  // namespace floorloc

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/mosaic_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+
+#include "core/io/image.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+namespace {
+
+// Pixels -> frame picture: where each pixel of the patch lies in the frame's rectified picture.
+cv::Mat FramePixelFromPatchPixel(const Pose2& base_from_map, const GroundGrid& grid, const RectM& square, int side_px) {
+  const double step = square.width_m() / side_px;
+  const auto frame_pixel = [&](double u, double v) {
+    const Eigen::Vector2d map_point(square.x_min + (u + 0.5) * step, square.y_max - (v + 0.5) * step);
+    return grid.PixelFromBase(base_from_map * map_point);
+  };
+  const Eigen::Vector2d origin = frame_pixel(0.0, 0.0);
+  const Eigen::Vector2d du = frame_pixel(1.0, 0.0) - origin;
+  const Eigen::Vector2d dv = frame_pixel(0.0, 1.0) - origin;
+  return (cv::Mat_<double>(2, 3) << du.x(), dv.x(), origin.x(), du.y(), dv.y(), origin.y());
+}
+
+// Weight of a frame's pixels: falls steeply from the middle to the border, so that one frame dominates everywhere and
+// small misplacements do not blur the mosaic, while borders fade.
+cv::Mat FeatherWeight(const cv::Mat& mask) {
+  cv::Mat framed;
+  cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat distance;
+  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
+  distance = distance(cv::Rect(1, 1, mask.cols, mask.rows)).clone();
+  double max = 1.0;
+  cv::minMaxLoc(distance, nullptr, &max);
+  distance /= std::max(max, 1.0);
+  cv::Mat weight;
+  cv::pow(distance, 3.0, weight);
+  return weight;
+}
+
+// The frame's picture in float, with camera and light divided out.
+cv::Mat ReadFramePicture(const MosaicInput& input, int frame) {
+  const BuildFrame& f = input.frames[static_cast<std::size_t>(frame)];
+  const LoadedSurvey& survey = input.surveys[static_cast<std::size_t>(f.survey)];
+  const CameraModel& camera = survey.survey.camera.camera;
+  const cv::Mat raw = ReadColorImage(survey.survey.ImagePath(f.info), camera.width_px, camera.height_px);
+  cv::Mat picture;
+  survey.rectifier->RectifyPicture(raw).convertTo(picture, CV_32F,
+                                                  input.exposure.frame_gain[static_cast<std::size_t>(frame)]);
+  cv::Mat gain;
+  cv::cvtColor(input.exposure.flat_field[static_cast<std::size_t>(f.survey)], gain, cv::COLOR_GRAY2BGR);
+  return picture.mul(gain);
+}
+
+struct Accumulator {
+  cv::Mat color;   // CV_32FC3, weighted sum
+  cv::Mat weight;  // CV_32FC1
+
+  explicit Accumulator(int side_px)
+      : color(cv::Mat::zeros(side_px, side_px, CV_32FC3)), weight(cv::Mat::zeros(side_px, side_px, CV_32F)) {}
+
+  void Add(const cv::Mat& picture, const cv::Mat& feather, const cv::Mat& frame_from_patch) {
+    cv::Mat weighted;
+    cv::Mat feather3;
+    cv::cvtColor(feather, feather3, cv::COLOR_GRAY2BGR);
+    cv::Mat warped;
+    cv::Mat warped_weight;
+    const int flags = cv::INTER_LINEAR | cv::WARP_INVERSE_MAP;
+    weighted = picture.mul(feather3);
+    cv::warpAffine(weighted, warped, frame_from_patch, color.size(), flags, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+    cv::warpAffine(feather, warped_weight, frame_from_patch, color.size(), flags, cv::BORDER_CONSTANT,
+                   cv::Scalar::all(0));
+    color += warped;
+    weight += warped_weight;
+  }
+};
+
+}  // namespace
+
+bool MosaicPatch::empty() const { return cv::countNonZero(seen) == 0; }
+
+std::vector<int> FramesTouching(const MosaicInput& input, const RectM& square) {
+  const Eigen::Vector2d center = square.Center();
+  const double half_diagonal = 0.5 * std::hypot(square.width_m(), square.height_m());
+  std::vector<int> touching;
+  for (std::size_t i = 0; i < input.frames.size(); ++i) {
+    if (!input.map_from_base[i]) {
+      continue;
+    }
+    const RectM& roi = input.surveys[static_cast<std::size_t>(input.frames[i].survey)].survey.camera.floor.roi;
+    const double reach = half_diagonal + 0.5 * std::hypot(roi.width_m(), roi.height_m());
+    if ((*input.map_from_base[i] * roi.Center() - center).norm() < reach) {
+      touching.push_back(static_cast<int>(i));
+    }
+  }
+  return touching;
+}
+
+MosaicPatch BlendPatch(const MosaicInput& input, const std::vector<int>& frames, const RectM& square, int side_px,
+                       int threads) {
+  std::vector<cv::Mat> feather;
+  for (const LoadedSurvey& survey : input.surveys) {
+    feather.push_back(FeatherWeight(survey.rectifier->mask()));
+  }
+  // Pictures are read in parallel, a few at a time, and added in order: float sums depend on it.
+  constexpr std::size_t kBatch = 16;
+  Accumulator sum(side_px);
+  for (std::size_t first = 0; first < frames.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, frames.size() - first);
+    std::vector<cv::Mat> pictures(count);
+    ParallelFor(static_cast<int>(count), threads, [&](int i) {
+      pictures[static_cast<std::size_t>(i)] = ReadFramePicture(input, frames[first + static_cast<std::size_t>(i)]);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto frame = static_cast<std::size_t>(frames[first + i]);
+      const auto survey = static_cast<std::size_t>(input.frames[frame].survey);
+      sum.Add(pictures[i], feather[survey],
+              FramePixelFromPatchPixel(input.map_from_base[frame]->Inverse(), input.surveys[survey].rectifier->grid(),
+                                       square, side_px));
+    }
+  }
+  MosaicPatch patch;
+  patch.seen = sum.weight > 1e-6F;
+  cv::Mat weight3;
+  cv::cvtColor(cv::max(sum.weight, 1e-6), weight3, cv::COLOR_GRAY2BGR);
+  cv::Mat mean = sum.color / weight3;
+  mean.convertTo(patch.bgr, CV_8UC3);
+  patch.bgr.setTo(cv::Scalar::all(0), patch.seen == 0);
+  return patch;
+}
+
+MosaicPatch ShrinkFour(const std::vector<MosaicPatch>& four) {
+  const int side = four.front().bgr.cols;
+  cv::Mat color = cv::Mat::zeros(2 * side, 2 * side, CV_32FC3);
+  cv::Mat weight = cv::Mat::zeros(2 * side, 2 * side, CV_32F);
+  for (std::size_t i = 0; i < four.size(); ++i) {
+    const bool right = i % 2 == 1;
+    const bool upper = i >= 2;  // y runs up, rows run down
+    const cv::Rect place(right ? side : 0, upper ? 0 : side, side, side);
+    four[i].bgr.convertTo(color(place), CV_32F);  // unseen pixels are zero
+    four[i].seen.convertTo(weight(place), CV_32F, 1.0 / 255.0);
+  }
+  MosaicPatch patch;
+  cv::Mat small_color;
+  cv::Mat small_weight;
+  cv::resize(color, small_color, cv::Size(side, side), 0, 0, cv::INTER_AREA);
+  cv::resize(weight, small_weight, cv::Size(side, side), 0, 0, cv::INTER_AREA);
+  patch.seen = small_weight > 0.01F;
+  cv::Mat weight3;
+  cv::cvtColor(cv::max(small_weight, 0.01), weight3, cv::COLOR_GRAY2BGR);
+  cv::Mat mean = small_color / weight3;
+  mean.convertTo(patch.bgr, CV_8UC3);
+  return patch;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/pair_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "core/vision/descriptor_index.h"
+
+namespace floorloc {
+namespace {
+
+// Odometry error that consecutive frames allow for: a share of the motion and a constant.
+constexpr double kOdometryShare = 0.3;
+constexpr double kOdometryRadiusM = 0.03;
+constexpr double kOdometryYawRad = 0.1;
+
+// Keypoints per frame that take part in the search by appearance, and neighbours asked for each.
+constexpr int kSimilarKeypoints = 250;
+constexpr int kSimilarNeighbours = 8;
+
+std::int64_t CellKey(std::int64_t x, std::int64_t y) { return x * 0x100000000LL + (y & 0xFFFFFFFFLL); }
+
+using SpatialHash = std::unordered_map<std::int64_t, std::vector<int>>;
+
+void VisitNeighbours(const SpatialHash& hash, std::int64_t x, std::int64_t y, const std::function<void(int)>& visit) {
+  for (std::int64_t dx = -1; dx <= 1; ++dx) {
+    for (std::int64_t dy = -1; dy <= 1; ++dy) {
+      const auto cell = hash.find(CellKey(x + dx, y + dy));
+      if (cell != hash.end()) {
+        std::for_each(cell->second.begin(), cell->second.end(), visit);
+      }
+    }
+  }
+}
+
+// Votes of frame i for other frames: how many of its keypoints have their neighbours there.
+std::map<int, int> CountVotes(const DescriptorIndex& index, const std::vector<int>& owner, const cv::Mat& descriptors,
+                              int self) {
+  std::map<int, int> votes;
+  for (const std::vector<Neighbour>& neighbours : index.FindNeighbours(descriptors, kSimilarNeighbours)) {
+    std::set<int> seen;
+    for (const Neighbour& n : neighbours) {
+      const int frame = owner[static_cast<std::size_t>(n.index)];
+      if (frame != self && seen.insert(frame).second) {
+        ++votes[frame];
+      }
+    }
+  }
+  return votes;
+}
+
+}  // namespace
+
+std::vector<FramePair> SelectConsecutivePairs(const std::vector<BuildFrame>& frames) {
+  std::vector<FramePair> pairs;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    if (frames[i].survey != frames[i + 1].survey) {
+      continue;
+    }
+    FramePair pair;
+    pair.first = static_cast<int>(i);
+    pair.second = static_cast<int>(i + 1);
+    if (frames[i].odom_from_base && frames[i + 1].odom_from_base) {
+      const Pose2 motion = frames[i].odom_from_base->Between(*frames[i + 1].odom_from_base);
+      pair.first_from_second = motion;
+      pair.radius_m = kOdometryRadiusM + kOdometryShare * motion.translation().norm();
+      pair.yaw_radius_rad = kOdometryYawRad + kOdometryShare * std::abs(motion.yaw());
+    }
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, int pairs_per_frame) {
+  cv::Mat all;
+  std::vector<int> owner;
+  std::vector<cv::Mat> picked(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    // Features come spread evenly, strongest first.
+    const cv::Mat& descriptors = frames[i].features.descriptors;
+    picked[i] = descriptors.rowRange(0, std::min(descriptors.rows, kSimilarKeypoints));
+    if (picked[i].rows > 0) {
+      all.push_back(picked[i]);
+      owner.insert(owner.end(), static_cast<std::size_t>(picked[i].rows), static_cast<int>(i));
+    }
+  }
+  if (all.empty()) {
+    return {};
+  }
+  const auto index = CreateDescriptorIndex(all, IndexOptions{});
+  std::set<std::pair<int, int>> chosen;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (picked[i].rows == 0) {
+      continue;
+    }
+    const int self = static_cast<int>(i);
+    std::vector<std::pair<int, int>> ranked;  // votes, frame
+    for (const auto& [frame, votes] : CountVotes(*index, owner, picked[i], self)) {
+      ranked.emplace_back(votes, frame);
+    }
+    std::sort(ranked.rbegin(), ranked.rend());
+    ranked.resize(std::min(ranked.size(), static_cast<std::size_t>(pairs_per_frame)));
+    for (const auto& [votes, frame] : ranked) {
+      chosen.emplace(std::min(self, frame), std::max(self, frame));
+    }
+  }
+  std::vector<FramePair> pairs;
+  for (const auto& [first, second] : chosen) {
+    pairs.push_back({first, second, std::nullopt, 0.0, 0.0});
+  }
+  return pairs;
+}
+
+double OverlapShare(const RectM& first, const RectM& second, const Pose2& first_from_second) {
+  constexpr int kSteps = 8;
+  int inside = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const Eigen::Vector2d p(second.x_min + second.width_m() * (i + 0.5) / kSteps,
+                              second.y_min + second.height_m() * (j + 0.5) / kSteps);
+      inside += first.Contains(first_from_second * p) ? 1 : 0;
+    }
+  }
+  return static_cast<double>(inside) / (kSteps * kSteps);
+}
+
+std::vector<FramePair> SelectNearbyPairs(const std::vector<std::optional<Pose2>>& map_from_base,
+                                         const std::vector<RectM>& floor_in_base, const NearbyOptions& options) {
+  double cell_m = 1e-3;
+  for (const RectM& r : floor_in_base) {
+    cell_m = std::max(cell_m, std::hypot(r.width_m(), r.height_m()));
+  }
+  SpatialHash hash;
+  std::vector<FramePair> pairs;
+  for (std::size_t i = 0; i < map_from_base.size(); ++i) {
+    if (!map_from_base[i]) {
+      continue;
+    }
+    const Eigen::Vector2d center = *map_from_base[i] * floor_in_base[i].Center();
+    const auto x = static_cast<std::int64_t>(std::floor(center.x() / cell_m));
+    const auto y = static_cast<std::int64_t>(std::floor(center.y() / cell_m));
+    const int second = static_cast<int>(i);
+    if (second >= options.first_new) {
+      VisitNeighbours(hash, x, y, [&](int first) {
+        const auto f = static_cast<std::size_t>(first);
+        const Pose2 motion = map_from_base[f]->Between(*map_from_base[i]);
+        if (OverlapShare(floor_in_base[f], floor_in_base[i], motion) >= options.min_overlap) {
+          pairs.push_back({first, second, motion, options.radius_m, options.yaw_radius_rad});
+        }
+      });
+    }
+    hash[CellKey(x, y)].push_back(second);
+  }
+  return pairs;
+}
+
+}  // namespace floorloc

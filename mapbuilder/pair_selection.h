@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "core/geometry/pose2.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+/// Two frames that may show the same floor; first < second.
+struct FramePair {
+  int first = 0;
+  int second = 0;
+  std::optional<Pose2> first_from_second;  ///< where the second is thought to be, seen from the first
+  double radius_m = 0.0;                   ///< how far off that may be
+  double yaw_radius_rad = 0.0;
+};
+
+/// Frames that follow each other within a survey, with the motion that odometry saw where there is some.
+std::vector<FramePair> SelectConsecutivePairs(const std::vector<BuildFrame>& frames);
+
+/// Pairs by appearance alone: frames whose keypoints have most of each other's nearest neighbours.
+std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, int pairs_per_frame);
+
+struct NearbyOptions {
+  double min_overlap = 0.25;  ///< of the second frame's floor inside the first's
+  double radius_m = 0.1;      ///< uncertainty of the poses
+  double yaw_radius_rad = 0.15;
+  int first_new = 0;          ///< only pairs with a frame of this index or later
+};
+
+/// Pairs of placed frames whose floors overlap, found through a spatial hash: linear in the number of frames.
+std::vector<FramePair> SelectNearbyPairs(const std::vector<std::optional<Pose2>>& map_from_base,
+                                         const std::vector<RectM>& floor_in_base, const NearbyOptions& options);
+
+/// Share of the second rectangle inside the first.
+double OverlapShare(const RectM& first, const RectM& second, const Pose2& first_from_second);
+
+}  // namespace floorloc

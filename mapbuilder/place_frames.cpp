@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/place_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/io/input_error.h"
+#include "core/registration/least_squares.h"
+#include "mapbuilder/spanning_forest.h"
+
+namespace floorloc {
+namespace {
+
+// A wheel's error per step, for the weak factor that only matters where pictures say nothing.
+constexpr double kOdometrySigmaM = 0.02;
+constexpr double kOdometrySigmaShare = 0.1;
+constexpr double kOdometrySigmaRad = 0.05;
+
+// Links that the optimum contradicts by more than this are false.
+constexpr double kMaxLinkSigma = 8.0;
+
+// A part without a known place is put this far to the right of everything else.
+constexpr double kPartGapM = 1.0;
+
+constexpr int kSimilarPairsPerFrame = 6;
+
+class Placer {
+ public:
+  Placer(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
+         const PlacementOptions& options)
+      : frames_(frames), surveys_(surveys), options_(options), count_(static_cast<int>(frames.size())) {
+    for (const BuildFrame& frame : frames) {
+      floors_.push_back(surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
+    }
+    graph_.map_from_base.assign(frames.size(), Pose2());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      graph_.map_from_base[i] = frames[i].odom_from_base.value_or(Pose2());
+    }
+    root_pose_ = graph_.map_from_base;
+  }
+
+  Placement Run() {
+    MakeOdometryLinks();
+    AddLinks(SelectConsecutivePairs(frames_));
+    if (HasSeparateParts()) {
+      AddLinks(SelectSimilarPairs(frames_, kSimilarPairsPerFrame));
+    }
+    CloseLoopsInGrowingRounds();
+    AddOuterKnowledge();
+    return Finish();
+  }
+
+ private:
+  void MakeOdometryLinks();
+  void AddLinks(const std::vector<FramePair>& pairs);
+  bool HasSeparateParts() const;
+  void CloseLoopsInGrowingRounds();
+  void Optimize(int frame_count);
+  std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
+  void AddOuterKnowledge();
+  void AlignTo(const std::vector<OrientedMatch>& pairs);
+  void RejectContradictingLinks();
+  void SetPartsApart(const std::vector<int>& part, int largest);
+  Placement Finish();
+  void ReportDrift(Placement* placement) const;
+
+  const Pose2& PoseOf(int frame) const { return graph_.map_from_base[static_cast<std::size_t>(frame)]; }
+
+  const std::vector<BuildFrame>& frames_;
+  const std::vector<LoadedSurvey>& surveys_;
+  const PlacementOptions& options_;
+  int count_;
+  std::vector<RectM> floors_;
+  std::vector<Pose2> root_pose_;
+  PoseGraph graph_;
+  std::set<std::pair<int, int>> linked_;
+  int rejected_links_ = 0;
+};
+
+void Placer::MakeOdometryLinks() {
+  for (const FramePair& pair : SelectConsecutivePairs(frames_)) {
+    if (!pair.first_from_second) {
+      continue;
+    }
+    const double sigma = kOdometrySigmaM + kOdometrySigmaShare * pair.first_from_second->translation().norm();
+    const Eigen::Vector3d variance(sigma * sigma, sigma * sigma, kOdometrySigmaRad * kOdometrySigmaRad);
+    graph_.odometry.push_back({pair.first, pair.second, *pair.first_from_second, variance.asDiagonal(), 0, 0.0});
+  }
+}
+
+void Placer::AddLinks(const std::vector<FramePair>& pairs) {
+  std::vector<FramePair> fresh;
+  for (const FramePair& pair : pairs) {
+    if (!linked_.contains({pair.first, pair.second})) {
+      fresh.push_back(pair);
+    }
+  }
+  for (Link& link : RegisterPairs(frames_, floors_, fresh, options_.registration)) {
+    linked_.emplace(link.first, link.second);
+    graph_.links.push_back(std::move(link));
+  }
+}
+
+// Parts that neither pictures nor odometry join: only appearance can tell where they belong.
+bool Placer::HasSeparateParts() const {
+  std::vector<Link> all = graph_.links;
+  all.insert(all.end(), graph_.odometry.begin(), graph_.odometry.end());
+  const std::vector<int> component = FindComponents(count_, all);
+  return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; }) || graph_.odometry.empty();
+}
+
+std::vector<std::optional<Pose2>> Placer::PlacedUpTo(int frame_count) const {
+  // Parts that nothing joins lie on top of each other for now: only the largest may look for neighbours.
+  std::vector<Link> all = graph_.links;
+  all.insert(all.end(), graph_.odometry.begin(), graph_.odometry.end());
+  const std::vector<int> component = FindComponents(count_, all);
+  std::map<int, int> size;
+  for (const int c : component) {
+    ++size[c];
+  }
+  const auto largest = std::max_element(size.begin(), size.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<std::optional<Pose2>> placed(frames_.size());
+  for (int i = 0; i < frame_count; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    if (component[index] == largest->first) {
+      placed[index] = graph_.map_from_base[index];
+    }
+  }
+  return placed;
+}
+
+void Placer::Optimize(int frame_count) {
+  PoseGraph part;
+  const auto inside = [&](const Link& link) { return link.first < frame_count && link.second < frame_count; };
+  std::copy_if(graph_.links.begin(), graph_.links.end(), std::back_inserter(part.links), inside);
+  std::copy_if(graph_.odometry.begin(), graph_.odometry.end(), std::back_inserter(part.odometry), inside);
+  part.map_from_base = ChainPoses(root_pose_, part.links, part.odometry);
+  part.fixed = {0};
+  OptimizePoses(&part);
+  graph_.map_from_base = std::move(part.map_from_base);
+}
+
+void Placer::CloseLoopsInGrowingRounds() {
+  constexpr int kFirstRound = 150;
+  NearbyOptions wide;
+  int done = 0;
+  while (done < count_) {
+    const int end = std::min(count_, std::max(kFirstRound, done + done / 3));
+    Optimize(end);
+    wide.first_new = done;
+    AddLinks(SelectNearbyPairs(PlacedUpTo(end), floors_, wide));
+    done = end;
+  }
+  // With the drift removed, the places are known to millimetres: overlaps that were missed are found now.
+  Optimize(count_);
+  NearbyOptions narrow;
+  narrow.radius_m = 0.02;
+  narrow.yaw_radius_rad = 0.05;
+  AddLinks(SelectNearbyPairs(PlacedUpTo(count_), floors_, narrow));
+  Optimize(count_);
+}
+
+// Moves the whole graph so that `pairs` (source: where it is, target: where it should be) agree.
+void Placer::AlignTo(const std::vector<OrientedMatch>& pairs) {
+  std::vector<int> all(pairs.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] = static_cast<int>(i);
+  }
+  if (const auto motion = FitRigid(pairs, all)) {
+    for (Pose2& pose : graph_.map_from_base) {
+      pose = *motion * pose;
+    }
+  }
+}
+
+void Placer::AddOuterKnowledge() {
+  std::vector<OrientedMatch> pairs;
+  std::map<std::pair<int, std::string>, int> by_name;
+  for (int i = 0; i < count_; ++i) {
+    const BuildFrame& frame = frames_[static_cast<std::size_t>(i)];
+    by_name[{frame.survey, frame.info.filename}] = i;
+    if (frame.prior_map_from_base) {
+      graph_.priors.push_back({i, *frame.prior_map_from_base, options_.prior_sigma_m, options_.prior_sigma_rad});
+      pairs.push_back({PoseOf(i).translation(), frame.prior_map_from_base->translation(), 0.0, 0.0});
+    }
+  }
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    for (const ControlPoint& point : surveys_[s].survey.control_points) {
+      ControlPointFactor factor;
+      factor.frame = by_name.at({static_cast<int>(s), point.filename});
+      factor.point_in_base_m = surveys_[s].survey.camera.FloorFromRawPixel(point.raw_px);
+      factor.point_in_map_m = point.point_in_map_m;
+      graph_.control_points.push_back(factor);
+      pairs.push_back({PoseOf(factor.frame) * factor.point_in_base_m, factor.point_in_map_m, 0.0, 0.0});
+    }
+  }
+  if (pairs.size() == 1) {
+    throw InputError("one control point or pose does not fix the map's place and heading; give at least two");
+  }
+  AlignTo(pairs);
+}
+
+void Placer::RejectContradictingLinks() {
+  const auto contradicts = [&](const Link& link) {
+    return LinkResidual(link, PoseOf(link.first), PoseOf(link.second)) > kMaxLinkSigma;
+  };
+  rejected_links_ += static_cast<int>(std::erase_if(graph_.links, contradicts));
+}
+
+// Parts whose relation to the largest is unknown go beside it.
+void Placer::SetPartsApart(const std::vector<int>& part, int largest) {
+  if (!graph_.odometry.empty()) {
+    return;  // odometry says where they are
+  }
+  std::map<int, Eigen::AlignedBox2d> boxes;
+  for (int i = 0; i < count_; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    boxes[part[index]].extend(PoseOf(i) * floors_[index].Center());
+  }
+  double right = boxes[largest].max().x();
+  std::map<int, Eigen::Vector2d> shift{{largest, Eigen::Vector2d::Zero()}};
+  for (const auto& [number, box] : boxes) {
+    if (number != largest) {
+      shift[number] = Eigen::Vector2d(right + kPartGapM - box.min().x(), boxes[largest].min().y() - box.min().y());
+      right += kPartGapM + box.sizes().x();
+    }
+  }
+  for (int i = 0; i < count_; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const Eigen::Vector2d& t = shift[part[index]];
+    graph_.map_from_base[index] = Pose2(t.x(), t.y(), 0.0) * graph_.map_from_base[index];
+  }
+}
+
+void Placer::ReportDrift(Placement* placement) const {
+  // Odometry's frame is the one that fits its first pose: what remains afterwards is drift.
+  std::map<int, Pose2> map_from_odom;
+  for (int i = 0; i < count_; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const BuildFrame& frame = frames_[index];
+    if (!placement->map_from_base[index] || !frame.odom_from_base) {
+      continue;
+    }
+    const Pose2& pose = *placement->map_from_base[index];
+    const auto anchor = map_from_odom.try_emplace(frame.survey, pose * frame.odom_from_base->Inverse()).first;
+    const Pose2 error = pose.Between(anchor->second * *frame.odom_from_base);
+    placement->drift_m = std::max(placement->drift_m, error.translation().norm());
+    placement->drift_rad = std::max(placement->drift_rad, std::abs(error.yaw()));
+  }
+}
+
+Placement Placer::Finish() {
+  graph_.fixed = graph_.priors.empty() && graph_.control_points.empty() ? std::vector<int>{0} : std::vector<int>{};
+  OptimizePoses(&graph_);
+  RejectContradictingLinks();
+  const PoseGraphSummary summary = OptimizePoses(&graph_);
+
+  const std::vector<int> part = FindComponents(count_, graph_.links);
+  std::map<int, int> size;
+  for (const int p : part) {
+    ++size[p];
+  }
+  const auto largest = std::max_element(size.begin(), size.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (options_.keep_all) {
+    SetPartsApart(part, largest->first);
+  }
+  Placement placement;
+  placement.map_from_base.resize(frames_.size());
+  placement.drop_reason.resize(frames_.size());
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const bool alone = size[part[i]] == 1 && count_ > 1;
+    if (part[i] == largest->first || (options_.keep_all && !alone)) {
+      placement.map_from_base[i] = graph_.map_from_base[i];
+    } else if (frames_[i].features.keypoints.empty()) {
+      placement.drop_reason[i] = "no texture";
+    } else {
+      placement.drop_reason[i] = alone ? "matches no other frame" : "not connected to the largest part";
+    }
+  }
+  for (const auto& [number, frames_of_part] : size) {
+    if (frames_of_part > 1) {
+      placement.part_sizes.push_back(frames_of_part);
+    }
+  }
+  std::sort(placement.part_sizes.rbegin(), placement.part_sizes.rend());
+  double squares = 0.0;
+  for (const Link& link : graph_.links) {
+    squares += link.rms_m * link.rms_m;
+  }
+  placement.rms_m = graph_.links.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(graph_.links.size()));
+  placement.rms_sigma = summary.rms_sigma;
+  placement.links = graph_.links;
+  placement.rejected_links = rejected_links_;
+  ReportDrift(&placement);
+  return placement;
+}
+
+}  // namespace
+
+Placement PlaceFrames(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
+                      const PlacementOptions& options) {
+  return Placer(frames, surveys, options).Run();
+}
+
+}  // namespace floorloc

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+struct PlacementOptions {
+  PairRegistrationOptions registration;
+  bool keep_all = false;  ///< keep parts of the survey that pictures do not connect to the largest one
+  double prior_sigma_m = 0.05;
+  double prior_sigma_rad = 0.05;
+};
+
+/// Where the frames of a build are.
+struct Placement {
+  std::vector<std::optional<Pose2>> map_from_base;  ///< empty: dropped
+  std::vector<std::string> drop_reason;             ///< per frame; empty when placed
+  std::vector<Link> links;                          ///< that the poses agree with
+  int rejected_links = 0;                           ///< that they contradict
+  std::vector<int> part_sizes;                      ///< frames of each part that pictures connect, largest first
+  double rms_sigma = 0.0;                           ///< of the links, standard deviations
+  double rms_m = 0.0;                               ///< keypoint residual of the links
+  double drift_m = 0.0;    ///< how far odometry strayed from the result, at most; 0 without odometry
+  double drift_rad = 0.0;
+};
+
+/// Finds overlaps, registers them and optimises all poses: SelectPairs, RegisterPairs, OptimizePoses in rounds, so that
+/// drift is removed before it grows beyond what the search for overlaps allows.
+Placement PlaceFrames(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
+                      const PlacementOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "mapbuilder/pair_registration.h"
+
+namespace floorloc {
+
+/// A pose known from outside, with isotropic noise.
+struct PosePriorFactor {
+  int frame = 0;
+  Pose2 map_from_base;
+  double sigma_m = 0.05;
+  double sigma_rad = 0.05;
+};
+
+/// A floor point of a frame whose map position was surveyed.
+struct ControlPointFactor {
+  int frame = 0;
+  Eigen::Vector2d point_in_base_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
+  double sigma_m = 1e-3;
+};
+
+/// Unknown poses and everything that was measured of them. Frames that no factor touches stay as they are.
+struct PoseGraph {
+  std::vector<Pose2> map_from_base;
+  std::vector<Link> links;     ///< between frames, by vision
+  std::vector<Link> odometry;  ///< between frames, by the wheels
+  std::vector<PosePriorFactor> priors;
+  std::vector<ControlPointFactor> control_points;
+  std::vector<int> fixed;  ///< frames that do not move
+};
+
+struct PoseGraphSummary {
+  bool converged = false;
+  double rms_sigma = 0.0;  ///< residuals of the links, in standard deviations
+};
+
+/// Optimises all poses under a Cauchy loss (Ceres, sparse Cholesky; one thread, so that sums have one order).
+PoseGraphSummary OptimizePoses(PoseGraph* graph);
+
+/// Residual of a link in standard deviations: sqrt(e^T Sigma^-1 e).
+double LinkResidual(const Link& link, const Pose2& map_from_first, const Pose2& map_from_second);
+
+}  // namespace floorloc

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "mapbuilder/pair_registration.h"
+
+namespace floorloc {
+
+/// Component number of every frame under the given links, 0, 1, ... by their smallest frame.
+std::vector<int> FindComponents(int frame_count, const std::vector<Link>& links);
+
+/// Chains the links of a maximum spanning forest into start poses: `links` first (most inliers first), then `odometry`
+/// where it joins what they leave apart. The first frame of each tree stands at its pose in `root_pose`.
+std::vector<Pose2> ChainPoses(const std::vector<Pose2>& root_pose, const std::vector<Link>& links,
+                              const std::vector<Link>& odometry);
+
+}  // namespace floorloc

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/survey_frames.h"
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+namespace {
+
+cv::Mat MeasureBrightness(const GroundImage& image) {
+  const cv::Size cells(std::max(1, image.gray.cols / kBrightnessCellPx),
+                       std::max(1, image.gray.rows / kBrightnessCellPx));
+  cv::Mat mean;
+  cv::Mat seen;
+  cv::resize(image.gray, mean, cells, 0, 0, cv::INTER_AREA);
+  cv::resize(image.mask, seen, cells, 0, 0, cv::INTER_AREA);
+  cv::Mat brightness;
+  mean.convertTo(brightness, CV_32F);
+  brightness.setTo(0.0F, seen < 255);  // cells that are partly unseen say nothing
+  return brightness;
+}
+
+}  // namespace
+
+std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders) {
+  std::vector<LoadedSurvey> surveys;
+  for (const std::filesystem::path& folder : folders) {
+    LoadedSurvey loaded{ReadSurvey(folder), nullptr};
+    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera);
+    const double resolution_m = loaded.survey.camera.floor.resolution_m;
+    if (!surveys.empty() && std::abs(surveys.front().survey.camera.floor.resolution_m - resolution_m) > 1e-9) {
+      throw InputError(folder / "floor.yaml", "has another resolution than the first survey (" +
+                                                  (folders.front() / "floor.yaml").string() +
+                                                  "); use the same number in all of them");
+    }
+    surveys.push_back(std::move(loaded));
+  }
+  return surveys;
+}
+
+std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& surveys,
+                                            const ExtractionOptions& options) {
+  std::vector<BuildFrame> frames;
+  for (std::size_t s = 0; s < surveys.size(); ++s) {
+    for (const SurveyFrame& info : surveys[s].survey.frames) {
+      BuildFrame frame;
+      frame.survey = static_cast<int>(s);
+      frame.info = info;
+      frame.odom_from_base = InterpolatePose(surveys[s].survey.odometry, info.stamp_ns);
+      frames.push_back(std::move(frame));
+    }
+  }
+  const auto extractor = CreateFeatureExtractor(options.extractor);
+  ProgressBar progress("features", static_cast<std::int64_t>(frames.size()), options.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+    BuildFrame& frame = frames[static_cast<std::size_t>(i)];
+    const LoadedSurvey& from = surveys[static_cast<std::size_t>(frame.survey)];
+    const CameraModel& camera = from.survey.camera.camera;
+    const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame.info), camera.width_px, camera.height_px);
+    const GroundImage image = from.rectifier->Rectify(raw);
+    frame.features = extractor->Extract(image);
+    frame.brightness = MeasureBrightness(image);
+    progress.Advance();
+  });
+  return frames;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/io/survey.h"
+#include "core/vision/feature_extractor.h"
+#include "core/vision/rectifier.h"
+#include "mapbuilder/progress.h"
+
+namespace floorloc {
+
+/// A survey with the rectifier of its camera.
+struct LoadedSurvey {
+  Survey survey;
+  std::shared_ptr<const Rectifier> rectifier;
+};
+
+/// One frame of a survey, as far as the builder keeps it in memory: its picture is not kept.
+struct BuildFrame {
+  int survey = 0;  ///< index of its survey
+  SurveyFrame info;
+  Features features;                      ///< base frame
+  cv::Mat brightness;                     ///< CV_32F, mean grey of coarse cells of the rectified picture; 0: unseen
+  std::optional<Pose2> odom_from_base;    ///< when the survey has odometry at the frame's time
+  std::optional<Pose2> prior_map_from_base;  ///< a pose known from another system
+};
+
+/// Side of a cell of BuildFrame::brightness, pixels of the rectified picture.
+constexpr int kBrightnessCellPx = 24;
+
+/// Reads the surveys and builds their rectifiers. All must have one resolution. Throws InputError.
+std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders);
+
+struct ExtractionOptions {
+  ExtractorOptions extractor;
+  int threads = 0;  ///< 0: one per core
+  ProgressOutput progress;
+};
+
+/// Rectifies every frame of every survey and extracts its features. Throws InputError for a picture that cannot be
+/// used.
+std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& surveys, const ExtractionOptions& options);
+
+}  // namespace floorloc
