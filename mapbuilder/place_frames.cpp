@@ -265,6 +265,10 @@ Placement Placer::Finish() {
   }
   const auto largest = std::max_element(size.begin(), size.end(),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (count_ > 1 && largest->second == 1) {
+    throw InputError("no two frames of the survey show the same floor; survey with at least a third of each picture "
+                     "overlapping the next, and check camera.yaml and floor.yaml");
+  }
   if (options_.keep_all) {
     SetPartsApart(part, largest->first);
   }

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "core/io/input_error.h"
+#include "mapbuilder/build_map.h"
+#include "mapbuilder/build_report.h"
+#include "mapbuilder/cli/command.h"
+
+namespace floorloc {
+namespace {
+
+struct Arguments {
+  BuildOptions options;
+  std::string features = "orb";
+  std::string poses_file;
+  std::vector<double> poses_sigma;
+  bool json = false;
+};
+
+void Run(Arguments& a) {
+  a.options.extractor.type = ParseExtractorType(a.features);
+  if (!a.poses_file.empty()) {
+    a.options.poses = ReadTrajectory(a.poses_file);
+  }
+  if (a.poses_sigma.size() == 2) {
+    a.options.placement.prior_sigma_m = a.poses_sigma[0];
+    a.options.placement.prior_sigma_rad = a.poses_sigma[1];
+  }
+  a.options.progress = ProgressOutput::Stderr();
+  const BuildReport report = BuildMap(a.options);
+  if (a.json) {
+    std::cout << ToJson(report, true) << "\n";
+  } else {
+    std::cout << a.options.out.string() << "\n" << ToText(report);
+  }
+}
+
+}  // namespace
+
+void AddBuildCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("build", "Builds a map from survey folders");
+  const auto a = std::make_shared<Arguments>();
+  command->add_option("--survey", a->options.surveys, "Survey folder(s)")->required();
+  command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
+  command->add_option("--features", a->features, "Feature extractor: orb, sift, akaze or brisk")->capture_default_str();
+  command->add_option("--max-keypoints", a->options.extractor.max_keypoints, "Keypoints per picture")
+      ->capture_default_str();
+  command->add_option("--poses", a->poses_file, "map_from_base poses of another system (TUM), taken as priors");
+  command->add_option("--poses-sigma", a->poses_sigma, "Their standard deviation: metres,radians")
+      ->delimiter(',')
+      ->expected(2)
+      ->needs("--poses");
+  command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
+  command->add_option("--keypoints-per-m2", a->options.fusion.max_per_m2, "Budget of the map")->capture_default_str();
+  command->add_option("--resolution", a->options.mosaic.resolution_m, "Metres per pixel of the mosaic (default: survey's)");
+  command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();
+  command->add_option("--seed", a->options.seed, "Of all random choices")->capture_default_str();
+  command->add_flag("--json", a->json, "Print the report as JSON");
+  command->callback([a] { Run(*a); });
+}
+
+}  // namespace floorloc

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "core/io/trajectory.h"
+#include "core/map/map_database.h"
+#include "mapbuilder/cli/command.h"
+#include "mapbuilder/export_mosaic.h"
+
+namespace floorloc {
+namespace {
+
+struct Arguments {
+  std::filesystem::path map, mosaic, poses;
+  double resolution_m = 0.0;
+  bool worldfile = false;
+};
+
+void WritePicture(const std::filesystem::path& file, const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  const std::string extension = file.extension().string();
+  if ((extension != ".png" && extension != ".jpg") || !cv::imencode(extension, picture, bytes)) {
+    throw InputError(file, "pictures are written as .png or .jpg; use one of these endings");
+  }
+  WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
+}
+
+// Six numbers A, D, B, E, C, F: pixel -> map, C and F for the centre of the upper left pixel.
+std::string FormatWorldFile(const MosaicPicture& mosaic) {
+  char text[256];
+  std::snprintf(text, sizeof(text), "%.12g\n0\n0\n%.12g\n%.12g\n%.12g\n", mosaic.resolution_m, -mosaic.resolution_m,
+                mosaic.extent.x_min + 0.5 * mosaic.resolution_m, mosaic.extent.y_max - 0.5 * mosaic.resolution_m);
+  return text;
+}
+
+void ExportPicture(const Arguments& a, const MapDatabase& map) {
+  const MosaicPicture mosaic = ExportMosaic(map, a.resolution_m);
+  WritePicture(a.mosaic, mosaic.bgr);
+  if (a.worldfile) {
+    std::filesystem::path file = a.mosaic;
+    WriteFileAtomically(file.replace_extension(a.mosaic.extension() == ".png" ? ".pgw" : ".jgw"),
+                        FormatWorldFile(mosaic));
+  }
+  std::printf("%s: %d x %d pixels of %.3f mm\n", a.mosaic.c_str(), mosaic.bgr.cols, mosaic.bgr.rows,
+              1e3 * mosaic.resolution_m);
+}
+
+// Several surveys can share times: a trajectory has each time once.
+void ExportPoses(const std::filesystem::path& file, const MapDatabase& map) {
+  Trajectory poses;
+  for (const MapFrame& frame : map.ReadFrames()) {
+    poses.push_back(StampedPose3::FromPose2(frame.stamp_ns, frame.map_from_base));
+  }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const StampedPose3& x, const StampedPose3& y) { return x.stamp_ns < y.stamp_ns; });
+  const auto same_time = [](const StampedPose3& x, const StampedPose3& y) { return x.stamp_ns == y.stamp_ns; };
+  poses.erase(std::unique(poses.begin(), poses.end(), same_time), poses.end());
+  WriteFileAtomically(file, FormatTum(poses));
+  std::printf("%s: %zu poses\n", file.c_str(), poses.size());
+}
+
+void Run(const Arguments& a) {
+  if (a.mosaic.empty() && a.poses.empty()) {
+    throw InputError("nothing to export; give --mosaic FILE or --poses FILE");
+  }
+  const MapDatabase map(a.map);
+  if (!a.mosaic.empty()) {
+    ExportPicture(a, map);
+  }
+  if (!a.poses.empty()) {
+    ExportPoses(a.poses, map);
+  }
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("export", "Writes a map's mosaic or frame poses to common formats");
+  const auto a = std::make_shared<Arguments>();
+  command->add_option("map", a->map, "Map file")->required();
+  command->add_option("--mosaic", a->mosaic, "Picture to write (.png or .jpg)");
+  command->add_option("--resolution", a->resolution_m, "Metres per pixel of the picture (default: the map's)");
+  command->add_flag("--worldfile", a->worldfile, "Write a world file beside the picture");
+  command->add_option("--poses", a->poses, "Poses of the survey frames (TUM)");
+  command->callback([a] { Run(*a); });
+}
+
+}  // namespace floorloc

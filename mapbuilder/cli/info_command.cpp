@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/map/extractor_parameters.h"
+#include "core/map/map_database.h"
+#include "mapbuilder/cli/command.h"
+
+namespace floorloc {
+namespace {
+
+struct Arguments {
+  std::filesystem::path map;
+  bool json = false;
+};
+
+nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
+  const MapInfo& info = map.info;
+  nlohmann::ordered_json json{
+      {"name", info.name},
+      {"id", info.id},
+      {"version", info.content_version},
+      {"format_version", info.format_version},
+      {"builder_version", info.builder_version},
+      {"created", info.created},
+      {"frame", "map"},
+      {"resolution_m", info.resolution_m},
+      {"extent", {{"x_min", info.extent.x_min}, {"x_max", info.extent.x_max},
+                  {"y_min", info.extent.y_min}, {"y_max", info.extent.y_max}}},
+      {"area_m2", info.area_m2},
+      {"frames", frames},
+      {"keypoints", map.keypoints.size()},
+      {"mosaic", {{"tile_px", map.mosaic.tile_px}, {"max_zoom", map.mosaic.max_zoom}}},
+      {"extractor", ToParameters(info.extractor)}};
+  json["surveys"] = nlohmann::json::parse(info.surveys_json, nullptr, false);
+  json["report"] = nlohmann::json::parse(info.report_json, nullptr, false);
+  return json;
+}
+
+void PrintText(const FloorMap& map, std::size_t frames, std::uintmax_t bytes) {
+  const MapInfo& info = map.info;
+  std::printf("map          %s\nid           %s\nversion      %s\n", info.name.c_str(), info.id.c_str(),
+              info.content_version.c_str());
+  std::printf("built        %s by floorloc %s, format %d\n", info.created.c_str(), info.builder_version.c_str(),
+              info.format_version);
+  std::printf("floor        %.2f m2, x %.2f to %.2f m, y %.2f to %.2f m\n", info.area_m2, info.extent.x_min,
+              info.extent.x_max, info.extent.y_min, info.extent.y_max);
+  std::printf("frames       %zu\n", frames);
+  std::printf("keypoints    %zu (%.0f per m2), %s, %d %s each\n", map.keypoints.size(),
+              static_cast<double>(map.keypoints.size()) / std::max(info.area_m2, 1e-9), ToString(info.extractor.type),
+              map.keypoints.descriptors.cols, map.keypoints.descriptors.depth() == CV_8U ? "bytes" : "numbers");
+  std::printf("mosaic       %.2f mm per pixel, %d levels of %d px tiles\n", 1e3 * map.mosaic.resolution_m,
+              map.mosaic.max_zoom + 1, map.mosaic.tile_px);
+  std::printf("file         %.1f MB\n", static_cast<double>(bytes) / 1e6);
+}
+
+void Run(const Arguments& a) {
+  const MapDatabase database(a.map);
+  const FloorMap map = database.ReadMap();
+  const std::size_t frames = database.ReadFrames().size();
+  if (a.json) {
+    std::cout << ToJson(map, frames).dump(2) << "\n";
+  } else {
+    PrintText(map, frames, std::filesystem::file_size(a.map));
+  }
+}
+
+}  // namespace
+
+void AddInfoCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("info", "Says what a map holds");
+  const auto a = std::make_shared<Arguments>();
+  command->add_option("map", a->map, "Map file")->required();
+  command->add_flag("--json", a->json, "Machine-readable");
+  command->callback([a] { Run(*a); });
+}
+
+}  // namespace floorloc

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/map/map_database.h"
+
+namespace floorloc {
+
+/// The mosaic as one picture; row 0 is at y_max.
+struct MosaicPicture {
+  cv::Mat bgr;
+  double resolution_m = 0.0;
+  RectM extent;  ///< of the picture's outer edges, map frame
+};
+
+/// Puts the mosaic's tiles together at the given resolution (0: the map's). Throws MapError when the picture would be
+/// larger than 30,000 pixels a side.
+MosaicPicture ExportMosaic(const MapDatabase& map, double resolution_m);
+
+}  // namespace floorloc

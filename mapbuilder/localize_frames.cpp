@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/localize_frames.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+namespace {
+
+LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey,
+                           const SurveyFrame& frame, const std::optional<PosePrior>& prior) {
+  LocalizedFrame localized;
+  localized.frame = frame;
+  const CameraModel& camera = survey.camera.camera;
+  const auto start = std::chrono::steady_clock::now();
+  const cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
+  localized.decode_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  localized.result = localizer.Localize(rectifier, raw, prior);
+  return localized;
+}
+
+bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
+
+std::optional<PosePrior> TruthPrior(const Survey& survey, const SurveyFrame& frame,
+                                    const LocalizeFramesOptions& options) {
+  const auto pose = InterpolatePose(survey.ground_truth, frame.stamp_ns);
+  return pose ? std::optional(PosePrior{*pose, options.prior_radius_m, options.prior_yaw_radius_rad}) : std::nullopt;
+}
+
+// A frame after a frame: the last fix moved by odometry is the prior of the next one.
+std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, const Rectifier& rectifier,
+                                                 const Survey& survey, const LocalizeFramesOptions& options) {
+  if (survey.odometry.empty()) {
+    throw InputError(survey.folder, "has no odometry.tum; add it or use --prior none");
+  }
+  std::vector<LocalizedFrame> frames;
+  std::optional<Pose2> map_from_odom;
+  ProgressBar progress("localize", static_cast<std::int64_t>(survey.frames.size()), options.progress);
+  for (const SurveyFrame& frame : survey.frames) {
+    const auto odom_from_base = InterpolatePose(survey.odometry, frame.stamp_ns);
+    std::optional<PosePrior> prior;
+    if (map_from_odom && odom_from_base) {
+      prior = PosePrior{*map_from_odom * *odom_from_base, options.prior_radius_m, options.prior_yaw_radius_rad};
+    }
+    LocalizedFrame localized = LocalizeOne(localizer, rectifier, survey, frame, prior);
+    if (prior && !Found(localized)) {  // lost: perhaps carried elsewhere
+      localized = LocalizeOne(localizer, rectifier, survey, frame, std::nullopt);
+    }
+    if (Found(localized) && odom_from_base) {
+      map_from_odom = localized.result.map_from_base * odom_from_base->Inverse();
+    }
+    frames.push_back(std::move(localized));
+    progress.Advance();
+  }
+  return frames;
+}
+
+}  // namespace
+
+PriorSource ParsePriorSource(const std::string& name) {
+  if (name == "none") {
+    return PriorSource::kNone;
+  }
+  if (name == "odometry") {
+    return PriorSource::kOdometry;
+  }
+  if (name == "truth") {
+    return PriorSource::kTruth;
+  }
+  throw std::invalid_argument("unknown prior '" + name + "'; known are: none, odometry, truth");
+}
+
+std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,
+                                           const LocalizeFramesOptions& options) {
+  const Rectifier rectifier(survey.camera);
+  if (options.prior == PriorSource::kOdometry) {
+    return LocalizeWithOdometry(localizer, rectifier, survey, options);
+  }
+  if (options.prior == PriorSource::kTruth && survey.ground_truth.empty()) {
+    throw InputError(survey.folder, "has no groundtruth.tum; add it or use --prior none");
+  }
+  std::vector<LocalizedFrame> frames(survey.frames.size());
+  ProgressBar progress("localize", static_cast<std::int64_t>(frames.size()), options.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+    const SurveyFrame& frame = survey.frames[static_cast<std::size_t>(i)];
+    const auto prior =
+        options.prior == PriorSource::kTruth ? TruthPrior(survey, frame, options) : std::optional<PosePrior>();
+    frames[static_cast<std::size_t>(i)] = LocalizeOne(localizer, rectifier, survey, frame, prior);
+    progress.Advance();
+  });
+  return frames;
+}
+
+std::string ToJsonLine(const LocalizedFrame& localized) {
+  const LocalizationResult& r = localized.result;
+  nlohmann::ordered_json json;
+  json["timestamp"] = ToSeconds(localized.frame.stamp_ns);
+  json["filename"] = localized.frame.filename;
+  json["status"] = ToString(r.status);
+  if (r.status == LocalizationStatus::kNotLocalized) {
+    json["reason"] = ToString(r.reason);
+    json["x"] = json["y"] = json["yaw"] = json["covariance"] = nullptr;
+  } else {
+    json["x"] = r.map_from_base.x();
+    json["y"] = r.map_from_base.y();
+    json["yaw"] = r.map_from_base.yaw();
+    json["covariance"] = std::vector<double>(r.covariance.data(), r.covariance.data() + r.covariance.size());
+  }
+  json["keypoints"] = r.keypoints;
+  json["matches"] = r.matches;
+  json["inliers"] = r.inliers;
+  json["rms_m"] = r.rms_m;
+  json["p_wrong"] = r.p_wrong;
+  json["search"] = r.used_prior ? "prior" : "global";
+  json["timing_ms"] = {{"decode", localized.decode_ms},
+                       {"rectify", r.timing.rectify_ms},
+                       {"features", r.timing.features_ms},
+                       {"match", r.timing.match_ms},
+                       {"register", r.timing.register_ms},
+                       {"total", localized.decode_ms + r.timing.total_ms}};
+  return json.dump();
+}
+
+Trajectory ToTrajectory(const std::vector<LocalizedFrame>& frames) {
+  Trajectory trajectory;
+  for (const LocalizedFrame& localized : frames) {
+    if (Found(localized)) {
+      trajectory.push_back(StampedPose3::FromPose2(localized.frame.stamp_ns, localized.result.map_from_base));
+    }
+  }
+  return trajectory;
+}
+
+}  // namespace floorloc

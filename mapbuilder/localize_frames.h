@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/io/survey.h"
+#include "core/localization/localizer.h"
+#include "mapbuilder/progress.h"
+
+namespace floorloc {
+
+enum class PriorSource {
+  kNone,      ///< every frame on the whole map
+  kOdometry,  ///< from the last fix, carried on by odometry; the whole map until there is one and after a loss
+  kTruth,     ///< from groundtruth.tum, in the map's frame
+};
+
+/// Throws std::invalid_argument that lists the known names.
+PriorSource ParsePriorSource(const std::string& name);
+
+struct LocalizeFramesOptions {
+  PriorSource prior = PriorSource::kNone;
+  double prior_radius_m = 0.25;
+  double prior_yaw_radius_rad = 0.35;
+  int threads = 1;  ///< 0: one per core; only where frames do not depend on each other
+  ProgressOutput progress;
+};
+
+/// One frame's answer.
+struct LocalizedFrame {
+  SurveyFrame frame;
+  LocalizationResult result;
+  double decode_ms = 0.0;
+};
+
+/// Localizes every frame of a folder, in order. Throws InputError.
+std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,
+                                           const LocalizeFramesOptions& options);
+
+/// One line of the --results file.
+std::string ToJsonLine(const LocalizedFrame& frame);
+
+/// The localized frames as a trajectory.
+Trajectory ToTrajectory(const std::vector<LocalizedFrame>& frames);
+
+}  // namespace floorloc
