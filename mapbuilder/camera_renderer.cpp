@@ -15,9 +15,9 @@ namespace floorloc {
 namespace {
 
 constexpr int kMaxLevel = 4;
-constexpr float kSurroundings = 38.0F;  // grey value beside the floor
-constexpr int kLightStepPx = 4;         // light is computed at every 4th pixel
-constexpr double kBlurPerCyclePx = 2.5; // exposure is integrated in cycles of four samples
+constexpr float kSurroundings = 38.0F;   // grey value beside the floor
+constexpr int kLightStepPx = 4;          // light is computed at every 4th pixel
+constexpr double kBlurPerCyclePx = 2.5;  // exposure is integrated in cycles of four samples
 
 // Where in the pixel the samples of a cycle lie, as weights of the pixel's four corners
 // (top left, top right, bottom left, bottom right): the centres of its four quarters.
@@ -99,9 +99,8 @@ std::array<Eigen::Vector2d, 4> QuartersInBase(const cv::Vec2d* upper, const cv::
     const auto& w = kQuarters[i];
     const cv::Vec2d pixel = w[0] * upper[0] + w[1] * upper[1] + w[2] * lower[0] + w[3] * lower[1];
     const Eigen::Vector3d base = base_from_pixel * Eigen::Vector3d(pixel[0], pixel[1], 1.0);
-    quarters[i] = base.z() * front > 0.0
-                      ? Eigen::Vector2d(base.head<2>() / base.z())
-                      : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    quarters[i] = base.z() * front > 0.0 ? Eigen::Vector2d(base.head<2>() / base.z())
+                                         : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   }
   return quarters;
 }
@@ -171,7 +170,8 @@ CameraRenderer::CameraRenderer(const FloorTexture& floor, const FloorCamera& cam
     : floor_(floor), camera_(camera), pyramid_(BuildPyramid(floor.bgr)) {
   camera_.Check();
   corners_ = UndistortCorners(camera_.camera);
-  levels_ = ChooseLevels(corners_, camera_.floor.base_from_pixel, floor_.resolution_m, static_cast<int>(pyramid_.size()));
+  levels_ =
+      ChooseLevels(corners_, camera_.floor.base_from_pixel, floor_.resolution_m, static_cast<int>(pyramid_.size()));
 }
 
 cv::Mat CameraRenderer::Render(const Pose2& map_from_base, const RenderConditions& conditions) const {
@@ -248,8 +248,7 @@ cv::Mat CameraRenderer::RenderLight(const Pose2& map_from_base, const RenderCond
   cv::Mat light;
   const double step = 1.0 / kLightStepPx;
   const cv::Matx23d coarse_from_pixel(step, 0.0, 0.5 * step, 0.0, step, 0.5 * step);
-  cv::warpAffine(coarse, light, coarse_from_pixel, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                 cv::BORDER_REPLICATE);
+  cv::warpAffine(coarse, light, coarse_from_pixel, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return light;
 }
 

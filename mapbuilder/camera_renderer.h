@@ -19,7 +19,8 @@ class CameraRenderer {
   /// Throws std::invalid_argument when the camera does not pass FloorCamera::Check().
   CameraRenderer(const FloorTexture& floor, const FloorCamera& camera);
 
-  /// Raw camera picture (CV_8UC3). map_from_base is the pose in the middle of the exposure. Beside the floor it is dark.
+  /// Raw camera picture (CV_8UC3). map_from_base is the pose in the middle of the exposure. Beside the floor it is
+  /// dark.
   cv::Mat Render(const Pose2& map_from_base, const RenderConditions& conditions) const;
 
  private:

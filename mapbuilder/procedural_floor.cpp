@@ -79,8 +79,8 @@ void DrawCracks(cv::Mat& floor, const PixelGrid& grid, std::uint64_t seed) {
 }
 
 cv::Mat PaintConcrete(const PixelGrid& grid, std::uint64_t seed) {
-  const cv::Mat tone = MetricNoise(grid, 0.3, 5, DeriveSeed(seed, 1)) * 9.0 +
-                       MetricNoise(grid, 0.004, 3, DeriveSeed(seed, 2)) * 7.0;
+  const cv::Mat tone =
+      MetricNoise(grid, 0.3, 5, DeriveSeed(seed, 1)) * 9.0 + MetricNoise(grid, 0.004, 3, DeriveSeed(seed, 2)) * 7.0;
   cv::Mat floor = Colorize(tone, MetricNoise(grid, 0.2, 3, DeriveSeed(seed, 3)), {166, 169, 171}, 3.0);
   ScatterSpecks(floor, grid, {14000, 0.0003, 0.0016, 70, 130}, DeriveSeed(seed, 4));
   ScatterSpecks(floor, grid, {7000, 0.0004, 0.0022, 185, 215}, DeriveSeed(seed, 5));
@@ -89,8 +89,8 @@ cv::Mat PaintConcrete(const PixelGrid& grid, std::uint64_t seed) {
 }
 
 cv::Mat PaintCarpet(const PixelGrid& grid, std::uint64_t seed) {
-  const cv::Mat tone = MetricNoise(grid, 0.4, 3, DeriveSeed(seed, 1)) * 5.0 +
-                       MetricNoise(grid, 0.0045, 2, DeriveSeed(seed, 2)) * 22.0;
+  const cv::Mat tone =
+      MetricNoise(grid, 0.4, 3, DeriveSeed(seed, 1)) * 5.0 + MetricNoise(grid, 0.0045, 2, DeriveSeed(seed, 2)) * 22.0;
   cv::Mat floor = Colorize(tone, MetricNoise(grid, 0.006, 2, DeriveSeed(seed, 3)), {104, 92, 88}, 9.0);
   ScatterSpecks(floor, grid, {2500, 0.0006, 0.0018, 130, 190}, DeriveSeed(seed, 4));
   ScatterSpecks(floor, grid, {2500, 0.0006, 0.0018, 30, 60}, DeriveSeed(seed, 5));

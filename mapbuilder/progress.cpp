@@ -75,12 +75,14 @@ void ProgressBar::PrintLine(Clock::time_point now) {
 
 std::string ProgressBar::Figures(Clock::time_point now) const {
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
-  std::string text = std::to_string(100 * done_ / total_) + " % " + std::to_string(done_) + "/" + std::to_string(total_);
+  std::string text =
+      std::to_string(100 * done_ / total_) + " % " + std::to_string(done_) + "/" + std::to_string(total_);
   if (done_ == total_) {
     return text + ", " + FormatDuration(elapsed_s);
   }
   if (done_ > 0) {
-    text += ", " + FormatDuration(elapsed_s * static_cast<double>(total_ - done_) / static_cast<double>(done_)) + " left";
+    text +=
+        ", " + FormatDuration(elapsed_s * static_cast<double>(total_ - done_) / static_cast<double>(done_)) + " left";
   }
   return text;
 }

@@ -14,24 +14,24 @@ namespace floorloc {
 namespace {
 
 constexpr int kTilePx = 256;
-constexpr int kToneStep = 8;               // the tone is made at 1/8 of the resolution
-constexpr double kPatchesPerPicture = 4;   // patch spacing: a quarter of the photograph
-constexpr double kToneSigmaShare = 0.03;   // of the photograph's width: tone above, grain below
-constexpr double kToneSeamShare = 0.03;    // half width of a seam in the tone
-constexpr double kGrainSeamM = 0.002;      // half width of a seam in the grain
+constexpr int kToneStep = 8;              // the tone is made at 1/8 of the resolution
+constexpr double kPatchesPerPicture = 4;  // patch spacing: a quarter of the photograph
+constexpr double kToneSigmaShare = 0.03;  // of the photograph's width: tone above, grain below
+constexpr double kToneSeamShare = 0.03;   // half width of a seam in the tone
+constexpr double kGrainSeamM = 0.002;     // half width of a seam in the grain
 constexpr double kNegligibleWeight = 1e-3;
 
 // A piece of the photograph laid on the floor; both frames in pixels of the photograph.
 struct Patch {
-  cv::Point2d center;                      // on the floor
-  cv::Point2d source;                      // of the photograph, shown at the centre
+  cv::Point2d center;  // on the floor
+  cv::Point2d source;  // of the photograph, shown at the centre
   double angle_rad = 0.0;
 };
 
 // The part of the floor that is painted at once, in pixels of the photograph.
 struct Window {
-  cv::Point2d origin;                      // of pixel (0, 0)
-  double step = 1.0;                       // between pixels
+  cv::Point2d origin;  // of pixel (0, 0)
+  double step = 1.0;   // between pixels
   cv::Size size_px;
 };
 
@@ -69,7 +69,8 @@ cv::Mat BentDistance(const Patch& patch, const Window& window, double spacing) {
       const double x = window.origin.x + u * window.step - patch.center.x;
       const double y = window.origin.y + v * window.step - patch.center.y;
       const double waves = std::sin(k * (3.1 * x + 1.7 * y) + patch.source.x) +
-                           std::sin(k * (-2.3 * x + 3.7 * y) + patch.source.y) + 0.5 * std::sin(k * (7.9 * x - 6.1 * y));
+                           std::sin(k * (-2.3 * x + 3.7 * y) + patch.source.y) +
+                           0.5 * std::sin(k * (7.9 * x - 6.1 * y));
       row[u] = static_cast<float>(std::hypot(x, y) + 0.05 * spacing * waves);
     }
   }
@@ -87,8 +88,8 @@ struct WeightedPatch {
 std::vector<WeightedPatch> WeighPatches(const std::vector<Patch>& patches, const Window& window, double spacing,
                                         double seam) {
   constexpr int kStep = 8;
-  const Window coarse{window.origin, window.step * kStep,
-                      {window.size_px.width / kStep + 2, window.size_px.height / kStep + 2}};
+  const Window coarse{
+      window.origin, window.step * kStep, {window.size_px.width / kStep + 2, window.size_px.height / kStep + 2}};
   std::vector<cv::Mat> distances;
   cv::Mat nearest(coarse.size_px, CV_32FC1, cv::Scalar(1e9));
   for (const Patch& patch : patches) {
@@ -166,8 +167,8 @@ cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const Quilt
   const int columns = (grid.size_px.width + kTilePx - 1) / kTilePx;
   const int rows = (grid.size_px.height + kTilePx - 1) / kTilePx;
   ParallelFor(columns * rows, options.threads, [&](int i) {
-    const cv::Rect tile = cv::Rect(i % columns * kTilePx, i / columns * kTilePx, kTilePx, kTilePx) &
-                          cv::Rect({0, 0}, grid.size_px);
+    const cv::Rect tile =
+        cv::Rect(i % columns * kTilePx, i / columns * kTilePx, kTilePx, kTilePx) & cv::Rect({0, 0}, grid.size_px);
     const Window window{{tile.x * step, tile.y * step}, step, tile.size()};
     cv::Mat painted = Blend(grain_source, window, kGrainSeamM * picture_px_per_m, options);
     cv::Mat tile_tone;

@@ -39,15 +39,37 @@ ConditionLevels ConditionLevels::FromName(const std::string& name) {
     return {};
   }
   if (name == "mild") {
-    return {.gain = 0.12, .bias = 4.0, .white_balance = 0.02, .vignetting = 0.15, .light_gradient = 0.12,
-            .lamps = 0.15, .shadow = 0.15, .blur_px = 1.2, .defocus_px = 0.5, .read_noise = 1.8, .shot_noise = 0.02,
-            .jpeg_quality = 90, .vibration_pitch_rad = 0.05 * kDegree, .vibration_roll_rad = 0.03 * kDegree,
+    return {.gain = 0.12,
+            .bias = 4.0,
+            .white_balance = 0.02,
+            .vignetting = 0.15,
+            .light_gradient = 0.12,
+            .lamps = 0.15,
+            .shadow = 0.15,
+            .blur_px = 1.2,
+            .defocus_px = 0.5,
+            .read_noise = 1.8,
+            .shot_noise = 0.02,
+            .jpeg_quality = 90,
+            .vibration_pitch_rad = 0.05 * kDegree,
+            .vibration_roll_rad = 0.03 * kDegree,
             .vibration_height_m = 0.0003};
   }
   if (name == "hard") {
-    return {.gain = 0.42, .bias = 12.0, .white_balance = 0.05, .vignetting = 0.4, .light_gradient = 0.4,
-            .lamps = 0.7, .shadow = 0.5, .blur_px = 6.0, .defocus_px = 1.0, .read_noise = 5.0, .shot_noise = 0.07,
-            .jpeg_quality = 60, .vibration_pitch_rad = 0.3 * kDegree, .vibration_roll_rad = 0.2 * kDegree,
+    return {.gain = 0.42,
+            .bias = 12.0,
+            .white_balance = 0.05,
+            .vignetting = 0.4,
+            .light_gradient = 0.4,
+            .lamps = 0.7,
+            .shadow = 0.5,
+            .blur_px = 6.0,
+            .defocus_px = 1.0,
+            .read_noise = 5.0,
+            .shot_noise = 0.07,
+            .jpeg_quality = 60,
+            .vibration_pitch_rad = 0.3 * kDegree,
+            .vibration_roll_rad = 0.2 * kDegree,
             .vibration_height_m = 0.002};
   }
   throw std::invalid_argument("no conditions named '" + name + "' (clean, mild, hard)");
@@ -123,8 +145,7 @@ ShadowStrip ConditionSampler::ShadowAt(double time_s) const {
   ShadowStrip strip;
   strip.normal_rad = phase + 2.0 * std::numbers::pi * time_s / 61.0;
   const Eigen::Vector2d normal(std::cos(strip.normal_rad), std::sin(strip.normal_rad));
-  strip.offset_m =
-      normal.dot(view_center_m_) + kReachM * std::sin(2.0 * std::numbers::pi * time_s / period_s + phase);
+  strip.offset_m = normal.dot(view_center_m_) + kReachM * std::sin(2.0 * std::numbers::pi * time_s / period_s + phase);
   strip.half_width_m = rng.uniform(0.1, 0.2);
   strip.softness_m = rng.uniform(0.01, 0.03);
   strip.strength = levels_.shadow;

@@ -16,46 +16,46 @@ namespace floorloc {
 struct Lamp {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
   double radius_m = 0.2;
-  double strength = 0.0;      ///< added light in the middle; 1 doubles the light
-  bool on_robot = false;      ///< centre in the base frame instead of the map frame
+  double strength = 0.0;  ///< added light in the middle; 1 doubles the light
+  bool on_robot = false;  ///< centre in the base frame instead of the map frame
 };
 
 /// A soft-edged dark strip across the floor, in the base frame.
 struct ShadowStrip {
-  double normal_rad = 0.0;    ///< direction across the strip
-  double offset_m = 0.0;      ///< of its middle line from the base, along the normal
+  double normal_rad = 0.0;  ///< direction across the strip
+  double offset_m = 0.0;    ///< of its middle line from the base, along the normal
   double half_width_m = 0.15;
   double softness_m = 0.02;
-  double strength = 0.0;      ///< 0 none ... 1 black
+  double strength = 0.0;  ///< 0 none ... 1 black
 };
 
 /// Everything that spoils one frame. The default is a perfect picture.
 struct RenderConditions {
-  double gain = 1.0;          ///< exposure
-  double bias = 0.0;          ///< grey values
-  std::array<double, 3> white_balance = {1.0, 1.0, 1.0};  ///< factors for blue, green, red
-  double vignetting = 0.0;    ///< share of the light missing in the corners
+  double gain = 1.0;                                         ///< exposure
+  double bias = 0.0;                                         ///< grey values
+  std::array<double, 3> white_balance = {1.0, 1.0, 1.0};     ///< factors for blue, green, red
+  double vignetting = 0.0;                                   ///< share of the light missing in the corners
   Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< change of light over half the picture, right and down
   std::vector<Lamp> lamps;
   ShadowStrip shadow;
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< twist x exposure time in the base frame: m, m, rad
-  double defocus_px = 0.0;    ///< Gaussian sigma
-  double read_noise = 0.0;    ///< standard deviation, grey values
-  double shot_noise = 0.0;    ///< variance per grey value
+  double defocus_px = 0.0;                           ///< Gaussian sigma
+  double read_noise = 0.0;                           ///< standard deviation, grey values
+  double shot_noise = 0.0;                           ///< variance per grey value
   CameraVibration vibration;
   std::uint64_t noise_seed = 0;
 };
 
 /// How bad the conditions of a recording are.
 struct ConditionLevels {
-  double gain = 0.0;            ///< the exposure varies by at most this factor up and down
-  double bias = 0.0;            ///< grey values, at most
-  double white_balance = 0.0;   ///< factor of each channel, at most
+  double gain = 0.0;           ///< the exposure varies by at most this factor up and down
+  double bias = 0.0;           ///< grey values, at most
+  double white_balance = 0.0;  ///< factor of each channel, at most
   double vignetting = 0.0;
   double light_gradient = 0.0;
-  double lamps = 0.0;           ///< strength of the brightest lamp
-  double shadow = 0.0;          ///< 0 ... 1
-  double blur_px = 0.0;         ///< longest motion blur at full speed
+  double lamps = 0.0;    ///< strength of the brightest lamp
+  double shadow = 0.0;   ///< 0 ... 1
+  double blur_px = 0.0;  ///< longest motion blur at full speed
   double defocus_px = 0.0;
   double read_noise = 0.0;
   double shot_noise = 0.0;

@@ -118,11 +118,11 @@ void RenderFrames(const fs::path& folder, const SimulateOptions& options, const 
 SimulationResult Summarize(const SimulatedPath& path) {
   SimulationResult result;
   result.frames = static_cast<int>(path.frames.size());
-  for (std::size_t i = 1; i < path.frames.size(); ++i) {
-    result.path_length_m +=
-        path.frames[i - 1].map_from_base.Between(path.frames[i].map_from_base).translation().norm();
-  }
   if (!path.odometry.empty()) {
+    for (std::size_t i = 1; i < path.frames.size(); ++i) {
+      result.path_length_m +=
+          path.frames[i - 1].map_from_base.Between(path.frames[i].map_from_base).translation().norm();
+    }
     const Pose2 truth = path.frames.front().map_from_base.Between(path.frames.back().map_from_base);
     const Pose2 error = truth.Between(path.odometry.back().ToPose2());
     result.odometry_drift_m = error.translation().norm();

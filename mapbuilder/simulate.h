@@ -13,26 +13,26 @@
 namespace floorloc {
 
 struct SimulateOptions {
-  std::filesystem::path out;   ///< must not exist yet, or be empty
+  std::filesystem::path out;  ///< must not exist yet, or be empty
   FloorTextureOptions floor;
   FloorCamera camera = MakeDownwardCamera();
-  PathOptions path;            ///< floor size, view and seed are filled in from here
+  PathOptions path;  ///< floor size, view and seed are filled in from here
   ConditionLevels conditions;
-  double wear = 0.0;           ///< share of the floor that has changed
+  double wear = 0.0;  ///< share of the floor that has changed
   bool write_odometry = true;
-  std::uint64_t seed = 1;      ///< of everything but the floor itself
-  int threads = 0;             ///< 0: one per core; the files don't depend on it
+  std::uint64_t seed = 1;  ///< of everything but the floor itself
+  int threads = 0;         ///< 0: one per core; the files don't depend on it
   ProgressOutput progress;
 };
 
 struct SimulationResult {
   int frames = 0;
-  double path_length_m = 0.0;
-  double odometry_drift_m = 0.0;    ///< odometry against truth at the last frame
+  double path_length_m = 0.0;     ///< 0 for random poses
+  double odometry_drift_m = 0.0;  ///< odometry against truth at the last frame
   double odometry_drift_rad = 0.0;
-  double wear_share = 0.0;          ///< share of the floor that really changed
-  double floor_s = 0.0;             ///< time to make the floor
-  double render_s = 0.0;            ///< time to render and write the frames
+  double wear_share = 0.0;  ///< share of the floor that really changed
+  double floor_s = 0.0;     ///< time to make the floor
+  double render_s = 0.0;    ///< time to render and write the frames
 };
 
 /// Writes a recording in the survey format with exact ground truth (groundtruth.tum, map frame: x right, y up, origin

@@ -67,7 +67,14 @@ FloorCamera Mount(const CameraModel& camera, const CameraPose& pose, const RectM
 }
 
 CameraModel PlumbBobLens() {
-  return {"simulated",   640,   480, 598.3, 597.6, 322.4, 238.7, DistortionModel::kPlumbBob,
+  return {"simulated",
+          640,
+          480,
+          598.3,
+          597.6,
+          322.4,
+          238.7,
+          DistortionModel::kPlumbBob,
           {-0.25, 0.06, 0.0008, -0.0005, 0.0}};
 }
 
@@ -98,8 +105,8 @@ FloorCamera MakeForwardCamera(double height_m) {
 FloorCamera MakeEquidistantCamera(double height_m) {
   constexpr double kForwardM = 0.2;
   const double scale = height_m / 0.3;
-  const CameraModel fisheye{"simulated", 640,   480, 401.2, 400.7, 321.1, 239.4, DistortionModel::kEquidistant,
-                            {-0.02, 0.004, -0.001, 0.0}};
+  const CameraModel fisheye{
+      "simulated", 640, 480, 401.2, 400.7, 321.1, 239.4, DistortionModel::kEquidistant, {-0.02, 0.004, -0.001, 0.0}};
   return Mount(fisheye, MountedPose(kForwardM, height_m, 0.5 * std::numbers::pi),
                RoiAt(kForwardM, scale, {-0.17, 0.17, -0.22, 0.22}), 0.0008 * scale);
 }

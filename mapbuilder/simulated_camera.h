@@ -16,9 +16,9 @@ FloorCamera MakeEquidistantCamera(double height_m = 0.3);
 
 /// How far the camera has moved from where its calibration says: what a bumpy floor does.
 struct CameraVibration {
-  double pitch_rad = 0.0;   ///< about the base's y axis
-  double roll_rad = 0.0;    ///< about the base's x axis
-  double height_m = 0.0;    ///< up
+  double pitch_rad = 0.0;  ///< about the base's y axis
+  double roll_rad = 0.0;   ///< about the base's x axis
+  double height_m = 0.0;   ///< up
 };
 
 /// FloorPlane::base_from_pixel of the moved camera. The camera's pose is recovered from its homography.

@@ -12,7 +12,7 @@ std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t stream);
 struct NoiseOptions {
   double cell_x_px = 32.0;  ///< size of the coarsest structure
   double cell_y_px = 32.0;
-  int octaves = 4;          ///< each half the size and half the amplitude; structures below 2 px are left out
+  int octaves = 4;  ///< each half the size and half the amplitude; structures below 2 px are left out
 };
 
 /// Smooth random field of zero mean, about -1 ... 1 (CV_32FC1).

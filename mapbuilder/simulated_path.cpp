@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::int64_t kStartNs = 1'700'000'000'000'000'000;
-constexpr double kEdgeM = 0.01;       // kept between the view and the floor's edge
-constexpr double kTurnS = 4.0;        // between two lanes of a survey
-constexpr double kWobbleM = 0.005;    // a driver doesn't keep the lane exactly
+constexpr double kEdgeM = 0.01;     // kept between the view and the floor's edge
+constexpr double kTurnS = 4.0;      // between two lanes of a survey
+constexpr double kWobbleM = 0.005;  // a driver doesn't keep the lane exactly
 constexpr double kWobbleRad = 0.017;
 constexpr double kRandomSpacingS = 1.0;
 constexpr double kDriveStepS = 0.005;
@@ -199,8 +199,8 @@ Lissajous DrawCurve(const PathOptions& options) {
 // Base poses every kDriveStepS. The view's centre follows the curve at constant speed; the base trails behind it like
 // the axle of a differential drive.
 std::vector<Pose2> DriveAlong(const Lissajous& curve, const PathOptions& options, double duration_s) {
-  constexpr int kLeadSteps = 400;       // for the base to fall into line
-  constexpr double kMinSlopeM = 0.05;   // the curve's tips are not passed in a single step
+  constexpr int kLeadSteps = 400;      // for the base to fall into line
+  constexpr double kMinSlopeM = 0.05;  // the curve's tips are not passed in a single step
   const double lever_m = std::max(0.1, options.roi.Center().x());
   const double step_m = options.speed_m_per_s * kDriveStepS;
   std::vector<Pose2> poses;

@@ -23,11 +23,11 @@ PathType ParsePathType(const std::string& name);
 
 /// Errors of a wheel odometry. Constant per recording: scale and drift, drawn from the given standard deviations.
 struct OdometryErrors {
-  double scale = 0.005;               ///< of distances
-  double yaw_scale = 0.005;           ///< of turns
+  double scale = 0.005;      ///< of distances
+  double yaw_scale = 0.005;  ///< of turns
   double drift_rad_per_m = 0.0025;
-  double noise_m = 0.003;             ///< after one metre, growing with the root of the distance
-  double noise_rad = 0.005;           ///< after one metre
+  double noise_m = 0.003;    ///< after one metre, growing with the root of the distance
+  double noise_rad = 0.005;  ///< after one metre
 
   /// All errors times a factor.
   OdometryErrors Scaled(double factor) const;
@@ -37,10 +37,10 @@ struct PathOptions {
   PathType type = PathType::kSurvey;
   double floor_width_m = 2.6;
   double floor_height_m = 1.8;
-  RectM roi;                    ///< what the camera sees, base frame; it stays on the floor
-  double overlap = 0.5;         ///< survey: of neighbouring pictures, along and across the lanes, 0 ... 0.95
-  int frames = 120;             ///< drive and random
-  double fps = 10.0;            ///< drive
+  RectM roi;             ///< what the camera sees, base frame; it stays on the floor
+  double overlap = 0.5;  ///< survey: of neighbouring pictures, along and across the lanes, 0 ... 0.95
+  int frames = 120;      ///< drive and random
+  double fps = 10.0;     ///< drive
   double speed_m_per_s = 0.3;
   OdometryErrors odometry;
   std::uint64_t seed = 1;

@@ -101,8 +101,10 @@ void Run(Arguments& arguments) {
 }
 
 void AddFloorOptions(CLI::App& command, Arguments& a) {
-  command.add_option("--texture", a.options.floor.source,
-                     "Photograph of a floor that tiles seamlessly, or concrete, wood, tiles, carpet")->required();
+  command
+      .add_option("--texture", a.options.floor.source,
+                  "Photograph of a floor that tiles seamlessly, or concrete, wood, tiles, carpet")
+      ->required();
   command.add_option("--size", a.size, "Floor, WIDTHxHEIGHT in metres")->capture_default_str();
   command.add_option("--texture-width", a.options.floor.picture_width_m, "Width of the photographed piece, metres")
       ->capture_default_str();
@@ -115,26 +117,31 @@ void AddFloorOptions(CLI::App& command, Arguments& a) {
 
 void AddPathOptions(CLI::App& command, Arguments& a) {
   command.add_option("--trajectory", a.trajectory, "What the robot does")
-      ->check(CLI::IsMember({"survey", "drive", "random"}))->capture_default_str();
+      ->check(CLI::IsMember({"survey", "drive", "random"}))
+      ->capture_default_str();
   command.add_option("--frames", a.options.path.frames, "Number of frames of a drive or of random poses")
       ->capture_default_str();
-  command.add_option("--overlap", a.options.path.overlap, "Of neighbouring pictures of a survey")->capture_default_str();
+  command.add_option("--overlap", a.options.path.overlap, "Of neighbouring pictures of a survey")
+      ->capture_default_str();
   command.add_option("--speed", a.options.path.speed_m_per_s, "Metres per second")->capture_default_str();
   command.add_option("--fps", a.options.path.fps, "Frames per second of a drive")->capture_default_str();
   command.add_option("--odometry-drift", a.odometry_drift, "Factor on the odometry's errors; 0: perfect odometry")
-      ->check(CLI::Range(0.0, 1000.0))->capture_default_str();
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
   command.add_flag("--no-odometry", a.no_odometry, "Leave odometry.tum out");
 }
 
 void AddPictureOptions(CLI::App& command, Arguments& a) {
   command.add_option("--camera", a.camera, "Built-in camera")
-      ->check(CLI::IsMember({"down", "forward", "equidistant"}))->capture_default_str();
+      ->check(CLI::IsMember({"down", "forward", "equidistant"}))
+      ->capture_default_str();
   auto* camera_yaml = command.add_option("--camera-yaml", a.camera_yaml, "Camera from a file, with --floor-yaml");
   auto* floor_yaml = command.add_option("--floor-yaml", a.floor_yaml, "Its place over the floor, with --camera-yaml");
   camera_yaml->needs(floor_yaml);
   floor_yaml->needs(camera_yaml);
   command.add_option("--condition", a.condition, "Light, blur, noise, vibration")
-      ->check(CLI::IsMember({"clean", "mild", "hard"}))->capture_default_str();
+      ->check(CLI::IsMember({"clean", "mild", "hard"}))
+      ->capture_default_str();
   command.add_option("--blur", a.blur_px, "Longest motion blur, pixels, instead of the condition's");
   command.add_option("--shadow", a.shadow, "Strength of the shadow, 0 to 1, instead of the condition's");
   command.add_option("--lamps", a.lamps, "Strength of the lamps, 0 to 10, instead of the condition's");
@@ -153,7 +160,8 @@ void AddSimulateCommand(CLI::App& app) {
   AddPictureOptions(*command, *arguments);
   command->add_option("--seed", arguments->options.seed, "Of everything but the floor")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "0: one per core")
-      ->check(CLI::Range(0, 1024))->capture_default_str();
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
   command->add_flag("--json", arguments->json, "Machine-readable summary on stdout");
   command->callback([arguments] { Run(*arguments); });
 }
