@@ -41,8 +41,8 @@ cv::Mat FeatherWeight(const cv::Mat& mask) {
   return weight;
 }
 
-// The frame's picture in float, with camera and light divided out.
-cv::Mat ReadFramePicture(const MosaicInput& input, int frame) {
+// The frame's picture in float, with camera and light divided out, times the feather.
+cv::Mat ReadWeightedPicture(const MosaicInput& input, int frame, const cv::Mat& feather) {
   const BuildFrame& f = input.frames[static_cast<std::size_t>(frame)];
   const LoadedSurvey& survey = input.surveys[static_cast<std::size_t>(f.survey)];
   const CameraModel& camera = survey.survey.camera.camera;
@@ -50,9 +50,9 @@ cv::Mat ReadFramePicture(const MosaicInput& input, int frame) {
   cv::Mat picture;
   survey.rectifier->RectifyPicture(raw).convertTo(picture, CV_32F,
                                                   input.exposure.frame_gain[static_cast<std::size_t>(frame)]);
-  cv::Mat gain;
-  cv::cvtColor(input.exposure.flat_field[static_cast<std::size_t>(f.survey)], gain, cv::COLOR_GRAY2BGR);
-  return picture.mul(gain);
+  cv::Mat factor;
+  cv::cvtColor(input.exposure.flat_field[static_cast<std::size_t>(f.survey)].mul(feather), factor, cv::COLOR_GRAY2BGR);
+  return picture.mul(factor);
 }
 
 struct Accumulator {
@@ -62,19 +62,34 @@ struct Accumulator {
   explicit Accumulator(int side_px)
       : color(cv::Mat::zeros(side_px, side_px, CV_32FC3)), weight(cv::Mat::zeros(side_px, side_px, CV_32F)) {}
 
-  void Add(const cv::Mat& picture, const cv::Mat& feather, const cv::Mat& frame_from_patch) {
-    cv::Mat weighted;
-    cv::Mat feather3;
-    cv::cvtColor(feather, feather3, cv::COLOR_GRAY2BGR);
+  void Add(const cv::Mat& weighted, const cv::Mat& feather, const cv::Mat& frame_from_patch) {
+    const cv::Rect place = Footprint(feather.size(), frame_from_patch) & cv::Rect(cv::Point(), color.size());
+    if (place.empty()) {
+      return;
+    }
+    cv::Mat local = frame_from_patch.clone();
+    local.col(2) += frame_from_patch.colRange(0, 2) * (cv::Mat_<double>(2, 1) << place.x, place.y);
     cv::Mat warped;
     cv::Mat warped_weight;
     const int flags = cv::INTER_LINEAR | cv::WARP_INVERSE_MAP;
-    weighted = picture.mul(feather3);
-    cv::warpAffine(weighted, warped, frame_from_patch, color.size(), flags, cv::BORDER_CONSTANT, cv::Scalar::all(0));
-    cv::warpAffine(feather, warped_weight, frame_from_patch, color.size(), flags, cv::BORDER_CONSTANT,
-                   cv::Scalar::all(0));
-    color += warped;
-    weight += warped_weight;
+    cv::warpAffine(weighted, warped, local, place.size(), flags, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+    cv::warpAffine(feather, warped_weight, local, place.size(), flags, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+    color(place) += warped;
+    weight(place) += warped_weight;
+  }
+
+ private:
+  // The pixels of the patch that a frame of the given size can touch.
+  static cv::Rect Footprint(const cv::Size& frame, const cv::Mat& frame_from_patch) {
+    cv::Mat patch_from_frame;
+    cv::invertAffineTransform(frame_from_patch, patch_from_frame);
+    const std::vector<cv::Point2f> corners{{-1.0F, -1.0F},
+                                           {static_cast<float>(frame.width), -1.0F},
+                                           {-1.0F, static_cast<float>(frame.height)},
+                                           {static_cast<float>(frame.width), static_cast<float>(frame.height)}};
+    std::vector<cv::Point2f> in_patch;
+    cv::transform(corners, in_patch, patch_from_frame);
+    return cv::boundingRect(in_patch);
   }
 };
 
@@ -112,7 +127,10 @@ MosaicPatch BlendPatch(const MosaicInput& input, const std::vector<int>& frames,
     const std::size_t count = std::min(kBatch, frames.size() - first);
     std::vector<cv::Mat> pictures(count);
     ParallelFor(static_cast<int>(count), threads, [&](int i) {
-      pictures[static_cast<std::size_t>(i)] = ReadFramePicture(input, frames[first + static_cast<std::size_t>(i)]);
+      const int frame = frames[first + static_cast<std::size_t>(i)];
+      const int survey = input.frames[static_cast<std::size_t>(frame)].survey;
+      pictures[static_cast<std::size_t>(i)] =
+          ReadWeightedPicture(input, frame, feather[static_cast<std::size_t>(survey)]);
     });
     for (std::size_t i = 0; i < count; ++i) {
       const auto frame = static_cast<std::size_t>(frames[first + i]);

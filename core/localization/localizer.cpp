@@ -98,7 +98,7 @@ struct Localizer::Impl {
   }
 
   std::vector<OrientedMatch> FindMatches(const Features& features, const std::optional<MatchGuide>& guide) const {
-    std::vector<Match> matches =
+    const std::vector<Match> matches =
         guide ? guided.FindNearest(features, *guide) : FindNearest(*index, features.descriptors);
     return ToOrientedMatches(FilterByRatio(matches, MaxRatio()), features, map.keypoints.keypoints);
   }

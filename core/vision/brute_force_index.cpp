@@ -4,36 +4,15 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/vision/hamming.h"
+#include "core/vision/nearest_list.h"
 
 namespace floorloc {
 namespace {
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// Keeps the count smallest distances, nearest first; of equal ones the smaller index.
-class NearestList {
- public:
-  explicit NearestList(int count) : count_(static_cast<std::size_t>(count)) {}
-
-  void Consider(int index, float distance) {
-    if (list_.size() == count_ && distance >= list_.back().distance) {
-      return;
-    }
-    if (list_.size() == count_) {
-      list_.pop_back();
-    }
-    const auto place = std::upper_bound(list_.begin(), list_.end(), distance,
-                                        [](float d, const Neighbour& n) { return d < n.distance; });
-    list_.insert(place, {index, distance});
-  }
-  std::vector<Neighbour>& list() { return list_; }
-
- private:
-  std::size_t count_;
-  std::vector<Neighbour> list_;
-};
 
 class BruteForceHamming final : public DescriptorIndex {
  public:
@@ -42,33 +21,17 @@ class BruteForceHamming final : public DescriptorIndex {
   std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
     const PackedDescriptors queries(descriptors);
     std::vector<std::vector<Neighbour>> neighbours;
+    std::vector<int> all(static_cast<std::size_t>(train_.rows()));
+    std::iota(all.begin(), all.end(), 0);
     for (int q = 0; q < queries.rows(); ++q) {
-      neighbours.push_back(count <= 2 ? TwoNearestOf(queries.row(q), count) : NearestOf(queries.row(q), count));
+      neighbours.push_back(count <= 2 ? ToNeighbours(FindTwoNearest(train_, queries.row(q)), count)
+                                      : NearestHamming(train_, queries.row(q), all, count));
     }
     return neighbours;
   }
   int size() const override { return train_.rows(); }
 
  private:
-  std::vector<Neighbour> TwoNearestOf(const std::uint64_t* query, int count) const {
-    const TwoNearest best = FindTwoNearest(train_, query);
-    std::vector<Neighbour> list;
-    if (best.index >= 0) {
-      list.push_back({best.index, static_cast<float>(best.distance)});
-    }
-    if (best.second_index >= 0 && count == 2) {
-      list.push_back({best.second_index, static_cast<float>(best.second_distance)});
-    }
-    return list;
-  }
-  std::vector<Neighbour> NearestOf(const std::uint64_t* query, int count) const {
-    NearestList nearest(count);
-    for (int i = 0; i < train_.rows(); ++i) {
-      nearest.Consider(i, static_cast<float>(HammingDistance(train_, i, query)));
-    }
-    return std::move(nearest.list());
-  }
-
   PackedDescriptors train_;
 };
 

@@ -6,27 +6,47 @@
 
 #include "core/vision/brute_force_index.h"
 #include "core/vision/flann_index.h"
+#include "core/vision/mih_index.h"
 
 namespace floorloc {
 
-const char* ToString(MatcherType type) { return type == MatcherType::kBruteForce ? "brute_force" : "flann"; }
+const char* ToString(MatcherType type) {
+  switch (type) {
+    case MatcherType::kAuto:
+      return "auto";
+    case MatcherType::kBruteForce:
+      return "brute_force";
+    case MatcherType::kFlann:
+      return "flann";
+    case MatcherType::kMih:
+      return "mih";
+  }
+  return "unknown";
+}
 
 MatcherType ParseMatcherType(const std::string& name) {
-  for (const MatcherType type : {MatcherType::kBruteForce, MatcherType::kFlann}) {
+  for (const MatcherType type : {MatcherType::kAuto, MatcherType::kBruteForce, MatcherType::kFlann, MatcherType::kMih}) {
     if (name == ToString(type)) {
       return type;
     }
   }
-  throw std::invalid_argument("unknown matcher '" + name + "'; known are: brute_force, flann");
+  throw std::invalid_argument("unknown matcher '" + name + "'; known are: auto, brute_force, flann, mih");
 }
 
 std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options) {
   // Below this size an exact search is faster than any index.
   constexpr int kSmall = 2000;
+  const bool binary = descriptors.depth() == CV_8U;
+  if (options.type == MatcherType::kMih && !binary) {
+    throw std::invalid_argument("matcher 'mih' takes binary descriptors only; use auto, flann or brute_force");
+  }
   if (options.type == MatcherType::kBruteForce || descriptors.rows < kSmall) {
     return CreateBruteForceIndex(descriptors);
   }
-  return CreateFlannIndex(descriptors, options);
+  if (options.type == MatcherType::kFlann || !binary) {
+    return CreateFlannIndex(descriptors, options);
+  }
+  return CreateMihIndex(descriptors);
 }
 
 std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors) {

@@ -25,13 +25,18 @@ struct Match {
   float second_distance = 0.0F;  ///< of the next neighbour; infinity when there is none
 };
 
-enum class MatcherType { kBruteForce, kFlann };
+enum class MatcherType {
+  kAuto,        ///< multi-index hashing for binary descriptors, FLANN for float ones
+  kBruteForce,  ///< exact
+  kFlann,       ///< randomised kd-trees (float), hierarchical clusterings (binary)
+  kMih,         ///< multi-index hashing, binary descriptors only
+};
 
 const char* ToString(MatcherType type);
 MatcherType ParseMatcherType(const std::string& name);
 
 struct IndexOptions {
-  MatcherType type = MatcherType::kFlann;
+  MatcherType type = MatcherType::kAuto;
   int trees = 4;       ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
   int checks = 64;     ///< FLANN: leaves looked at per query
   std::uint32_t seed = 1;

@@ -16,7 +16,7 @@ namespace {
 struct Arguments {
   std::filesystem::path map, frames, out, results;
   std::string prior = "none";
-  std::string matcher = "flann";
+  std::string matcher = "auto";
   std::uint32_t seed = 1;
   LocalizeFramesOptions options;
 };
@@ -76,7 +76,7 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--results", a->results, "One JSON line per frame");
   command->add_option("--prior", a->prior, "none: whole map; odometry: carried on from the last fix; truth")
       ->capture_default_str();
-  command->add_option("--matcher", a->matcher, "Global search: flann or brute_force")->capture_default_str();
+  command->add_option("--matcher", a->matcher, "Global search: auto, mih, flann or brute_force")->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();
   command->add_option("--seed", a->seed, "Of all random choices")->capture_default_str();

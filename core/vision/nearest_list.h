@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/vision/descriptor_index.h"
+#include "core/vision/hamming.h"
+
+namespace floorloc {
+
+/// Keeps the count smallest distances, nearest first; of equal ones the first considered.
+class NearestList {
+ public:
+  explicit NearestList(int count) : count_(static_cast<std::size_t>(count)) {}
+
+  void Consider(int index, float distance) {
+    if (list_.size() == count_ && distance >= list_.back().distance) {
+      return;
+    }
+    if (list_.size() == count_) {
+      list_.pop_back();
+    }
+    const auto place = std::upper_bound(list_.begin(), list_.end(), distance,
+                                        [](float d, const Neighbour& n) { return d < n.distance; });
+    list_.insert(place, {index, distance});
+  }
+  std::vector<Neighbour>& list() { return list_; }
+
+ private:
+  std::size_t count_;
+  std::vector<Neighbour> list_;
+};
+
+/// The two nearest as a list of at most count (1 or 2).
+std::vector<Neighbour> ToNeighbours(const TwoNearest& nearest, int count);
+
+/// The count nearest of the candidate rows.
+std::vector<Neighbour> NearestHamming(const PackedDescriptors& train, const std::uint64_t* query,
+                                      std::span<const int> candidates, int count);
+
+}  // namespace floorloc
