@@ -153,6 +153,7 @@ struct BrokenCamera {
   std::function<void(CameraModel&)> break_it;
   const char* message;
 };
+std::ostream& operator<<(std::ostream& out, const BrokenCamera& broken) { return out << broken.name; }
 
 class CameraCheckTest : public ::testing::TestWithParam<BrokenCamera> {};
 

@@ -91,6 +91,7 @@ struct BrokenFloor {
   std::function<void(FloorCamera&)> break_it;
   const char* message;
 };
+std::ostream& operator<<(std::ostream& out, const BrokenFloor& broken) { return out << broken.name; }
 
 class FloorCheckTest : public ::testing::TestWithParam<BrokenFloor> {};
 

@@ -44,6 +44,7 @@ struct BrokenCsv {
   const char* where;
   const char* reason;
 };
+std::ostream& operator<<(std::ostream& out, const BrokenCsv& broken) { return out << broken.name; }
 
 class BrokenFramesCsv : public ::testing::TestWithParam<BrokenCsv> {};
 

@@ -75,6 +75,7 @@ struct BrokenRow {
   const char* row;
   const char* reason;
 };
+std::ostream& operator<<(std::ostream& out, const BrokenRow& broken) { return out << broken.name; }
 
 class BrokenTum : public ::testing::TestWithParam<BrokenRow> {};
 
