@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/vision/feature_extractor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/features2d.hpp>
@@ -39,8 +40,8 @@ cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
   const int detected = 4 * o.max_keypoints;
   switch (o.type) {
     case ExtractorType::kOrb:
-      return cv::ORB::create(detected, static_cast<float>(o.scale_factor), o.levels, 19, 0, 2, cv::ORB::HARRIS_SCORE, 31,
-                             static_cast<int>(threshold));
+      return cv::ORB::create(detected, static_cast<float>(o.scale_factor), o.levels, 19, 0, 2, cv::ORB::HARRIS_SCORE,
+                             31, static_cast<int>(threshold));
     case ExtractorType::kSift:
       return cv::SIFT::create(o.max_keypoints, 3, threshold, 10.0, 1.6);
     case ExtractorType::kAkaze:
@@ -52,16 +53,55 @@ cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
   throw std::invalid_argument("unknown extractor");
 }
 
-// Systematic offset of OpenCV 4.6's keypoints, px, found by matching pictures with themselves turned by 180 degrees
-// (tests/core/vision): pyramids are resized by pixel areas but their coordinates are scaled as if by pixel centres.
-float PixelOffset(const ExtractorOptions& o, const cv::KeyPoint& keypoint) {
-  if (o.type == ExtractorType::kSift) {
-    return -0.25F;
-  }
+// Size of a pyramid level as OpenCV 4.6 makes it: sides are rounded or cut off to whole pixels.
+cv::Size LevelSize(const ExtractorOptions& o, const cv::Size& picture, int level) {
   if (o.type == ExtractorType::kOrb) {
-    return 0.5F * (static_cast<float>(std::pow(o.scale_factor, keypoint.octave)) - 1.0F);
+    const double factor = std::pow(o.scale_factor, level);
+    return {cvRound(picture.width / factor), cvRound(picture.height / factor)};
   }
-  return 0.0F;
+  if (o.type == ExtractorType::kBrisk) {  // layers alternate: the picture or two thirds of it, each halved repeatedly
+    const bool thirds = level % 2 == 1;
+    const cv::Size first = thirds ? cv::Size(picture.width / 3 * 2, picture.height / 3 * 2) : picture;
+    return {first.width >> (level / 2), first.height >> (level / 2)};
+  }
+  return {picture.width >> level, picture.height >> level};
+}
+
+// OpenCV throws on pictures that leave nothing of the smallest level.
+bool FitsPyramid(const ExtractorOptions& o, const cv::Size& picture) {
+  constexpr int kMinSidePx = 8;
+  const int smallest = o.type == ExtractorType::kOrb     ? o.levels - 1
+                       : o.type == ExtractorType::kBrisk ? 2 * o.levels - 1
+                                                         : 0;
+  const cv::Size size = LevelSize(o, picture, smallest);
+  return std::min(size.width, size.height) >= kMinSidePx;
+}
+
+// How many times smaller OpenCV takes a level to be when it scales its keypoints up.
+double NominalFactor(const ExtractorOptions& o, int level) {
+  if (o.type == ExtractorType::kOrb) {
+    return std::pow(o.scale_factor, level);
+  }
+  if (o.type == ExtractorType::kBrisk) {
+    return (level % 2 == 1 ? 1.5 : 1.0) * (1 << (level / 2));
+  }
+  return 1 << level;
+}
+
+// Where a keypoint really is, px. OpenCV 4.6 scales the coordinates of a pyramid's keypoints by the nominal factor of
+// the level, not by the ratio of the sizes, which errs by half a pixel and more; ORB also scales them as if pixels were
+// points. SIFT is off by a constant. Found by matching pictures with themselves turned by 180 degrees
+// (tests/core/vision).
+Eigen::Vector2d TruePixel(const ExtractorOptions& o, const cv::Size& picture, const cv::KeyPoint& k) {
+  const Eigen::Vector2d reported(k.pt.x, k.pt.y);
+  if (o.type == ExtractorType::kSift) {
+    return reported.array() - 0.25;
+  }
+  const double factor = NominalFactor(o, k.octave);
+  const cv::Size level = LevelSize(o, picture, k.octave);
+  const Eigen::Vector2d from_edge = o.type == ExtractorType::kOrb ? Eigen::Vector2d(reported.array() / factor + 0.5)
+                                                                  : Eigen::Vector2d((reported.array() + 0.5) / factor);
+  return {from_edge.x() * picture.width / level.width - 0.5, from_edge.y() * picture.height / level.height - 0.5};
 }
 
 // Radius of the picture that orientation and descriptor look at: keypoints nearer to unseen floor are dropped.
@@ -92,8 +132,8 @@ std::vector<cv::KeyPoint> DropNearUnseen(ExtractorType type, const cv::Mat& mask
 }
 
 Keypoint ToFloor(const ExtractorOptions& options, const GroundGrid& grid, const cv::KeyPoint& k) {
-  const float offset = PixelOffset(options, k);
-  const Eigen::Vector2d p = grid.BaseFromPixel(k.pt.x + offset, k.pt.y + offset);
+  const Eigen::Vector2d pixel = TruePixel(options, {grid.width_px, grid.height_px}, k);
+  const Eigen::Vector2d p = grid.BaseFromPixel(pixel.x(), pixel.y());
   // OpenCV's angle runs clockwise from the picture's right, which is the base frame's -y.
   const double angle_px = static_cast<double>(k.angle) * std::numbers::pi / 180.0;
   const double angle = std::atan2(-std::cos(angle_px), -std::sin(angle_px));
@@ -106,6 +146,9 @@ class OpenCvExtractor final : public FeatureExtractor {
   explicit OpenCvExtractor(const ExtractorOptions& options) : options_(options), detector_(CreateDetector(options)) {}
 
   Features Extract(const GroundImage& image) const override {
+    if (!FitsPyramid(options_, image.gray.size())) {
+      return {};
+    }
     const cv::Mat picture = Prepare(image);
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;

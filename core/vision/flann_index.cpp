@@ -1,52 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/vision/flann_index.h"
 
+#include <algorithm>
 #include <cmath>
-#include <flann/flann.hpp>
-#include <limits>
-#include <mutex>
+#include <opencv2/flann.hpp>
+#include <type_traits>
 
 namespace floorloc {
 namespace {
 
-// FLANN draws its random trees from one process-wide generator: seeded builds must not overlap.
-std::mutex& BuildMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
+// OpenCV's port of FLANN draws its random numbers from this thread's generator, so that a seed fixes the trees. FLANN
+// 1.9 itself shuffles by std::random_device and gives another index with every build.
+class SeededGenerator {
+ public:
+  explicit SeededGenerator(std::uint32_t seed) : saved_(cv::theRNG()) { cvflann::seed_random(seed); }
+  ~SeededGenerator() { cv::theRNG() = saved_; }
+  SeededGenerator(const SeededGenerator&) = delete;
+  SeededGenerator& operator=(const SeededGenerator&) = delete;
 
-template <typename Distance>
+ private:
+  cv::RNG saved_;
+};
+
+// Index: the cvflann index of this distance.
+template <typename Distance, typename Index>
 class FlannIndex final : public DescriptorIndex {
  public:
   using Element = typename Distance::ElementType;
 
-  FlannIndex(const cv::Mat& descriptors, const flann::IndexParams& params, const IndexOptions& options)
-      : data_(descriptors.clone()),
-        index_(flann::Matrix<Element>(data_.ptr<Element>(), static_cast<std::size_t>(data_.rows),
-                                      static_cast<std::size_t>(data_.cols)),
-               params),
-        search_(options.checks) {
-    search_.cores = 1;
-    const std::lock_guard lock(BuildMutex());
-    flann::seed_random(options.seed);
+  /// checks: descriptors compared per query.
+  FlannIndex(const cv::Mat& descriptors, const cvflann::IndexParams& params, int checks, std::uint32_t seed)
+      : data_(descriptors.clone()), index_(ToMatrix(data_), params), search_(checks, 0.0F, true, kExploreAllTrees) {
+    const SeededGenerator seeded(seed);
     index_.buildIndex();
   }
 
   std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
-    const auto rows = static_cast<std::size_t>(descriptors.rows);
-    const auto k = static_cast<std::size_t>(count);
-    const cv::Mat queries = descriptors.isContinuous() ? descriptors : descriptors.clone();
-    std::vector<std::size_t> index_data(rows * k, kNone);
-    std::vector<DistanceType> distance_data(rows * k, DistanceType{});
-    flann::Matrix<std::size_t> indices(index_data.data(), rows, k);
-    flann::Matrix<DistanceType> distances(distance_data.data(), rows, k);
-    index_.knnSearch(flann::Matrix<Element>(const_cast<Element*>(queries.ptr<Element>()), rows,
-                                            static_cast<std::size_t>(queries.cols)),
-                     indices, distances, k, search_);
-    std::vector<std::vector<Neighbour>> neighbours(rows);
-    for (std::size_t i = 0; i < rows * k; ++i) {
-      if (index_data[i] < static_cast<std::size_t>(data_.rows)) {
-        neighbours[i / k].push_back({static_cast<int>(index_data[i]), ToMetric(distance_data[i])});
+    std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(descriptors.rows));
+    const int k = std::min(count, size());  // OpenCV throws when it can't find as many as were asked for
+    if (k == 0) {
+      return neighbours;
+    }
+    std::vector<int> indices(static_cast<std::size_t>(k));
+    std::vector<DistanceType> distances(indices.size());
+    for (int i = 0; i < descriptors.rows; ++i) {
+      cvflann::KNNUniqueResultSet<DistanceType> nearest(static_cast<unsigned>(k));
+      index_.findNeighbors(nearest, descriptors.ptr<Element>(i), search_);
+      nearest.copy(indices.data(), distances.data(), k);
+      for (std::size_t n = 0; n < indices.size(); ++n) {
+        neighbours[static_cast<std::size_t>(i)].push_back({indices[n], ToMetric(distances[n])});
       }
     }
     return neighbours;
@@ -55,30 +57,39 @@ class FlannIndex final : public DescriptorIndex {
 
  private:
   using DistanceType = typename Distance::ResultType;
-  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  static constexpr bool kExploreAllTrees = true;  // otherwise the first tree may use up all checks
+
+  static cvflann::Matrix<Element> ToMatrix(cv::Mat& m) {
+    return {m.ptr<Element>(), static_cast<std::size_t>(m.rows), static_cast<std::size_t>(m.cols)};
+  }
 
   // FLANN's L2 is squared.
   static float ToMetric(DistanceType d) {
     return std::is_same_v<Element, float> ? std::sqrt(static_cast<float>(d)) : static_cast<float>(d);
   }
 
-  cv::Mat data_;  // FLANN refers to it
-  flann::Index<Distance> index_;
-  flann::SearchParams search_;
+  cv::Mat data_;         // the index refers to it
+  mutable Index index_;  // its search keeps no state but is not const
+  cvflann::SearchParams search_;
 };
+
+using FloatDistance = cvflann::L2<float>;
+using BinaryDistance = cvflann::Hamming<unsigned char>;
+using FloatIndex = FlannIndex<FloatDistance, cvflann::KDTreeIndex<FloatDistance>>;
+using BinaryIndex = FlannIndex<BinaryDistance, cvflann::HierarchicalClusteringIndex<BinaryDistance>>;
 
 }  // namespace
 
 std::unique_ptr<DescriptorIndex> CreateFlannIndex(const cv::Mat& descriptors, const IndexOptions& options) {
   if (descriptors.type() == CV_32F) {
-    return std::make_unique<FlannIndex<flann::L2<float>>>(descriptors, flann::KDTreeIndexParams(options.trees), options);
+    return std::make_unique<FloatIndex>(descriptors, cvflann::KDTreeIndexParams(options.trees), options.checks,
+                                        options.seed);
   }
   constexpr int kBranching = 32;
-  constexpr int kLeafSize = 100;
-  return std::make_unique<FlannIndex<flann::Hamming<unsigned char>>>(
-      descriptors,
-      flann::HierarchicalClusteringIndexParams(kBranching, flann::FLANN_CENTERS_RANDOM, options.trees, kLeafSize),
-      options);
+  constexpr int kLeafSize = 20;  // descriptors; a kd-tree's leaf holds one
+  const cvflann::HierarchicalClusteringIndexParams clusterings(kBranching, cvflann::FLANN_CENTERS_RANDOM, options.trees,
+                                                               kLeafSize);
+  return std::make_unique<BinaryIndex>(descriptors, clusterings, kLeafSize * options.checks, options.seed);
 }
 
 }  // namespace floorloc
