@@ -44,18 +44,14 @@ class ComputePool {
   template <typename Job>
   std::optional<std::future<std::invoke_result_t<Job>>> Submit(Job job) {
     using Result = std::invoke_result_t<Job>;
-    auto promise = std::make_shared<std::promise<Result>>();
-    auto future = promise->get_future();
-    const bool queued = Enqueue([promise, job = std::move(job)](bool expired) mutable {
-      try {
-        if (expired) {
-          throw QueueTimeout();
-        }
-        promise->set_value(job());
-      } catch (...) {
-        promise->set_exception(std::current_exception());
+    auto task = std::make_shared<std::packaged_task<Result(bool)>>([job = std::move(job)](bool expired) mutable {
+      if (expired) {
+        throw QueueTimeout();
       }
+      return job();
     });
+    auto future = task->get_future();
+    const bool queued = Enqueue([task](bool expired) { (*task)(expired); });
     return queued ? std::optional(std::move(future)) : std::nullopt;
   }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http_server.h"
 
-#include <httplib.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
@@ -14,6 +13,9 @@
 #include "server/body_budget.h"
 #include "server/connection.h"
 #include "server/listener.h"
+
+// After Eigen: through <resolv.h> it defines a macro _res, which is the name of a parameter there.
+#include <httplib.h>
 
 namespace floorloc {
 namespace {

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/io/input_error.h"
+#include "server/access.h"
+#include "server/config_json.h"
+#include "server/strict_json.h"
+#include "tests/synthetic/temporary_folder.h"
+
+namespace floorloc {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(ConfigTest, ReadsEveryKey) {
+  const ServerConfig config = ParseServerConfig(R"({
+    "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "drain_s": 2, "open": true, "protect_reads": true,
+    "log_level": "warning", "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
+    "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
+               "max_connections": 50, "max_vehicles": 60, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
+               "request_timeout_s": 90}})");
+  EXPECT_EQ(config.threads, 3);
+  EXPECT_EQ(config.queue_length, 7);
+  EXPECT_EQ(config.queue_timeout_s, 0.5);
+  EXPECT_EQ(config.drain_s, 2.0);
+  EXPECT_TRUE(config.open);
+  EXPECT_TRUE(config.protect_reads);
+  EXPECT_EQ(config.log_level, "warning");
+  EXPECT_EQ(config.token_file, "token");
+  EXPECT_EQ(config.localizer.registration.max_p_wrong, 1e-6);
+  EXPECT_EQ(config.limits.max_body_bytes, 10U);
+  EXPECT_EQ(config.limits.max_bodies_bytes, 20U);
+  EXPECT_EQ(config.limits.max_image_pixels, 30);
+  EXPECT_EQ(config.limits.max_rectifier_bytes, 40U);
+  EXPECT_EQ(config.limits.max_connections, 50);
+  EXPECT_EQ(config.limits.max_vehicles, 60);
+  EXPECT_EQ(config.limits.max_requests_per_s, 70.5);
+  EXPECT_EQ(config.limits.idle_timeout_s, 80.0);
+  EXPECT_EQ(config.limits.request_timeout_s, 90.0);
+}
+
+TEST(ConfigTest, NamesWhatIsWrong) {
+  for (const auto& [text, named] : std::vector<std::pair<std::string, std::string>>{
+           {R"({"thread":1})", "thread"},
+           {R"({"limits":{"max_body":1}})", "limits.max_body"},
+           {R"({"limits":{"max_body_bytes":0}})", "limits.max_body_bytes"},
+           {R"({"limits":{"max_body_bytes":1.5}})", "limits.max_body_bytes"},
+           {R"({"limits":{"max_body_bytes":9000000000}})", "limits.max_bodies_bytes"},
+           {R"({"localizer":{"max_p_wrong":2}})", "localizer.max_p_wrong"},
+           {R"({"log_level":"loud"})", "log_level"},
+           {R"({"open":1})", "open"},
+           {R"({"threads":18446744073709551615})", "threads"},
+           {"[]", "object"},
+           {"{", "JSON"}}) {
+    SCOPED_TRACE(text);
+    EXPECT_THAT([&text = text] { ParseServerConfig(text); }, ThrowsMessage<JsonError>(HasSubstr(named)));
+  }
+}
+
+TEST(ConfigTest, FilesAreNamedInErrorsAndTokensLieBesideThem) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "server.json";
+  EXPECT_THAT([&] { ReadServerConfig(file); }, ThrowsMessage<InputError>(HasSubstr("server.json")));
+  std::ofstream(file) << R"({"token_file":"secret"})";
+  EXPECT_EQ(ReadServerConfig(file).token_file, folder.path() / "secret");
+  std::ofstream(file) << R"({"nonsense":1})";
+  EXPECT_THAT([&] { ReadServerConfig(file); },
+              ThrowsMessage<InputError>(testing::AllOf(HasSubstr("server.json"), HasSubstr("nonsense"))));
+}
+
+TEST(ConfigTest, ReadsListenAddresses) {
+  ServerConfig config;
+  SetListenAddress("[::1]:9000", config);
+  EXPECT_EQ(config.host, "::1");
+  EXPECT_EQ(config.port, 9000);
+  EXPECT_TRUE(config.IsLoopback());
+  SetListenAddress("0.0.0.0:0", config);
+  EXPECT_FALSE(config.IsLoopback());
+  for (const char* wrong : {"", "8080", "localhost", "localhost:", ":80", "a:b", "a:-1", "a:70000", "a:1x"}) {
+    EXPECT_THROW(SetListenAddress(wrong, config), std::invalid_argument) << wrong;
+  }
+}
+
+TEST(ConfigTest, IsNotOpenToTheWorldByAccident) {
+  ServerConfig config;
+  EXPECT_NO_THROW(config.Check());
+  config.host = "0.0.0.0";
+  EXPECT_THROW(config.Check(), std::invalid_argument);
+  config.open = true;
+  EXPECT_NO_THROW(config.Check());
+  config.open = false;
+  config.token_file = "token";
+  EXPECT_NO_THROW(config.Check());
+  config.token_file.clear();
+  config.host = "127.0.0.1";
+  config.protect_reads = true;
+  EXPECT_THROW(config.Check(), std::invalid_argument);
+}
+
+TEST(AccessTokenTest, ComparesTheWholeToken) {
+  const AccessToken token("0123456789abcdef");
+  EXPECT_TRUE(token.Allows("Bearer 0123456789abcdef"));
+  for (const char* wrong : {"", "Bearer ", "0123456789abcdef", "Bearer 0123456789abcde", "Bearer 0123456789abcdeg",
+                            "Bearer 0123456789abcdef0123456789abcdef", "bearer 0123456789abcdef"}) {
+    EXPECT_FALSE(token.Allows(wrong)) << wrong;
+  }
+  EXPECT_TRUE(AccessToken().Allows(""));
+}
+
+TEST(AccessTokenTest, TheFileBelongsToItsOwnerOnly) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "token";
+  EXPECT_THROW(ReadTokenFile(file), InputError);
+  const auto write = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  };
+  write("0123456789abcdef\n");
+  EXPECT_TRUE(ReadTokenFile(file).Allows("Bearer 0123456789abcdef"));
+  std::filesystem::permissions(file, std::filesystem::perms::group_read, std::filesystem::perm_options::add);
+  EXPECT_THROW(ReadTokenFile(file), InputError);
+  write("short");
+  EXPECT_THROW(ReadTokenFile(file), InputError);
+  write("0123456789 abcdef");
+  EXPECT_THROW(ReadTokenFile(file), InputError);
+}
+
+}  // namespace
+}  // namespace floorloc

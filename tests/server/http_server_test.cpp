@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http_server.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <future>
+#include <nlohmann/json.hpp>
+
+#include "server/listener.h"
+
+// After Eigen: through <resolv.h> it defines a macro _res, which is the name of a parameter there.
+#include <httplib.h>
+
+namespace floorloc {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// Answers with what it got; "/wait" waits to be released.
+class EchoHandler : public HttpHandler {
+ public:
+  std::optional<HttpResponse> Admit(const HttpRequest& head) override {
+    return head.path == "/refused" ? std::optional(Refuse(head, Problem(401, "unauthorized", "No."))) : std::nullopt;
+  }
+  HttpResponse Handle(HttpRequest request) override {
+    if (request.path == "/wait") {
+      waiting.set_value();
+      released.get_future().wait();
+    }
+    std::string parts;
+    for (const HttpPart& part : request.parts) {
+      parts += "[" + part.name + "=" + part.content + "]";
+    }
+    return {200, "text/plain", request.method + " " + request.path + " " + request.body + parts, {}};
+  }
+  HttpResponse Refuse(const HttpRequest&, const Problem& problem) override { return ToResponse(problem); }
+
+  std::promise<void> waiting;
+  std::promise<void> released;
+};
+
+ServerLimits SmallLimits() {
+  ServerLimits limits;
+  limits.max_body_bytes = 100'000;
+  limits.max_bodies_bytes = 150'000;
+  limits.max_connections = 3;
+  return limits;
+}
+
+/// Bytes on a socket, for what no client library would send.
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  void Send(const std::string& text) { ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL); }
+  void CloseOutput() { ::shutdown(socket_.get(), SHUT_WR); }
+  /// Everything until the server closes.
+  std::string ReadAll() {
+    std::string all;
+    std::array<char, 4096> buffer{};
+    for (;;) {
+      const ssize_t count = ::recv(socket_.get(), buffer.data(), buffer.size(), 0);
+      if (count <= 0) {
+        return all;
+      }
+      all.append(buffer.data(), static_cast<std::size_t>(count));
+    }
+  }
+
+ private:
+  FileDescriptor socket_;
+};
+
+class HttpServerTest : public testing::Test {
+ protected:
+  HttpServerTest() : server_({"127.0.0.1", 0, SmallLimits()}, handler_), thread_([this] { server_.Serve(); }) {}
+  ~HttpServerTest() override { Stop(); }
+  void Stop() {
+    if (thread_.joinable()) {
+      server_.Stop();
+      thread_.join();
+    }
+  }
+  httplib::Client MakeClient() { return httplib::Client("127.0.0.1", server_.port()); }
+  std::string Exchange(const std::string& text) {
+    RawClient client(server_.port());
+    client.Send(text);
+    client.CloseOutput();
+    return client.ReadAll();
+  }
+
+  EchoHandler handler_;
+  HttpServer server_;
+  std::thread thread_;
+};
+
+std::string CodeOf(const httplib::Result& result) {
+  return result ? nlohmann::json::parse(result->body).value("code", "") : "no answer";
+}
+
+TEST_F(HttpServerTest, HandsOverMethodPathAndBody) {
+  httplib::Client client = MakeClient();
+  EXPECT_EQ(client.Get("/a%20b")->body, "GET /a b ");
+  EXPECT_EQ(client.Put("/x", "body", "text/plain")->body, "PUT /x body");
+  EXPECT_EQ(client.Delete("/x")->body, "DELETE /x ");
+  EXPECT_EQ(client.Post("/p", httplib::MultipartFormDataItems{{"a", "1", "", ""}, {"b", "2", "f", "image/png"}})->body,
+            "POST /p [a=1][b=2]");
+}
+
+TEST_F(HttpServerTest, KeepsTheConnectionForManyRequests) {
+  httplib::Client client = MakeClient();
+  client.set_keep_alive(true);
+  for (int i = 0; i < 20; ++i) {
+    const auto result = client.Get("/again");
+    ASSERT_TRUE(result);
+    EXPECT_NE(result->get_header_value("Connection"), "close");
+  }
+  EXPECT_EQ(server_.connections(), 1);
+}
+
+TEST_F(HttpServerTest, RefusesBodiesThatAreTooLarge) {
+  httplib::Client client = MakeClient();
+  const auto announced = client.Post("/x", std::string(100'001, 'x'), "text/plain");
+  ASSERT_TRUE(announced);
+  EXPECT_EQ(announced->status, 413);
+  EXPECT_EQ(CodeOf(announced), "body_too_large");
+  EXPECT_EQ(client.Post("/x", std::string(100'000, 'x'), "text/plain")->status, 200);
+  const auto parts = client.Post("/x", httplib::MultipartFormDataItems{{"a", std::string(100'001, 'x'), "", ""}});
+  EXPECT_EQ(CodeOf(parts), "body_too_large");
+}
+
+TEST_F(HttpServerTest, RefusesUnannouncedBodiesThatGrowTooLarge) {
+  std::string text = "POST /x HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n";
+  for (int i = 0; i < 30; ++i) {
+    text += "1000\r\n" + std::string(0x1000, 'x') + "\r\n";
+  }
+  const std::string answer = Exchange(text + "0\r\n\r\n");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(answer, HasSubstr("body_too_large"));
+  EXPECT_THAT(answer, HasSubstr("Connection: close"));
+}
+
+TEST_F(HttpServerTest, RefusesBodiesBeyondTheMemoryOfAll) {
+  RawClient slow(server_.port());
+  slow.Send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 90000\r\nExpect: 100-continue\r\n\r\n");
+  std::string answer;
+  httplib::Client client = MakeClient();
+  // The slow request holds its share as soon as the server reads its head.
+  for (int i = 0; i < 1000 && answer != "overloaded"; ++i) {
+    const auto result = client.Post("/x", std::string(90'000, 'x'), "text/plain");
+    answer = result && result->status == 503 ? CodeOf(result) : "";
+  }
+  EXPECT_EQ(answer, "overloaded");
+}
+
+TEST_F(HttpServerTest, RefusesBeforeItReadsTheBody) {
+  const std::string answer = Exchange("POST /refused HTTP/1.1\r\nHost: x\r\nContent-Length: 50000\r\n\r\nonly a bit");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 401"));
+  EXPECT_THAT(answer, HasSubstr("Connection: close"));
+}
+
+TEST_F(HttpServerTest, RefusesBodiesThatEndEarly) {
+  EXPECT_THAT(Exchange("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nonly a bit"), HasSubstr("malformed_body"));
+}
+
+TEST_F(HttpServerTest, ABodyThatNobodyReadsIsNoRequest) {
+  const std::string answer =
+      Exchange("GET /a HTTP/1.1\r\nHost: x\r\nContent-Length: 28\r\n\r\nGET /smuggled HTTP/1.1\r\n\r\n\r\n");
+  EXPECT_THAT(answer, HasSubstr("GET /a"));
+  EXPECT_THAT(answer, testing::Not(HasSubstr("smuggled")));
+}
+
+TEST_F(HttpServerTest, RefusesWhatIsNotHttp) {
+  EXPECT_THAT(Exchange("hello\r\n\r\n"), HasSubstr("malformed_request"));
+  EXPECT_THAT(Exchange("BREW /pot HTTP/1.1\r\n\r\n"), HasSubstr("malformed_request"));
+  EXPECT_THAT(Exchange("GET /" + std::string(9000, 'a') + " HTTP/1.1\r\n\r\n"), HasSubstr("uri_too_long"));
+  EXPECT_THAT(Exchange("GET / HTTP/1.1\r\nRange: bytes=x\r\n\r\n"), HasSubstr("invalid_range"));
+  EXPECT_EQ(Exchange("GET / HTTP/1.1\r\nX: " + std::string(40'000, 'a') + "\r\n\r\n").find("200 OK"), std::string::npos);
+  EXPECT_EQ(Exchange(std::string(100'000, 'a')).find("200 OK"), std::string::npos);
+  EXPECT_EQ(Exchange(std::string(1000, '\0')).find("200 OK"), std::string::npos);
+}
+
+TEST_F(HttpServerTest, LongPathsReachTheHandler) {
+  httplib::Client client = MakeClient();
+  EXPECT_EQ(client.Post("/" + std::string(8000, 'a'), "", "text/plain")->status, 200);
+  EXPECT_EQ(client.Post("/a%0Ab", "", "text/plain")->body, "POST /a\nb ");
+}
+
+TEST_F(HttpServerTest, ConnectionsBeyondTheLimitGet503) {
+  std::vector<std::unique_ptr<httplib::Client>> clients;
+  for (int i = 0; i < 3; ++i) {
+    clients.push_back(std::make_unique<httplib::Client>("127.0.0.1", server_.port()));
+    clients.back()->set_keep_alive(true);
+    ASSERT_EQ(clients.back()->Get("/")->status, 200);
+  }
+  const std::string answer = Exchange("");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(answer, HasSubstr("too_many_connections"));
+  EXPECT_THAT(answer, HasSubstr("Retry-After: 1"));
+}
+
+TEST_F(HttpServerTest, AnswersWhatIsInFlightWhenItStops) {
+  auto answer = std::async(std::launch::async, [this] {
+    RawClient client(server_.port());
+    client.Send("GET /wait HTTP/1.1\r\nHost: x\r\n\r\n");
+    return client.ReadAll();
+  });
+  handler_.waiting.get_future().wait();
+  server_.Stop();
+  handler_.released.set_value();
+  thread_.join();
+  EXPECT_THAT(answer.get(), HasSubstr("GET /wait"));
+}
+
+TEST_F(HttpServerTest, IdleConnectionsDoNotKeepItFromStopping) {
+  httplib::Client client = MakeClient();
+  client.set_keep_alive(true);
+  ASSERT_TRUE(client.Get("/"));
+  Stop();
+  EXPECT_FALSE(client.Get("/"));
+}
+
+TEST_F(HttpServerTest, APortIsTakenOnce) {
+  EchoHandler handler;
+  EXPECT_THROW(HttpServer({"127.0.0.1", server_.port(), {}}, handler), std::runtime_error);
+}
+
+TEST(HttpServerTimeoutTest, SlowRequestsAreDropped) {
+  EchoHandler handler;
+  ServerLimits limits;
+  limits.request_timeout_s = 0.02;
+  HttpServer server({"127.0.0.1", 0, limits}, handler);
+  std::thread thread([&] { server.Serve(); });
+  RawClient client(server.port());
+  client.Send("GET / HTTP/1.1\r\nHost");
+  EXPECT_EQ(client.ReadAll().find("200 OK"), std::string::npos);
+  server.Stop();
+  thread.join();
+}
+
+}  // namespace
+}  // namespace floorloc

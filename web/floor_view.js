@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// The floor in metres: Leaflet with CRS.Simple, where a map point (x, y) is the LatLng [y, x].
+import * as L from "/web/leaflet.esm.min.js";
+
+import { tileTemplate } from "/web/api.js";
+
+const FIXES_SHOWN = 60;
+const COLOURS = { localized: "#128a5b", ambiguous: "#b97800" };
+const EMPTY_TILE = "data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==";
+
+/// Zoom 0 of Leaflet is the map's coarsest level: one tile is tile_px * resolution * 2^max_zoom metres there.
+function metricCrs(mosaic) {
+  const pixelsPerMetre = 1 / (mosaic.resolution * 2 ** mosaic.max_zoom);
+  return L.extend({}, L.CRS.Simple, { transformation: new L.Transformation(pixelsPerMetre, 0, -pixelsPerMetre, 0) });
+}
+
+/// Leaflet counts tile rows down from the origin; the server counts them up.
+const MosaicLayer = L.TileLayer.extend({
+  getTileUrl({ x, y, z }) {
+    return L.Util.template(this._url, { x, y: -y - 1, z });
+  },
+});
+
+/// Half axes and direction of the 3-sigma ellipse of the position.
+export function covarianceEllipse(covariance) {
+  const [xx, xy, , , yy] = covariance;
+  const mean = (xx + yy) / 2;
+  const spread = Math.hypot((xx - yy) / 2, xy);
+  return {
+    major: 3 * Math.sqrt(Math.max(0, mean + spread)),
+    minor: 3 * Math.sqrt(Math.max(0, mean - spread)),
+    angle: Math.atan2(2 * xy, xx - yy) / 2,
+  };
+}
+
+function ellipsePoints(pose) {
+  const { major, minor, angle } = covarianceEllipse(pose.covariance);
+  const points = [];
+  for (let i = 0; i < 36; i += 1) {
+    const t = (i / 36) * 2 * Math.PI;
+    const a = major * Math.cos(t);
+    const b = minor * Math.sin(t);
+    points.push([
+      pose.y + a * Math.sin(angle) + b * Math.cos(angle),
+      pose.x + a * Math.cos(angle) - b * Math.sin(angle),
+    ]);
+  }
+  return points;
+}
+
+/// An arrowhead with its middle at the position, in map coordinates.
+function arrowPoints(pose, length) {
+  const shape = [[0.6, 0], [-0.4, 0.32], [-0.2, 0], [-0.4, -0.32]];
+  const c = Math.cos(pose.yaw) * length;
+  const s = Math.sin(pose.yaw) * length;
+  return shape.map(([x, y]) => [pose.y + s * x + c * y, pose.x + c * x - s * y]);
+}
+
+export class FloorView {
+  constructor(element, onPosition) {
+    this.element = element;
+    this.onPosition = onPosition;
+    this.fixes = [];
+  }
+
+  /// Shows a map; its fixes have to be added again.
+  show(map) {
+    this.leaflet?.remove();
+    this.fixes = [];
+    const { extent, mosaic } = map;
+    const bounds = [[extent.y_min, extent.x_min], [extent.y_max, extent.x_max]];
+    this.leaflet = L.map(this.element, {
+      crs: metricCrs(mosaic),
+      minZoom: -3,
+      maxZoom: mosaic.max_zoom + 4,
+      zoomSnap: 0.25,
+      attributionControl: false,
+      maxBounds: L.latLngBounds(bounds).pad(1),
+    });
+    new MosaicLayer(tileTemplate(map), {
+      bounds,
+      tileSize: mosaic.tile_px,
+      minZoom: -3,
+      minNativeZoom: 0,
+      maxZoom: mosaic.max_zoom + 4,
+      maxNativeZoom: mosaic.max_zoom,
+      errorTileUrl: EMPTY_TILE,
+    }).addTo(this.leaflet);
+    this.drawn = L.layerGroup().addTo(this.leaflet);
+    L.control.scale({ imperial: false, maxWidth: 160 }).addTo(this.leaflet);
+    this.leaflet.on("mousemove", ({ latlng }) => this.onPosition(latlng.lng, latlng.lat));
+    this.leaflet.on("mouseout", () => this.onPosition(null, null));
+    this.leaflet.on("zoomend", () => this.draw());
+    this.leaflet.fitBounds(bounds);
+  }
+
+  clear() {
+    this.leaflet?.remove();
+    this.leaflet = null;
+  }
+
+  addFixes(fixes) {
+    this.fixes = [...this.fixes, ...fixes].slice(-FIXES_SHOWN);
+    this.draw();
+  }
+
+  /// Old fixes fade; arrows keep a readable size on the screen.
+  draw() {
+    if (!this.leaflet) {
+      return;
+    }
+    this.drawn.clearLayers();
+    const metresPerPixel = this.leaflet.unproject([1, 0], this.leaflet.getZoom()).lng;
+    this.fixes.forEach((fix, i) => {
+      const opacity = 0.25 + (0.75 * (i + 1)) / this.fixes.length;
+      const poses = fix.pose ? [fix.pose] : fix.alternatives;
+      for (const pose of poses) {
+        this.drawPose(pose, fix, { color: COLOURS[fix.status], opacity, fillOpacity: 0.6 * opacity, weight: 1.5 }, metresPerPixel);
+      }
+    });
+  }
+
+  drawPose(pose, fix, style, metresPerPixel) {
+    if (pose.covariance) {
+      L.polygon(ellipsePoints(pose), { ...style, fillOpacity: 0.15, className: "fix-ellipse" }).addTo(this.drawn);
+    }
+    L.polygon(arrowPoints(pose, 26 * metresPerPixel), { ...style, className: `fix-arrow ${fix.status}` })
+      .bindTooltip(`${fix.vehicle ?? "inline camera"}: x ${pose.x.toFixed(3)} m, y ${pose.y.toFixed(3)} m`)
+      .addTo(this.drawn);
+  }
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+import * as api from "/web/api.js";
+import { FloorView } from "/web/floor_view.js";
+
+const POLL_MS = 1000;
+const FIXES_LISTED = 40;
+
+const $ = (id) => document.getElementById(id);
+
+const state = { maps: [], map: null, since: 0, fixes: [], file: null };
+const floor = new FloorView($("floor"), (x, y) => {
+  $("position").textContent = x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`;
+});
+
+function say(text) {
+  $("message").textContent = text ?? "";
+  $("message").hidden = !text;
+}
+
+function showConnection(error) {
+  $("connection").textContent = error ? "not connected" : "connected";
+  $("connection").classList.toggle("away", Boolean(error));
+}
+
+function age(seconds) {
+  if (seconds < 60) {
+    return `${Math.max(0, seconds).toFixed(0)} s ago`;
+  }
+  return seconds < 3600 ? `${(seconds / 60).toFixed(0)} min ago` : `${(seconds / 3600).toFixed(0)} h ago`;
+}
+
+function listItem(left, right, className) {
+  const item = document.createElement("li");
+  for (const [text, name] of [[left, className], [right, ""]]) {
+    const span = document.createElement("span");
+    span.textContent = text;
+    span.className = name;
+    item.append(span);
+  }
+  return item;
+}
+
+function fillList(element, items, emptyText) {
+  if (items.length === 0) {
+    const item = document.createElement("li");
+    item.className = "empty";
+    item.textContent = emptyText;
+    items = [item];
+  }
+  element.replaceChildren(...items);
+}
+
+function showVehicles(vehicles) {
+  const now = Date.now() / 1000;
+  const items = vehicles.map(({ id, last_fix: fix }) =>
+    listItem(id, fix ? age(now - fix.received) : "no fix yet", fix?.status ?? ""));
+  fillList($("vehicles"), items, "No vehicle is registered.");
+  const ids = vehicles.map(({ id }) => id);
+  if (ids.join() !== $("vehicle-ids").dataset.ids) {
+    $("vehicle-ids").dataset.ids = ids.join();
+    $("vehicle-ids").replaceChildren(...ids.map((id) => new Option(id, id)));
+  }
+}
+
+function fixText({ pose, reason, alternatives }) {
+  if (pose) {
+    const degrees = (pose.yaw * 180) / Math.PI;
+    return `${pose.x.toFixed(3)}, ${pose.y.toFixed(3)} m, ${degrees.toFixed(1)}°`;
+  }
+  return reason ? reason.replaceAll("_", " ") : `${alternatives.length} places`;
+}
+
+function showFixes() {
+  const items = state.fixes.slice(-FIXES_LISTED).reverse()
+    .map((fix) => listItem(fix.vehicle ?? "inline camera", fixText(fix), fix.status));
+  fillList($("fixes"), items, "Nothing was localized yet.");
+}
+
+function chooseMap(name) {
+  state.map = state.maps.find((map) => map.name === name && map.status === "ready") ?? null;
+  state.since = 0;
+  state.fixes = [];
+  showFixes();
+  const damaged = state.maps.find((map) => map.name === name && map.status === "error");
+  $("map-facts").textContent = "";
+  if (state.map) {
+    const keypoints = state.map.layers.reduce((sum, layer) => sum + layer.keypoints, 0);
+    $("map-facts").textContent = `${state.map.area_m2.toFixed(1)} m², ${keypoints.toLocaleString("en")} keypoints`;
+    floor.show(state.map);
+    say(null);
+  } else {
+    floor.clear();
+    say(damaged ? `The map '${name}' cannot be shown: ${damaged.error}`
+      : "The server has no map. Build one with floorloc-mapbuilder, put it into the maps folder and restart the server.");
+  }
+}
+
+/// Loads the list of maps, and starts anew when the maps on the server are others than before.
+async function refreshMaps() {
+  const maps = await api.listMaps();
+  const key = maps.map(({ name, version, status }) => `${name} ${version} ${status}`).join();
+  if (key === state.mapsKey) {
+    return;
+  }
+  state.mapsKey = key;
+  state.maps = maps;
+  const chosen = state.map?.name ?? maps.find((map) => map.status === "ready")?.name ?? maps[0]?.name;
+  $("map-choice").replaceChildren(...maps.map(({ name, status }) =>
+    new Option(status === "ready" ? name : `${name} (damaged)`, name, false, name === chosen)));
+  chooseMap(chosen);
+}
+
+async function refreshFixes() {
+  const map = state.map;
+  if (!map) {
+    return;
+  }
+  const answer = await api.listFixes(map.name, state.since);
+  if (map !== state.map) {
+    return;
+  }
+  state.since = answer.next;
+  if (answer.fixes.length > 0) {
+    state.fixes = [...state.fixes, ...answer.fixes].slice(-FIXES_LISTED);
+    floor.addFixes(answer.fixes);
+    showFixes();
+  }
+}
+
+async function refresh() {
+  try {
+    await refreshMaps();
+    showVehicles(await api.listVehicles());
+    await refreshFixes();
+    showConnection(null);
+    if (state.away) {
+      say(null);
+    }
+    state.away = false;
+  } catch (error) {
+    state.away = true;
+    showConnection(error);
+    say(error.message);
+  }
+}
+
+async function keepFresh() {
+  await refresh();
+  setTimeout(keepFresh, POLL_MS);
+}
+
+function takeFile(file) {
+  state.file = file ?? null;
+  $("image-name").textContent = file ? file.name : "Drop a camera picture here, or choose one";
+}
+
+async function tryLocalize() {
+  const vehicle = $("vehicle").value.trim();
+  if (!state.map || !state.file || !vehicle) {
+    $("answer").textContent = "Choose a map, a picture and a registered vehicle first.";
+    return;
+  }
+  $("localize").disabled = true;
+  try {
+    $("answer").textContent = JSON.stringify(await api.localize(state.map.name, vehicle, state.file), null, 1);
+    await refresh();
+  } catch (error) {
+    $("answer").textContent = `${error.message} (${error.code})`;
+  }
+  $("localize").disabled = false;
+}
+
+$("map-choice").addEventListener("change", (event) => chooseMap(event.target.value));
+$("image").addEventListener("change", (event) => takeFile(event.target.files[0]));
+$("localize").addEventListener("click", tryLocalize);
+for (const type of ["dragover", "dragleave", "drop"]) {
+  $("drop").addEventListener(type, (event) => {
+    event.preventDefault();
+    $("drop").classList.toggle("over", type === "dragover");
+    if (type === "drop") {
+      takeFile(event.dataTransfer.files[0]);
+    }
+  });
+}
+keepFresh();
