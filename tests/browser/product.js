@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts the real programs: a map built from the sample survey, and a server that serves it.
+import { execFileSync, spawn } from "node:child_process";
+import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const root = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
+const bin = process.env.FLOORLOC_BIN ?? join(root, "build", "release", "bin");
+const SURVEY_FRAMES = 40;
+
+export const sampleImage = (number) =>
+  join(root, "maps", "sample", "survey", "images", `${String(number).padStart(6, "0")}.jpg`);
+
+/// The first frames of the sample survey, so that the map is built in seconds.
+function shortSurvey(folder) {
+  const sample = join(root, "maps", "sample", "survey");
+  const survey = join(folder, "survey");
+  mkdirSync(survey);
+  for (const name of ["camera.yaml", "floor.yaml", "odometry.tum"]) {
+    copyFileSync(join(sample, name), join(survey, name));
+  }
+  const frames = readFileSync(join(sample, "frames.csv"), "utf8").split("\n").slice(0, SURVEY_FRAMES + 1);
+  writeFileSync(join(survey, "frames.csv"), `${frames.join("\n")}\n`);
+  symlinkSync(join(sample, "images"), join(survey, "images"));
+  return survey;
+}
+
+/// A temporary folder with maps/sample.floormap; FLOORLOC_MAP names a map that is used instead of building one.
+export function makeMaps() {
+  const folder = mkdtempSync(join(tmpdir(), "floorloc-browser-"));
+  const maps = join(folder, "maps");
+  mkdirSync(maps);
+  const map = join(maps, "sample.floormap");
+  if (process.env.FLOORLOC_MAP) {
+    cpSync(process.env.FLOORLOC_MAP, map);
+  } else {
+    const program = join(bin, "floorloc-mapbuilder");
+    execFileSync(program, ["build", "--survey", shortSurvey(folder), "--out", map], { stdio: "ignore" });
+  }
+  return { maps, remove: () => rmSync(folder, { recursive: true, force: true }) };
+}
+
+/// Resolves with {url, stop} as soon as the server says where it listens.
+export function startServer(maps, listen = "127.0.0.1:0") {
+  const server = spawn(join(bin, "floorloc-server"), ["--maps", maps, "--listen", listen], { stdio: "pipe" });
+  const ended = new Promise((resolve) => server.once("exit", resolve));
+  const stop = () => {
+    server.kill("SIGTERM");
+    return ended;
+  };
+  return new Promise((resolve, reject) => {
+    let log = "";
+    server.stderr.on("data", (text) => {
+      log += text;
+      const url = log.match(/serving \d+ maps on (http:\/\/\S+)\//)?.[1];
+      if (url) {
+        resolve({ url, stop });
+      }
+    });
+    ended.then((code) => reject(new Error(`floorloc-server ended with ${code}: ${log}`)));
+  });
+}
+
+/// Registers a vehicle with the camera that the map was made with.
+export async function registerVehicle(url, id) {
+  const { camera, floor } = await (await fetch(`${url}/v1/maps/sample`)).json();
+  const response = await fetch(`${url}/v1/vehicles/${id}`, {
+    method: "PUT",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ map: "sample", camera, floor }),
+  });
+  return response.status;
+}
+
+export async function localize(url, id, image) {
+  const response = await fetch(`${url}/v1/maps/sample/localize?vehicle=${id}`, {
+    method: "POST",
+    headers: { "Content-Type": "image/jpeg" },
+    body: readFileSync(image),
+  });
+  return response.json();
+}
