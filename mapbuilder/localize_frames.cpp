@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/localize_frames.h"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -27,10 +28,49 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
 
 bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
-std::optional<PosePrior> TruthPrior(const Survey& survey, const SurveyFrame& frame,
-                                    const LocalizeFramesOptions& options) {
-  const auto pose = InterpolatePose(survey.ground_truth, frame.stamp_ns);
-  return pose ? std::optional(PosePrior{*pose, options.prior_radius_m, options.prior_yaw_radius_rad}) : std::nullopt;
+// The ground truth's frame is the surveyor's, the map's its own: a few frames that are localized on the whole map tell
+// how they lie to each other.
+Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey) {
+  constexpr std::size_t kFrames = 15;
+  std::vector<OrientedMatch> pairs;
+  const std::size_t step = std::max<std::size_t>(1, survey.frames.size() / kFrames);
+  for (std::size_t i = 0; i < survey.frames.size(); i += step) {
+    const auto truth = InterpolatePose(survey.ground_truth, survey.frames[i].stamp_ns);
+    const LocalizedFrame fix = LocalizeOne(localizer, rectifier, survey, survey.frames[i], std::nullopt);
+    if (truth && Found(fix)) {
+      const Pose2& pose = fix.result.map_from_base;
+      pairs.push_back({truth->translation(), pose.translation(), truth->yaw(), pose.yaw()});
+    }
+  }
+  RegistrationOptions options;
+  options.inlier_radius_m = 0.02;
+  options.vote_cell_m = 0.1;
+  const std::vector<PoseCandidate> candidates = FindPoseCandidates(pairs, options);
+  if (candidates.empty()) {
+    return {};  // too few frames tell: the frames are taken to be the same
+  }
+  return candidates.front().target_from_source;
+}
+
+std::vector<LocalizedFrame> LocalizeIndependently(const Localizer& localizer, const Rectifier& rectifier,
+                                                  const Survey& survey, const LocalizeFramesOptions& options) {
+  const bool with_truth = options.prior == PriorSource::kTruth;
+  if (with_truth && survey.ground_truth.empty()) {
+    throw InputError(survey.folder, "has no groundtruth.tum; add it or use --prior none");
+  }
+  const Pose2 map_from_truth = with_truth ? AlignTruthToMap(localizer, rectifier, survey) : Pose2();
+  std::vector<LocalizedFrame> frames(survey.frames.size());
+  ProgressBar progress("localize", static_cast<std::int64_t>(frames.size()), options.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+    const SurveyFrame& frame = survey.frames[static_cast<std::size_t>(i)];
+    std::optional<PosePrior> prior;
+    if (const auto truth = with_truth ? InterpolatePose(survey.ground_truth, frame.stamp_ns) : std::nullopt) {
+      prior = PosePrior{map_from_truth * *truth, options.prior_radius_m, options.prior_yaw_radius_rad};
+    }
+    frames[static_cast<std::size_t>(i)] = LocalizeOne(localizer, rectifier, survey, frame, prior);
+    progress.Advance();
+  });
+  return frames;
 }
 
 // A frame after a frame: the last fix moved by odometry is the prior of the next one.
@@ -82,19 +122,7 @@ std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Sur
   if (options.prior == PriorSource::kOdometry) {
     return LocalizeWithOdometry(localizer, rectifier, survey, options);
   }
-  if (options.prior == PriorSource::kTruth && survey.ground_truth.empty()) {
-    throw InputError(survey.folder, "has no groundtruth.tum; add it or use --prior none");
-  }
-  std::vector<LocalizedFrame> frames(survey.frames.size());
-  ProgressBar progress("localize", static_cast<std::int64_t>(frames.size()), options.progress);
-  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
-    const SurveyFrame& frame = survey.frames[static_cast<std::size_t>(i)];
-    const auto prior =
-        options.prior == PriorSource::kTruth ? TruthPrior(survey, frame, options) : std::optional<PosePrior>();
-    frames[static_cast<std::size_t>(i)] = LocalizeOne(localizer, rectifier, survey, frame, prior);
-    progress.Advance();
-  });
-  return frames;
+  return LocalizeIndependently(localizer, rectifier, survey, options);
 }
 
 std::string ToJsonLine(const LocalizedFrame& localized) {

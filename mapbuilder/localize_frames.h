@@ -15,7 +15,7 @@ namespace floorloc {
 enum class PriorSource {
   kNone,      ///< every frame on the whole map
   kOdometry,  ///< from the last fix, carried on by odometry; the whole map until there is one and after a loss
-  kTruth,     ///< from groundtruth.tum, in the map's frame
+  kTruth,     ///< from groundtruth.tum, brought into the map's frame by a few frames localized without it
 };
 
 /// Throws std::invalid_argument that lists the known names.
@@ -24,7 +24,7 @@ PriorSource ParsePriorSource(const std::string& name);
 struct LocalizeFramesOptions {
   PriorSource prior = PriorSource::kNone;
   double prior_radius_m = 0.25;
-  double prior_yaw_radius_rad = 0.35;
+  double prior_yaw_radius_rad = 0.26;
   int threads = 1;  ///< 0: one per core; only where frames do not depend on each other
   ProgressOutput progress;
 };

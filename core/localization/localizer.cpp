@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/localizer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "core/localization/pose_decision.h"
+#include "core/localization/pose_verifier.h"
+#include "core/registration/least_squares.h"
 #include "core/vision/feature_extractor.h"
 #include "core/vision/guided_matcher.h"
 
@@ -17,6 +21,16 @@ constexpr double kGridCellM = 0.05;
 
 // Spread of a keypoint's own angle between two views.
 constexpr double kKeypointAngleNoiseRad = 0.35;
+
+// With a prior, every third keypoint usually finds the pose (all of them verify it); all look when it does not.
+constexpr int kSparseStride = 3;
+constexpr int kFullStride = 1;
+
+// Floors repeat themselves more than independent points would: what looks like a chance of p happens with p^this.
+constexpr double kStructureExponent = 0.5;
+
+// Arm at which the systematic errors of position and heading weigh the same.
+constexpr double kSystematicLeverM = 0.25;
 
 class Stopwatch {
  public:
@@ -74,7 +88,7 @@ std::vector<OrientedMatch> ToOrientedMatches(const std::vector<Match>& matches, 
 MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
   const double lever = std::max(std::hypot(roi.x_min, roi.y_min), std::hypot(roi.x_max, roi.y_max));
   return {prior.map_from_base, prior.radius_m + prior.yaw_radius_rad * lever,
-          prior.yaw_radius_rad + kKeypointAngleNoiseRad};
+          prior.yaw_radius_rad + kKeypointAngleNoiseRad, kSparseStride};
 }
 
 }  // namespace
@@ -85,29 +99,96 @@ struct Localizer::Impl {
         map(std::move(floor_map)),
         extractor(CreateFeatureExtractor(map.info.extractor)),
         index(CreateDescriptorIndex(map.keypoints.descriptors, o.index)),
-        guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellM) {}
+        guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellM),
+        verifier(map.keypoints, guided, map.info.area_m2, o.registration) {}
 
   LocalizerOptions options;
   FloorMap map;
   std::unique_ptr<FeatureExtractor> extractor;
   std::unique_ptr<DescriptorIndex> index;
   GuidedMatcher guided;
+  PoseVerifier verifier;
 
   float MaxRatio() const {
     return extractor->descriptor_type() == DescriptorType::kBinary ? options.max_ratio_binary : options.max_ratio_float;
   }
 
+  // First look: distinctive matches. With a prior a part of the keypoints is enough.
   std::vector<OrientedMatch> FindMatches(const Features& features, const std::optional<MatchGuide>& guide) const {
     const std::vector<Match> matches =
         guide ? guided.FindNearest(features, *guide) : FindNearest(*index, features.descriptors);
     return ToOrientedMatches(FilterByRatio(matches, MaxRatio()), features, map.keypoints.keypoints);
   }
 
-  SearchRegion RegionOf(const std::optional<MatchGuide>& guide) const {
-    if (guide) {
-      return {std::numbers::pi * guide->radius_m * guide->radius_m, 2.0 * guide->yaw_radius_rad};
+  // Second look: all keypoints where each pose that the matches vote for predicts them. Poses that meet are one.
+  std::vector<VerifiedPose> VerifyCandidates(const Features& features,
+                                             const std::vector<OrientedMatch>& matches,
+                                             const SearchRegion& region) const {
+    std::vector<VerifiedPose> verified;
+    for (const PoseCandidate& candidate : FindPoseCandidates(matches, options.registration)) {
+      VerifiedPose pose = verifier.Verify(features, candidate.target_from_source);
+      const Pose2& refined = pose.candidate.target_from_source;
+      const bool known = std::any_of(verified.begin(), verified.end(), [&](const VerifiedPose& v) {
+        return SamePose(v.candidate.target_from_source, refined, options.registration);
+      });
+      if (!known) {
+        pose.votes = static_cast<int>(FindInliers(matches, refined, options.registration.inlier_radius_m).size());
+        // Both looks must be beyond chance: on self-similar floors many keypoints fit a wrong place, but few are
+        // distinctive there.
+        const double log_chance_votes =
+            LogChancePoses(static_cast<int>(matches.size()), pose.votes, region, options.registration);
+        pose.candidate.log_false_alarms =
+            std::max(pose.candidate.log_false_alarms, kStructureExponent * log_chance_votes);
+        verified.push_back(std::move(pose));
+      }
     }
-    return {std::max(map.info.area_m2, 0.01), 2.0 * std::numbers::pi};
+    return verified;
+  }
+
+  SearchRegion RegionOf(const std::optional<MatchGuide>& guide) const {
+    return {guide ? std::numbers::pi * guide->radius_m * guide->radius_m : std::max(map.info.area_m2, 0.01)};
+  }
+
+  // Matches, verifies and decides; adds its times to the result's.
+  void Search(const Features& features, const std::optional<MatchGuide>& guide, LocalizationResult* result) const {
+    Stopwatch stage;
+    const std::vector<OrientedMatch> matches = FindMatches(features, guide);
+    result->timing.match_ms += stage.LapMs();
+    const std::vector<VerifiedPose> verified = VerifyCandidates(features, matches, RegionOf(guide));
+    Conclude(verified, result);
+    result->timing.register_ms += stage.LapMs();
+  }
+
+  void Conclude(const std::vector<VerifiedPose>& verified, LocalizationResult* result) const {
+    PoseDecision decision = DecidePose(verified, verifier.max_distance(), options.registration);
+    result->status = StatusOf(decision.status);
+    result->reason = ReasonOf(decision.status);
+    result->p_wrong = decision.p_wrong;
+    result->alternatives = std::move(decision.alternatives);
+    if (decision.best < 0) {
+      return;
+    }
+    const VerifiedPose& best = verified[static_cast<std::size_t>(decision.best)];
+    const Pose2& pose = best.candidate.target_from_source;
+    result->map_from_base = pose;
+    result->matches = static_cast<int>(best.matches.size());
+    result->inliers = static_cast<int>(best.candidate.inliers.size());
+    result->rms_m = RmsResidual(best.matches, best.candidate.inliers, pose);
+    const double noise_m = std::hypot(result->rms_m / std::numbers::sqrt2, options.registration.position_noise_floor_m);
+    result->covariance = PoseCovariance(best.matches, best.candidate.inliers, pose, noise_m);
+  }
+
+  // What keypoints alone do not show: errors of map and mounting, which turn and shift the region of interest as a
+  // whole about its middle.
+  void AddSystematicErrors(const Eigen::Vector2d& roi_center, LocalizationResult* result) const {
+    const Eigen::Vector2d arm = -(result->map_from_base.rotation() * roi_center);
+    Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+    jacobian(0, 2) = -arm.y();
+    jacobian(1, 2) = arm.x();
+    const double t = std::hypot(options.systematic_m, options.systematic_share * result->rms_m);
+    const double r = t / kSystematicLeverM;
+    const Eigen::Vector3d variance(t * t, t * t, r * r);
+    result->covariance += jacobian * variance.asDiagonal() * jacobian.transpose();
   }
 };
 
@@ -176,21 +257,13 @@ LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat
     return result;
   }
 
-  const auto guide = prior ? std::optional(GuideOf(*prior, rectifier.camera().floor.roi)) : std::nullopt;
-  const std::vector<OrientedMatch> matches = impl_->FindMatches(features, guide);
-  result.timing.match_ms = stage.LapMs();
-  result.matches = static_cast<int>(matches.size());
-
-  const RegistrationResult registration = RegisterSe2(matches, impl_->RegionOf(guide), impl_->options.registration);
-  result.timing.register_ms = stage.LapMs();
-  result.status = StatusOf(registration.status);
-  result.reason = ReasonOf(registration.status);
-  result.map_from_base = registration.target_from_source;
-  result.covariance = registration.covariance;
-  result.inliers = static_cast<int>(registration.inliers.size());
-  result.rms_m = registration.rms_m;
-  result.p_wrong = registration.p_wrong;
-  result.alternatives = registration.alternatives;
+  auto guide = prior ? std::optional(GuideOf(*prior, rectifier.camera().floor.roi)) : std::nullopt;
+  impl_->Search(features, guide, &result);
+  if (guide && result.status != LocalizationStatus::kLocalized) {
+    guide->stride = kFullStride;
+    impl_->Search(features, guide, &result);
+  }
+  impl_->AddSystematicErrors(rectifier.camera().floor.roi.Center(), &result);
   result.timing.total_ms = total.LapMs();
   return result;
 }

@@ -20,7 +20,7 @@ namespace floorloc {
 struct PosePrior {
   Pose2 map_from_base;
   double radius_m = 0.25;
-  double yaw_radius_rad = 0.35;
+  double yaw_radius_rad = 0.26;
 };
 
 struct LocalizerOptions {
@@ -28,6 +28,9 @@ struct LocalizerOptions {
   float max_ratio_float = 0.85F;   ///< ratio test, float descriptors
   float max_ratio_binary = 0.90F;  ///< ratio test, binary descriptors
   RegistrationOptions registration;
+  /// Errors of map and mounting that a frame's residuals do not show: a constant and a share of their RMS.
+  double systematic_m = 3e-4;
+  double systematic_share = 1.0;
 
   void Check() const;
 };

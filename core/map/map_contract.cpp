@@ -34,6 +34,15 @@ std::string ComputeContentVersion(const SqliteConnection& connection) {
     }
     hash.Add(map.Text(7)).Add(map.Integer(8)).Add(map.Integer(9)).Add(map.Integer(10));
   }
+  SqliteStatement camera(connection,
+                         "SELECT fx, fy, cx, cy, roi_x_min, roi_x_max, roi_y_min, roi_y_max, resolution_m, width_px, "
+                         "height_px, distortion_model, distortion, homography FROM camera");
+  while (camera.Step()) {
+    for (int column = 0; column < 9; ++column) {
+      hash.Add(camera.Real(column));
+    }
+    hash.Add(camera.Integer(9)).Add(camera.Integer(10)).Add(camera.Text(11)).Add(camera.Bytes(12)).Add(camera.Bytes(13));
+  }
   SqliteStatement parameter(connection, "SELECT name, value FROM extractor_parameter ORDER BY name");
   while (parameter.Step()) {
     hash.Add(parameter.Text(0)).Add(parameter.Text(1));

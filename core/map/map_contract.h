@@ -18,8 +18,8 @@ Blob PackDoubles(std::span<const double> values);
 /// Empty when the length is not a multiple of 8.
 std::vector<double> UnpackDoubles(const Blob& blob);
 
-/// SHA-256 over everything that decides the answers: frame placement, extractor, keypoints, mosaic. Names and dates do
-/// not count: the same surveys and options give the same version.
+/// SHA-256 over everything that decides the answers: frame placement, camera, extractor, keypoints, mosaic. Names and
+/// dates do not count: the same surveys and options give the same version.
 std::string ComputeContentVersion(const SqliteConnection& connection);
 
 }  // namespace floorloc

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <utility>
 
 #include "core/map/content_hash.h"
 #include "core/map/extractor_parameters.h"
@@ -34,10 +35,40 @@ void RemoveLeftover(const std::filesystem::path& part) {
   std::filesystem::remove(part, ignored);
 }
 
+// Opens the file and holds it against other builds.
 SqliteConnection Create(const std::filesystem::path& part) {
   RemoveLeftover(part);
-  return SqliteConnection(part, SqliteConnection::Mode::kCreate);
+  SqliteConnection connection(part, SqliteConnection::Mode::kCreate);
+  // Nothing of this file counts before the rename, which follows an fsync: no journal flush is needed in between.
+  connection.Execute("PRAGMA page_size = 8192; PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = OFF;");
+  if ((sqlite3_exec(connection.get(), "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr) & 0xFF) == SQLITE_BUSY) {
+    connection.Fail();
+  }
+  // A disk that is full already shows at the first table, when the file is sure to be removed again.
+  sqlite3_exec(connection.get(), "COMMIT", nullptr, nullptr, nullptr);
+  return connection;
 }
+
+// Removes the unfinished file, unless it was kept.
+class PartFile {
+ public:
+  explicit PartFile(std::filesystem::path path) : path_(std::move(path)) {}
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+  ~PartFile() {
+    if (!kept_) {
+      std::error_code ignored;
+      std::filesystem::remove(path_, ignored);
+      std::filesystem::remove(path_.string() + "-journal", ignored);
+    }
+  }
+  void Keep() { kept_ = true; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool kept_ = false;
+};
 
 void SyncPath(const std::filesystem::path& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -65,18 +96,15 @@ void WriteCamera(const SqliteConnection& connection, const FloorCamera& c) {
 
 struct MapWriter::Impl {
   explicit Impl(const std::filesystem::path& target)
-      : file(target), part(target.string() + ".part"), connection(Create(part)) {
-    // Nothing of this file counts before the rename, which follows an fsync: no journal flush is needed in between.
-    connection.Execute("PRAGMA page_size = 8192; PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = OFF;");
+      : file(target), connection(Create(target.string() + ".part")), part(connection.file()) {
     connection.Execute(std::string(MapSql()));
   }
 
   std::filesystem::path file;
-  std::filesystem::path part;
   SqliteConnection connection;
+  PartFile part;  // of this build alone once the connection holds it
   DescriptorType descriptor_type = DescriptorType::kBinary;
   int descriptor_length = 0;
-  bool committed = false;
 
   std::string WriteInfo(const MapInfo& info, const MosaicLayout& mosaic) const;
 };
@@ -100,13 +128,7 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
 
 MapWriter::MapWriter(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
 
-MapWriter::~MapWriter() {
-  if (impl_ != nullptr && !impl_->committed) {
-    std::error_code ignored;
-    std::filesystem::remove(impl_->part, ignored);
-    std::filesystem::remove(impl_->part.string() + "-journal", ignored);
-  }
-}
+MapWriter::~MapWriter() = default;
 
 void MapWriter::WriteFrames(const std::vector<MapFrame>& frames) {
   SqliteTransaction transaction(impl_->connection);
@@ -152,13 +174,13 @@ void MapWriter::WriteMosaicTiles(const std::vector<MosaicTile>& tiles) {
 std::string MapWriter::Commit(const MapInfo& info, const MosaicLayout& mosaic) {
   const std::string version = impl_->WriteInfo(info, mosaic);
   const std::filesystem::path file = impl_->file;
-  const std::filesystem::path part = impl_->part;
+  const std::filesystem::path part = impl_->part.path();
   impl_->connection = SqliteConnection(":memory:", SqliteConnection::Mode::kCreate);  // closes the file
   SyncPath(part);
   if (std::rename(part.c_str(), file.c_str()) != 0) {
     throw MapError(file.string() + " cannot be replaced; check the folder's permissions");
   }
-  impl_->committed = true;
+  impl_->part.Keep();
   SyncPath(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
   return version;
 }

@@ -16,11 +16,6 @@
 namespace floorloc {
 namespace {
 
-struct Candidate {
-  Pose2 pose;
-  std::vector<int> inliers;
-};
-
 Eigen::Vector2d MeanSource(const std::vector<OrientedMatch>& matches) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const OrientedMatch& m : matches) {
@@ -71,77 +66,64 @@ Pose2 SampleBestPose(const std::vector<OrientedMatch>& matches, const std::vecto
   return best;
 }
 
-// Alternates between the inliers of all matches and the fit to them until they agree.
-Candidate Refine(const std::vector<OrientedMatch>& matches, const Pose2& start, const RegistrationOptions& options) {
-  constexpr int kMaxSteps = 10;
-  Candidate candidate{start, FindInliers(matches, start, options.inlier_radius_m)};
-  for (int step = 0; step < kMaxSteps; ++step) {
-    const auto pose = FitRigid(matches, candidate.inliers);
-    if (!pose) {
-      break;
-    }
-    std::vector<int> inliers = FindInliers(matches, *pose, options.inlier_radius_m);
-    candidate.pose = *pose;
-    const bool converged = inliers == candidate.inliers;
-    candidate.inliers = std::move(inliers);
-    if (converged) {
-      break;
-    }
-  }
-  return candidate;
-}
-
-bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options) {
-  const Pose2 d = a.Between(b);
-  return d.translation().norm() < options.vote_cell_m && std::abs(d.yaw()) < options.vote_cell_rad;
-}
-
-std::vector<Candidate> FindCandidates(const std::vector<OrientedMatch>& matches, const RegistrationOptions& options) {
-  std::vector<Candidate> candidates;
-  for (const VotePeak& peak : FindVotePeaks(matches, MeanSource(matches), options)) {
-    if (peak.matches.size() < 2) {
-      continue;
-    }
-    Candidate found = Refine(matches, SampleBestPose(matches, peak.matches, options), options);
-    const bool known = std::any_of(candidates.begin(), candidates.end(),
-                                   [&](const Candidate& c) { return SamePose(c.pose, found.pose, options); });
-    if (!known && found.inliers.size() >= 2) {
-      candidates.push_back(std::move(found));
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.inliers.size() > b.inliers.size(); });
-  return candidates;
-}
-
-// Probability that a match that is wrong agrees with a wrong pose, and how many poses were tried: each match proposes
-// one, and the cells they fall into bound the number of different ones.
-double LogFalseAlarms(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options) {
-  const double radius = options.inlier_radius_m;
-  const double chance = std::numbers::pi * radius * radius / std::max(region.area_m2, radius * radius);
-  // Two matches define the pose: only the others are evidence.
-  return LogNumberOfFalseAlarms(matches - 2, inliers - 2, std::max(chance, 1e-7),
-                                std::max(1.0, 0.5 * matches * (matches - 1.0)));
-}
-
 // A rival that explains nearly as many matches is as probable as its significance says; rivals that chance alone
 // explains are no rivals.
-std::vector<double> PosteriorWeights(const std::vector<double>& log_false_alarms) {
+std::vector<double> PosteriorWeights(const std::vector<PoseCandidate>& candidates, std::size_t best) {
   constexpr double kMinSignificance = -1.0;
   // Inliers of one pose are not independent (neighbouring keypoints share pixels): temper the likelihood ratio.
   constexpr double kTemper = 0.2;
-  const double best = *std::min_element(log_false_alarms.begin(), log_false_alarms.end());
   std::vector<double> weights;
   double sum = 0.0;
-  for (const double log_nfa : log_false_alarms) {
-    const bool counts = log_nfa == best || log_nfa < kMinSignificance;
-    weights.push_back(counts ? std::pow(10.0, kTemper * (best - log_nfa)) : 0.0);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const bool counts = i == best || candidates[i].log_false_alarms < kMinSignificance;
+    const double advantage = candidates[best].log_false_alarms - candidates[i].log_false_alarms;
+    weights.push_back(counts ? std::pow(10.0, kTemper * advantage) : 0.0);
     sum += weights.back();
   }
   for (double& w : weights) {
     w /= sum;
   }
   return weights;
+}
+
+struct PoseChoice {
+  RegistrationStatus status = RegistrationStatus::kTooFewInliers;
+  int best = -1;
+  double p_wrong = 1.0;
+  std::vector<PoseHypothesis> alternatives;
+};
+
+PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const RegistrationOptions& options) {
+  PoseChoice choice;
+  const auto best = std::min_element(candidates.begin(), candidates.end(),
+                                     [](const PoseCandidate& a, const PoseCandidate& b) {
+                                       return a.log_false_alarms < b.log_false_alarms;
+                                     });
+  if (best == candidates.end() || static_cast<int>(best->inliers.size()) < options.min_inliers) {
+    return choice;
+  }
+  const auto index = static_cast<std::size_t>(best - candidates.begin());
+  const std::vector<double> weights = PosteriorWeights(candidates, index);
+  choice.best = static_cast<int>(index);
+  const auto hypothesis = [&](std::size_t i) {
+    return PoseHypothesis{candidates[i].target_from_source, static_cast<int>(candidates[i].inliers.size()), weights[i]};
+  };
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (i != index && weights[i] > options.max_p_wrong) {
+      choice.alternatives.push_back(hypothesis(i));
+    }
+  }
+  const double p_chance = std::min(1.0, std::pow(10.0, best->log_false_alarms));
+  choice.p_wrong = std::min(1.0, p_chance + (1.0 - weights[index]));
+  if (p_chance > options.max_p_wrong) {
+    choice.status = RegistrationStatus::kNotSignificant;
+  } else if (choice.p_wrong > options.max_p_wrong) {
+    choice.status = RegistrationStatus::kAmbiguous;
+    choice.alternatives.insert(choice.alternatives.begin(), hypothesis(index));
+  } else {
+    choice.status = RegistrationStatus::kRegistered;
+  }
+  return choice;
 }
 
 }  // namespace
@@ -178,46 +160,86 @@ void RegistrationOptions::Check() const {
   require(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
 }
 
+bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options) {
+  const Pose2 d = a.Between(b);
+  return d.translation().norm() < options.vote_cell_m && std::abs(d.yaw()) < options.vote_cell_rad;
+}
+
+PoseCandidate RefinePose(const std::vector<OrientedMatch>& matches, const Pose2& start,
+                         const RegistrationOptions& options) {
+  constexpr int kMaxSteps = 10;
+  PoseCandidate candidate{start, FindInliers(matches, start, options.inlier_radius_m), 0.0};
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const auto pose = FitRigid(matches, candidate.inliers);
+    if (!pose) {
+      break;
+    }
+    std::vector<int> inliers = FindInliers(matches, *pose, options.inlier_radius_m);
+    candidate.target_from_source = *pose;
+    const bool converged = inliers == candidate.inliers;
+    candidate.inliers = std::move(inliers);
+    if (converged) {
+      break;
+    }
+  }
+  return candidate;
+}
+
+std::vector<PoseCandidate> FindPoseCandidates(const std::vector<OrientedMatch>& matches,
+                                              const RegistrationOptions& options) {
+  std::vector<PoseCandidate> candidates;
+  if (matches.size() < 2) {
+    return candidates;
+  }
+  for (const VotePeak& peak : FindVotePeaks(matches, MeanSource(matches), options)) {
+    if (peak.matches.size() < 2) {
+      continue;
+    }
+    PoseCandidate found = RefinePose(matches, SampleBestPose(matches, peak.matches, options), options);
+    const bool known = std::any_of(candidates.begin(), candidates.end(), [&](const PoseCandidate& c) {
+      return SamePose(c.target_from_source, found.target_from_source, options);
+    });
+    if (!known && found.inliers.size() >= 2) {
+      candidates.push_back(std::move(found));
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const PoseCandidate& a, const PoseCandidate& b) {
+    return a.inliers.size() > b.inliers.size();
+  });
+  return candidates;
+}
+
+double LogChancePoses(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options) {
+  const double disc_m2 = std::numbers::pi * options.inlier_radius_m * options.inlier_radius_m;
+  const double chance = std::max(disc_m2 / std::max(region.area_m2, disc_m2), 1e-7);
+  // Two matches define the pose: only the others are evidence.
+  return LogNumberOfFalseAlarms(matches - 2, inliers - 2, chance, std::max(1.0, 0.5 * matches * (matches - 1.0)));
+}
+
 RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const SearchRegion& region,
                                const RegistrationOptions& options) {
   RegistrationResult result;
   if (static_cast<int>(matches.size()) < options.min_inliers) {
     return result;
   }
-  std::vector<Candidate> candidates = FindCandidates(matches, options);
-  if (candidates.empty() || static_cast<int>(candidates.front().inliers.size()) < options.min_inliers) {
-    result.status = RegistrationStatus::kTooFewInliers;
+  std::vector<PoseCandidate> candidates = FindPoseCandidates(matches, options);
+  for (PoseCandidate& c : candidates) {
+    c.log_false_alarms =
+        LogChancePoses(static_cast<int>(matches.size()), static_cast<int>(c.inliers.size()), region, options);
+  }
+  PoseChoice choice = ChoosePose(candidates, options);
+  result.status = choice.status;
+  if (choice.best < 0) {
     return result;
   }
-  std::vector<double> log_nfa;
-  for (const Candidate& c : candidates) {
-    log_nfa.push_back(LogFalseAlarms(static_cast<int>(matches.size()), static_cast<int>(c.inliers.size()), region,
-                                     options));
-  }
-  const std::vector<double> weights = PosteriorWeights(log_nfa);
-  const Candidate& best = candidates.front();
-  result.target_from_source = best.pose;
+  const PoseCandidate& best = candidates[static_cast<std::size_t>(choice.best)];
+  result.target_from_source = best.target_from_source;
   result.inliers = best.inliers;
-  result.rms_m = RmsResidual(matches, best.inliers, best.pose);
-  const double sigma = std::hypot(result.rms_m / std::numbers::sqrt2, options.position_noise_floor_m);
-  result.covariance = PoseCovariance(matches, best.inliers, best.pose, sigma);
-  for (std::size_t i = 1; i < candidates.size(); ++i) {
-    if (weights[i] > options.max_p_wrong) {
-      result.alternatives.push_back({candidates[i].pose, static_cast<int>(candidates[i].inliers.size()), weights[i]});
-    }
-  }
-  const double p_chance = std::min(1.0, std::pow(10.0, log_nfa.front()));
-  const double p_rival = 1.0 - weights.front();
-  result.p_wrong = std::min(1.0, p_chance + p_rival);
-  if (p_chance > options.max_p_wrong) {
-    result.status = RegistrationStatus::kNotSignificant;
-  } else if (result.p_wrong > options.max_p_wrong) {
-    result.status = RegistrationStatus::kAmbiguous;
-    result.alternatives.insert(result.alternatives.begin(),
-                               {best.pose, static_cast<int>(best.inliers.size()), weights.front()});
-  } else {
-    result.status = RegistrationStatus::kRegistered;
-  }
+  result.rms_m = RmsResidual(matches, best.inliers, best.target_from_source);
+  result.covariance = PoseCovariance(matches, best.inliers, best.target_from_source,
+                                     std::hypot(result.rms_m / std::numbers::sqrt2, options.position_noise_floor_m));
+  result.p_wrong = choice.p_wrong;
+  result.alternatives = std::move(choice.alternatives);
   return result;
 }
 

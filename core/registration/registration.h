@@ -25,7 +25,7 @@ struct RegistrationOptions {
   double inlier_radius_m = 0.002;       ///< residual of an inlier
   double vote_cell_m = 0.03;            ///< cell of the (x, y) vote
   double vote_cell_rad = 0.26;          ///< cell of the yaw vote
-  int candidates = 5;                   ///< best cells that are verified
+  int candidates = 10;                  ///< best cells that are verified
   int ransac_iterations = 60;           ///< two-point samples per candidate
   int min_inliers = 8;
   double max_p_wrong = 1e-4;            ///< a registration above it is not accepted
@@ -60,13 +60,35 @@ struct RegistrationResult {
   bool ok() const { return status == RegistrationStatus::kRegistered; }
 };
 
-/// Where the target points can lie, for the chance model behind p_wrong.
-struct SearchRegion {
-  double area_m2 = 1.0;     ///< of the part of the target that was searched
-  double yaw_range_rad = 6.283185307179586;
+/// A pose with the matches that agree with it.
+struct PoseCandidate {
+  Pose2 target_from_source;
+  std::vector<int> inliers;  ///< indices into the matches
+  /// log10 of how many poses as good as this one chance alone would give; far below 0: not chance.
+  double log_false_alarms = 0.0;
 };
 
-/// Robust SE(2) registration of oriented matches (DESIGN 8.2): every match is a hypothesis; votes over (x, y, yaw);
+/// Poses that the matches vote for, verified by two-point RANSAC and refined, most inliers first.
+std::vector<PoseCandidate> FindPoseCandidates(const std::vector<OrientedMatch>& matches,
+                                              const RegistrationOptions& options);
+
+/// Alternates between the inliers of a pose and the least-squares fit to them until they agree.
+PoseCandidate RefinePose(const std::vector<OrientedMatch>& matches, const Pose2& start,
+                         const RegistrationOptions& options);
+
+/// True when two poses are too near each other to be rivals.
+bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options);
+
+/// Where the target points can lie, for the chance model behind p_wrong.
+struct SearchRegion {
+  double area_m2 = 1.0;  ///< of the part of the target that was searched
+};
+
+/// log10 of how many poses chance would give that agree with as many of the matches: each pair of matches proposes one,
+/// and a wrong match agrees with a wrong pose as often as its place in the searched area happens to be right.
+double LogChancePoses(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options);
+
+/// Robust SE(2) registration of oriented matches of a known scale: every match is a hypothesis; votes over (x, y, yaw);
 /// two-point RANSAC inside the best cells; least squares on all inliers.
 RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const SearchRegion& region,
                                const RegistrationOptions& options);

@@ -17,12 +17,13 @@ struct MatchGuide {
   Pose2 target_from_query;
   double radius_m = 0.1;        ///< how far a keypoint may lie from its predicted place
   double yaw_radius_rad = 0.3;  ///< how far its angle may be from the predicted one
+  int stride = 1;               ///< every stride-th query keypoint only
 };
 
 /// Largest ratio of sizes between two views of one keypoint: the floor's scale is known.
 constexpr float kMaxSizeRatio = 1.5F;
 
-/// Matches a frame to keypoints near their predicted places only, through a spatial grid. Refers to the keypoints and
+/// Matches a frame to keypoints near their predicted places only, through a spatial grid. Refers to the float
 /// descriptors, which must outlive it. Const and thread-safe.
 class GuidedMatcher {
  public:
@@ -32,17 +33,27 @@ class GuidedMatcher {
   std::vector<Match> FindNearest(const Features& query, const MatchGuide& guide) const;
 
  private:
-  void Collect(const Eigen::Vector2d& center, double radius_m, std::vector<int>* candidates) const;
+  // A keypoint as the search wants it: small, and in the order of the grid's cells.
+  struct Entry {
+    float x_m, y_m;
+    float cos_angle, sin_angle;
+    float size_m;
+    int index;  // in the keypoints
+  };
+  struct Window;
 
-  const std::vector<Keypoint>& keypoints_;
-  const cv::Mat& descriptors_;
-  PackedDescriptors packed_;  // empty for float descriptors
+  void Collect(const Window& window, std::vector<int>* candidates) const;
+  Match FindAmong(const Features& query, const PackedDescriptors& packed_query, int row,
+                  const std::vector<int>& candidates) const;
+
+  cv::Mat descriptors_;       // as given; used for float descriptors
+  PackedDescriptors packed_;  // binary descriptors, as given
   double cell_m_;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<int> cell_start_;  // keypoints of cell c: sorted_[cell_start_[c] .. cell_start_[c + 1])
-  std::vector<int> sorted_;
+  std::vector<int> cell_start_;  // entries of cell c: entries_[cell_start_[c] .. cell_start_[c + 1])
+  std::vector<Entry> entries_;
 };
 
 }  // namespace floorloc

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/map/floor_map.h"
+#include "core/registration/registration.h"
+#include "core/vision/features.h"
+#include "core/vision/guided_matcher.h"
+
+namespace floorloc {
+
+/// A pose hypothesis after all keypoints of the frame were looked for where it predicts them.
+struct VerifiedPose {
+  PoseCandidate candidate;             ///< refined; its inliers index `matches`
+  std::vector<OrientedMatch> matches;  ///< one per keypoint that resembles a map point near its predicted place
+  int votes = 0;                       ///< distinctive matches of the first look that agree with the pose
+  std::vector<float> distance;         ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
+};
+
+/// Verifies poses against a map: what a wrong pose would find by chance is measured on the map itself.
+class PoseVerifier {
+ public:
+  /// Refers to the keypoints and the matcher, which must outlive it.
+  PoseVerifier(const MapKeypoints& map, const GuidedMatcher& matcher, double area_m2,
+               const RegistrationOptions& options);
+
+  VerifiedPose Verify(const Features& features, const Pose2& map_from_base) const;
+
+  /// Largest descriptor distance at which two keypoints count as alike: few pairs of different floor points are.
+  float max_distance() const { return max_distance_; }
+
+ private:
+  void MeasureChance(double area_m2);
+
+  const MapKeypoints& map_;
+  const GuidedMatcher& matcher_;
+  RegistrationOptions options_;
+  float max_distance_ = 0.0F;
+  double chance_ = 0.0;  // that a keypoint has an inlier under a wrong pose
+};
+
+}  // namespace floorloc
