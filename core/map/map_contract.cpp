@@ -41,7 +41,11 @@ std::string ComputeContentVersion(const SqliteConnection& connection) {
     for (int column = 0; column < 9; ++column) {
       hash.Add(camera.Real(column));
     }
-    hash.Add(camera.Integer(9)).Add(camera.Integer(10)).Add(camera.Text(11)).Add(camera.Bytes(12)).Add(camera.Bytes(13));
+    hash.Add(camera.Integer(9))
+        .Add(camera.Integer(10))
+        .Add(camera.Text(11))
+        .Add(camera.Bytes(12))
+        .Add(camera.Bytes(13));
   }
   SqliteStatement parameter(connection, "SELECT name, value FROM extractor_parameter ORDER BY name");
   while (parameter.Step()) {

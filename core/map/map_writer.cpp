@@ -132,8 +132,7 @@ MapWriter::~MapWriter() = default;
 
 void MapWriter::WriteFrames(const std::vector<MapFrame>& frames) {
   SqliteTransaction transaction(impl_->connection);
-  SqliteStatement insert(impl_->connection,
-                         "INSERT INTO frame (stamp_ns, filename, x, y, yaw) VALUES (?,?,?,?,?)");
+  SqliteStatement insert(impl_->connection, "INSERT INTO frame (stamp_ns, filename, x, y, yaw) VALUES (?,?,?,?,?)");
   for (const MapFrame& frame : frames) {
     insert.Bind(frame.stamp_ns).Bind(frame.filename);
     insert.Bind(frame.map_from_base.x()).Bind(frame.map_from_base.y()).Bind(frame.map_from_base.yaw()).Run();
