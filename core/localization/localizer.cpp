@@ -84,6 +84,20 @@ std::vector<OrientedMatch> ToOrientedMatches(const std::vector<Match>& matches, 
   return oriented;
 }
 
+// What is searched, and how hard.
+struct SearchScope {
+  std::optional<PosePrior> prior;
+  std::optional<MatchGuide> guide;  // follows from the prior
+
+  bool Contains(const Pose2& map_from_base) const {
+    if (!prior) {
+      return true;
+    }
+    const Pose2 off = prior->map_from_base.Between(map_from_base);
+    return off.translation().norm() <= prior->radius_m && std::abs(off.yaw()) <= prior->yaw_radius_rad;
+  }
+};
+
 // How far a keypoint can be from its predicted place when the pose is off by the prior's radii.
 MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
   const double lever = std::max(std::hypot(roi.x_min, roi.y_min), std::hypot(roi.x_max, roi.y_max));
@@ -123,7 +137,8 @@ struct Localizer::Impl {
   // Second look: all keypoints where each pose that the matches vote for predicts them. Poses that meet are one.
   std::vector<VerifiedPose> VerifyCandidates(const Features& features,
                                              const std::vector<OrientedMatch>& matches,
-                                             const SearchRegion& region) const {
+                                             const SearchScope& scope) const {
+    const SearchRegion region = RegionOf(scope.guide);
     std::vector<VerifiedPose> verified;
     for (const PoseCandidate& candidate : FindPoseCandidates(matches, options.registration)) {
       VerifiedPose pose = verifier.Verify(features, candidate.target_from_source);
@@ -131,7 +146,7 @@ struct Localizer::Impl {
       const bool known = std::any_of(verified.begin(), verified.end(), [&](const VerifiedPose& v) {
         return SamePose(v.candidate.target_from_source, refined, options.registration);
       });
-      if (!known) {
+      if (!known && scope.Contains(refined)) {
         pose.votes = static_cast<int>(FindInliers(matches, refined, options.registration.inlier_radius_m).size());
         // Both looks must be beyond chance: on self-similar floors many keypoints fit a wrong place, but few are
         // distinctive there.
@@ -150,11 +165,11 @@ struct Localizer::Impl {
   }
 
   // Matches, verifies and decides; adds its times to the result's.
-  void Search(const Features& features, const std::optional<MatchGuide>& guide, LocalizationResult* result) const {
+  void Search(const Features& features, const SearchScope& scope, LocalizationResult* result) const {
     Stopwatch stage;
-    const std::vector<OrientedMatch> matches = FindMatches(features, guide);
+    const std::vector<OrientedMatch> matches = FindMatches(features, scope.guide);
     result->timing.match_ms += stage.LapMs();
-    const std::vector<VerifiedPose> verified = VerifyCandidates(features, matches, RegionOf(guide));
+    const std::vector<VerifiedPose> verified = VerifyCandidates(features, matches, scope);
     Conclude(verified, result);
     result->timing.register_ms += stage.LapMs();
   }
@@ -257,11 +272,14 @@ LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat
     return result;
   }
 
-  auto guide = prior ? std::optional(GuideOf(*prior, rectifier.camera().floor.roi)) : std::nullopt;
-  impl_->Search(features, guide, &result);
-  if (guide && result.status != LocalizationStatus::kLocalized) {
-    guide->stride = kFullStride;
-    impl_->Search(features, guide, &result);
+  SearchScope scope{prior, std::nullopt};
+  if (prior) {
+    scope.guide = GuideOf(*prior, rectifier.camera().floor.roi);
+  }
+  impl_->Search(features, scope, &result);
+  if (prior && result.status != LocalizationStatus::kLocalized) {
+    scope.guide->stride = kFullStride;
+    impl_->Search(features, scope, &result);
   }
   impl_->AddSystematicErrors(rectifier.camera().floor.roi.Center(), &result);
   result.timing.total_ms = total.LapMs();

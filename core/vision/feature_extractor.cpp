@@ -23,7 +23,7 @@ void Require(bool ok, const char* message) {
 double DefaultThreshold(ExtractorType type) {
   switch (type) {
     case ExtractorType::kOrb:
-      return 12.0;  // FAST, grey levels
+      return 30.0;  // FAST, grey levels
     case ExtractorType::kSift:
       return 0.02;  // contrast
     case ExtractorType::kAkaze:
@@ -37,7 +37,7 @@ double DefaultThreshold(ExtractorType type) {
 cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
   const double threshold = o.threshold > 0.0 ? o.threshold : DefaultThreshold(o.type);
   // Detect more than is kept: the rest is for the choice that spreads them.
-  const int detected = 4 * o.max_keypoints;
+  const int detected = 2 * o.max_keypoints;
   switch (o.type) {
     case ExtractorType::kOrb:
       return cv::ORB::create(detected, static_cast<float>(o.scale_factor), o.levels, 19, 0, 2, cv::ORB::HARRIS_SCORE,
