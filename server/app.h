@@ -29,7 +29,7 @@ struct AppState {
   FixHistory fixes;
   std::atomic<bool> draining{false};
   std::function<int()> count_connections = [] { return 0; };  ///< set before serving
-  ComputePool pool;                                          ///< last: its jobs use what stands above
+  ComputePool pool;                                           ///< last: its jobs use what stands above
 };
 
 /// The whole HTTP interface, without the sockets.

@@ -24,8 +24,8 @@ class QueueTimeout : public std::runtime_error {
 };
 
 struct ComputePoolOptions {
-  int threads = 0;                       ///< 0: one per core
-  std::size_t queue_length = 64;         ///< jobs that wait; the excess is refused
+  int threads = 0;                ///< 0: one per core
+  std::size_t queue_length = 64;  ///< jobs that wait; the excess is refused
   std::chrono::duration<double> queue_timeout{1.0};
 
   void Check() const;

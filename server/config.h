@@ -13,8 +13,8 @@ namespace floorloc {
 /// What one client, and all together, may ask of the server.
 struct ServerLimits {
   std::size_t max_body_bytes = std::size_t{16} << 20;
-  std::size_t max_bodies_bytes = std::size_t{256} << 20;  ///< of all requests that are being read or answered
-  std::int64_t max_image_pixels = 25'000'000;             ///< of a camera picture, and of a rectified one
+  std::size_t max_bodies_bytes = std::size_t{256} << 20;   ///< of all requests that are being read or answered
+  std::int64_t max_image_pixels = 25'000'000;              ///< of a camera picture, and of a rectified one
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
   int max_connections = 1024;
   int max_vehicles = 2000;
@@ -26,14 +26,14 @@ struct ServerLimits {
 /// Everything about a server that can be set, apart from the maps folder.
 struct ServerConfig {
   std::string host = "127.0.0.1";
-  int port = 8080;             ///< 0: any free port
-  int threads = 0;             ///< compute threads; 0: one per core
-  int queue_length = 64;       ///< localizations that wait for a thread
-  double queue_timeout_s = 1.0;  ///< a localization that waits longer is given up
-  double drain_s = 0.0;        ///< after SIGTERM: how long /readyz says 503 before the server stops accepting
+  int port = 8080;                   ///< 0: any free port
+  int threads = 0;                   ///< compute threads; 0: one per core
+  int queue_length = 64;             ///< localizations that wait for a thread
+  double queue_timeout_s = 1.0;      ///< a localization that waits longer is given up
+  double drain_s = 0.0;              ///< after SIGTERM: how long /readyz says 503 before the server stops accepting
   std::filesystem::path token_file;  ///< empty: no token
-  bool open = false;           ///< listen beyond loopback without a token
-  bool protect_reads = false;  ///< reads and localize need the token too
+  bool open = false;                 ///< listen beyond loopback without a token
+  bool protect_reads = false;        ///< reads and localize need the token too
   std::string log_level = "info";
   ServerLimits limits;
   LocalizerOptions localizer;

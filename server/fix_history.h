@@ -20,7 +20,7 @@ struct FixRecord {
   std::string vehicle;      ///< empty: the camera came inline
   std::string map;
   std::string map_version;
-  std::string search;       ///< "prior" or "global"
+  std::string search;  ///< "prior" or "global"
   LocalizationResult result;
 };
 

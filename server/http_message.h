@@ -18,7 +18,7 @@ struct HttpPart {
 /// A request as the handlers see it: decoded, and independent of the HTTP library.
 struct HttpRequest {
   std::string method;
-  std::string path;                          ///< decoded, without the query
+  std::string path;  ///< decoded, without the query
   std::multimap<std::string, std::string> query;
   std::map<std::string, std::string> headers;  ///< names in lower case; the first of several with one name
   std::map<std::string, std::string> path_parameters;

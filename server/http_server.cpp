@@ -86,9 +86,8 @@ class RequestLoop : private httplib::Server {
       AnswerWithBody(raw, answer, reader);
     };
     Post(kAnything, with_body).Put(kAnything, with_body).Patch(kAnything, with_body).Delete(kAnything, with_body);
-    set_pre_routing_handler([this](const httplib::Request& raw, httplib::Response& answer) {
-      return AnswerWithoutBody(raw, answer);
-    });
+    set_pre_routing_handler(
+        [this](const httplib::Request& raw, httplib::Response& answer) { return AnswerWithoutBody(raw, answer); });
     set_error_handler([this](const httplib::Request& raw, httplib::Response& answer) {
       if (answer.body.empty()) {
         Fill(handler_.Refuse(ToRequest(raw), ProblemOfStatus(answer.status)), answer);
@@ -110,9 +109,11 @@ class RequestLoop : private httplib::Server {
     bool open = true;
     while (open && connection_.WaitForRequest()) {
       connection_.BeginRequest(kMaxHeadBytes);
-      close_ = connection_.IsStopping();
+      const bool stopping = connection_.IsStopping();
+      close_ = true;  // unless the request is understood: nobody knows where the next one starts
       bool asked_to_close = false;
-      const bool answered = process_request(stream_, close_, asked_to_close, [this](httplib::Request& raw) {
+      const bool answered = process_request(stream_, stopping, asked_to_close, [this, stopping](httplib::Request& raw) {
+        close_ = stopping;
         raw.ranges.clear();
         // A body that no handler reads would be taken for the next request.
         if (HasBody(raw) && !TakesBody(raw.method)) {
@@ -170,9 +171,9 @@ class RequestLoop : private httplib::Server {
       return 0;
     }
     const bool announced = raw.has_header("Content-Length") && !raw.has_header("Content-Encoding");
-    return announced ? std::min<std::size_t>(raw.get_header_value<std::uint64_t>("Content-Length"),
-                                             limits_.max_body_bytes)
-                     : limits_.max_body_bytes;
+    return announced
+               ? std::min<std::size_t>(raw.get_header_value<std::uint64_t>("Content-Length"), limits_.max_body_bytes)
+               : limits_.max_body_bytes;
   }
 
   void ReadBody(const httplib::Request& raw, const httplib::Response& answer, const httplib::ContentReader& reader,
@@ -189,16 +190,16 @@ class RequestLoop : private httplib::Server {
       throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
     }
     bool exceeded = false;
-    const bool complete = raw.is_multipart_form_data() ? ReadParts(reader, request, exceeded)
-                                                       : ReadPlain(reader, request, exceeded);
+    const bool complete =
+        raw.is_multipart_form_data() ? ReadParts(reader, request, exceeded) : ReadPlain(reader, request, exceeded);
     if (exceeded) {
       throw too_large;
     }
     if (!complete) {
       throw answer.status == 415 ? ProblemOfStatus(415)
-                                 : Problem(400, "malformed_body", raw.is_multipart_form_data()
-                                                                      ? "The multipart/form-data body is malformed."
-                                                                      : "The body ended before it was complete.");
+                                 : Problem(400, "malformed_body",
+                                           raw.is_multipart_form_data() ? "The multipart/form-data body is malformed."
+                                                                        : "The body ended before it was complete.");
     }
   }
 

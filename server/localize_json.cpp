@@ -109,8 +109,10 @@ LocalizeRequest ReadQuery(const HttpRequest& request) {
 
 // Map, version, frame and time travel in one object with the coordinates: nobody can mix them up.
 nlohmann::json FormatPose(const FixRecord& record, const Pose2& pose) {
-  return {{"map", record.map},  {"map_version", record.map_version}, {"frame", "map"}, {"stamp", record.stamp_s},
-          {"x", pose.x()},      {"y", pose.y()},                     {"yaw", pose.yaw()}};
+  return {{"map", record.map}, {"map_version", record.map_version},
+          {"frame", "map"},    {"stamp", record.stamp_s},
+          {"x", pose.x()},     {"y", pose.y()},
+          {"yaw", pose.yaw()}};
 }
 
 nlohmann::json FormatFixPose(const FixRecord& record) {
@@ -125,8 +127,8 @@ nlohmann::json FormatFixPose(const FixRecord& record) {
 
 nlohmann::json FormatFix(const FixRecord& record) {
   const LocalizationResult& r = record.result;
-  return {{"keypoints", r.keypoints}, {"matches", r.matches},   {"inliers", r.inliers},
-          {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong},   {"search", record.search}};
+  return {{"keypoints", r.keypoints}, {"matches", r.matches}, {"inliers", r.inliers},
+          {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong}, {"search", record.search}};
 }
 
 nlohmann::json FormatAlternatives(const FixRecord& record) {
@@ -188,7 +190,7 @@ std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome&
   nlohmann::json answer;
   AddStatus(record, answer);
   const LocalizationTiming& timing = record.result.timing;
-  answer["timing_ms"] = {{"decode", outcome.decode_ms},   {"rectify", timing.rectify_ms},
+  answer["timing_ms"] = {{"decode", outcome.decode_ms},    {"rectify", timing.rectify_ms},
                          {"features", timing.features_ms}, {"match", timing.match_ms},
                          {"register", timing.register_ms}, {"total", outcome.total_ms}};
   return ToText(answer);

@@ -96,7 +96,9 @@ HttpResponse AnswerLocalize(AppState& state, const HttpRequest& request) {
 }  // namespace
 
 void AddLocalizeRoute(AppState& state, Router& router) {
-  router.Add({"POST", "/v1/maps/{map}/localize", RouteAccess::kRead,
+  router.Add({"POST",
+              "/v1/maps/{map}/localize",
+              RouteAccess::kRead,
               {"image/jpeg", "image/png", "multipart/form-data"},
               [&state](const HttpRequest& request) { return AnswerLocalize(state, request); }});
 }

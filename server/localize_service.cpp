@@ -17,7 +17,9 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-std::string SizeText(int width_px, int height_px) { return std::to_string(width_px) + " x " + std::to_string(height_px); }
+std::string SizeText(int width_px, int height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px);
+}
 
 void AddTiming(const LocalizationTiming& more, LocalizationTiming& timing) {
   timing.rectify_ms += more.rectify_ms;

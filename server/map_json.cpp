@@ -34,21 +34,20 @@ nlohmann::json FormatSummary(const LoadedMap& map) {
   }
   const MapInfo& info = map.info();
   const FloorMap& content = map.localizer->map();
-  return {{"name", map.name},
-          {"status", "ready"},
-          {"id", info.id},
-          {"version", info.content_version},
-          {"created", info.created},
-          {"builder_version", info.builder_version},
-          {"frame", "map"},
-          {"resolution", info.resolution_m},
-          {"extent", FormatExtent(info.extent)},
-          {"area_m2", info.area_m2},
-          {"layers",
-           {{{"name", "floor"},
-             {"extractor", ToString(info.extractor.type)},
-             {"keypoints", content.keypoints.size()}}}},
-          {"mosaic", FormatMosaic(content.mosaic)}};
+  return {
+      {"name", map.name},
+      {"status", "ready"},
+      {"id", info.id},
+      {"version", info.content_version},
+      {"created", info.created},
+      {"builder_version", info.builder_version},
+      {"frame", "map"},
+      {"resolution", info.resolution_m},
+      {"extent", FormatExtent(info.extent)},
+      {"area_m2", info.area_m2},
+      {"layers",
+       {{{"name", "floor"}, {"extractor", ToString(info.extractor.type)}, {"keypoints", content.keypoints.size()}}}},
+      {"mosaic", FormatMosaic(content.mosaic)}};
 }
 
 // The builder writes JSON objects; a map from elsewhere may hold anything.

@@ -22,8 +22,9 @@ TileId ParseTileId(const HttpRequest& request, const MosaicLayout& layout) {
   const auto x = ParseTileIndex(request.path_parameters.at("x"));
   const auto y = ParseTileIndex(request.path_parameters.at("y"));
   if (!z || !x || !y || *z < 0 || *z > layout.max_zoom) {
-    throw Problem(404, "tile_not_found", "There is no such tile; z goes from 0 to " + std::to_string(layout.max_zoom) +
-                                             ", x and y are whole numbers.");
+    throw Problem(
+        404, "tile_not_found",
+        "There is no such tile; z goes from 0 to " + std::to_string(layout.max_zoom) + ", x and y are whole numbers.");
   }
   return {*z, *x, *y};
 }
@@ -93,17 +94,22 @@ std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpReq
 }
 
 void AddMapRoutes(AppState& state, Router& router) {
-  router.Add({"GET", "/v1/maps", RouteAccess::kRead, {},
-              [&state](const HttpRequest&) { return JsonResponse(200, FormatMapList(state.catalog.All())); }});
-  router.Add({"GET", "/v1/maps/{map}", RouteAccess::kRead, {},
-              [&state](const HttpRequest& request) { return AnswerMap(state, request); }});
-  router.Add({"GET", "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg", RouteAccess::kRead, {},
-              [&state](const HttpRequest& request) { return AnswerTile(state, request); }});
+  router.Add({"GET", "/v1/maps", RouteAccess::kRead, {}, [&state](const HttpRequest&) {
+                return JsonResponse(200, FormatMapList(state.catalog.All()));
+              }});
+  router.Add({"GET", "/v1/maps/{map}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return AnswerMap(state, request);
+              }});
+  router.Add(
+      {"GET", "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+         return AnswerTile(state, request);
+       }});
   router.Add({"GET", "/v1/maps/{map}/report", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return JsonResponse(200, FormatReport(*RequireMap(state, request)));
               }});
-  router.Add({"GET", "/v1/maps/{map}/fixes", RouteAccess::kRead, {},
-              [&state](const HttpRequest& request) { return AnswerFixes(state, request); }});
+  router.Add({"GET", "/v1/maps/{map}/fixes", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return AnswerFixes(state, request);
+              }});
 }
 
 }  // namespace floorloc

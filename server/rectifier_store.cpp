@@ -53,8 +53,9 @@ void CheckCamera(const FloorCamera& camera, std::int64_t max_pixels) {
   const auto limit = static_cast<double>(max_pixels);
   if (static_cast<double>(camera.camera.width_px) * camera.camera.height_px > limit ||
       RectifiedPixels(camera.floor) > limit) {
-    throw Problem(422, "camera_too_large", "The camera's picture, or its floor at this resolution, has more than " +
-                                               std::to_string(max_pixels) + " pixels.");
+    throw Problem(422, "camera_too_large",
+                  "The camera's picture, or its floor at this resolution, has more than " + std::to_string(max_pixels) +
+                      " pixels.");
   }
 }
 
@@ -118,7 +119,8 @@ void RectifierStore::MakeRoomLocked(std::size_t bytes) {
     }
   }
   if (bytes_ + bytes > options_.max_bytes) {
-    throw Overload("camera_memory_full", "The cameras of all vehicles need more memory than the server may use for them.");
+    throw Overload("camera_memory_full",
+                   "The cameras of all vehicles need more memory than the server may use for them.");
   }
 }
 

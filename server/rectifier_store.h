@@ -14,9 +14,9 @@
 namespace floorloc {
 
 struct RectifierStoreOptions {
-  std::int64_t max_image_pixels = 25'000'000;         ///< of the camera picture, and of the rectified one
-  std::size_t max_bytes = std::size_t{1} << 30;       ///< lookup tables of all cameras together
-  std::size_t max_cached = 64;                        ///< cameras kept that nobody holds any more
+  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera picture, and of the rectified one
+  std::size_t max_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
+  std::size_t max_cached = 64;                   ///< cameras kept that nobody holds any more
 };
 
 /// One Rectifier per different camera: vehicles with the same calibration share it, and a camera that comes inline with

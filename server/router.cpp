@@ -99,8 +99,7 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
                               : Problem(405, "method_not_allowed", "This address answers " + found.allow + " only.");
   }
   const RouteAccess access = found.route->access;
-  const bool guarded =
-      access == RouteAccess::kChange || (access == RouteAccess::kRead && options_.protect_reads);
+  const bool guarded = access == RouteAccess::kChange || (access == RouteAccess::kRead && options_.protect_reads);
   if (guarded && !options_.token.Allows(head.Header("authorization"))) {
     throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
   }

@@ -15,7 +15,7 @@ void AddSystemRoutes(AppState& state, Router& router);   ///< health, metrics, o
 void AddMapRoutes(AppState& state, Router& router);      ///< maps, tiles, reports, recent fixes
 void AddVehicleRoutes(AppState& state, Router& router);  ///< registration of vehicles
 void AddLocalizeRoute(AppState& state, Router& router);
-void AddWebRoutes(Router& router);                       ///< the page
+void AddWebRoutes(Router& router);  ///< the page
 
 HttpResponse JsonResponse(int status, std::string body);
 

@@ -53,11 +53,11 @@ double JsonObject::Number(const std::string& key) { return ReadNumber(Value(key)
 
 std::int64_t JsonObject::Integer(const std::string& key, std::int64_t min, std::int64_t max) {
   const nlohmann::json& value = Value(key);
-  const bool fits = value.is_number_integer() &&
-                    (!value.is_number_unsigned() || value.get<std::uint64_t>() <= static_cast<std::uint64_t>(INT64_MAX));
+  const bool fits = value.is_number_integer() && (!value.is_number_unsigned() ||
+                                                  value.get<std::uint64_t>() <= static_cast<std::uint64_t>(INT64_MAX));
   if (!fits || value.get<std::int64_t>() < min || value.get<std::int64_t>() > max) {
-    throw JsonError(PathOf(key) + " must be a whole number from " + std::to_string(min) + " to " +
-                    std::to_string(max) + ".");
+    throw JsonError(PathOf(key) + " must be a whole number from " + std::to_string(min) + " to " + std::to_string(max) +
+                    ".");
   }
   return value.get<std::int64_t>();
 }

@@ -14,14 +14,14 @@ constexpr const char* kContentSecurityPolicy =
 std::vector<Gauge> ReadGauges(const AppState& state) {
   const auto total = static_cast<double>(state.catalog.All().size());
   const auto ready = static_cast<double>(state.catalog.CountReady());
-  return {{"floorloc_ready", "1 while the server takes work.", state.draining ? 0.0 : 1.0},
-          {"floorloc_maps_ready", "Maps that are served.", ready},
-          {"floorloc_maps_failed", "Maps that could not be loaded.", total - ready},
-          {"floorloc_vehicles", "Registered vehicles.", static_cast<double>(state.vehicles.size())},
-          {"floorloc_connections", "Open connections.", static_cast<double>(state.count_connections())},
-          {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
-          {"floorloc_queue_depth", "Localizations that wait for a thread.",
-           static_cast<double>(state.pool.QueueDepth())}};
+  return {
+      {"floorloc_ready", "1 while the server takes work.", state.draining ? 0.0 : 1.0},
+      {"floorloc_maps_ready", "Maps that are served.", ready},
+      {"floorloc_maps_failed", "Maps that could not be loaded.", total - ready},
+      {"floorloc_vehicles", "Registered vehicles.", static_cast<double>(state.vehicles.size())},
+      {"floorloc_connections", "Open connections.", static_cast<double>(state.count_connections())},
+      {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
+      {"floorloc_queue_depth", "Localizations that wait for a thread.", static_cast<double>(state.pool.QueueDepth())}};
 }
 
 HttpResponse AnswerReadiness(const AppState& state) {
@@ -60,20 +60,22 @@ HttpResponse AnswerAsset(const std::string& name, const HttpRequest& request) {
 }  // namespace
 
 void AddSystemRoutes(AppState& state, Router& router) {
-  router.Add({"GET", "/livez", RouteAccess::kEverybody, {},
-              [](const HttpRequest&) { return JsonResponse(200, R"({"status":"alive"})"); }});
-  router.Add({"GET", "/readyz", RouteAccess::kEverybody, {},
-              [&state](const HttpRequest&) { return AnswerReadiness(state); }});
-  router.Add({"GET", "/metrics", RouteAccess::kRead, {},
-              [&state](const HttpRequest&) { return AnswerMetrics(state); }});
+  router.Add({"GET", "/livez", RouteAccess::kEverybody, {}, [](const HttpRequest&) {
+                return JsonResponse(200, R"({"status":"alive"})");
+              }});
+  router.Add(
+      {"GET", "/readyz", RouteAccess::kEverybody, {}, [&state](const HttpRequest&) { return AnswerReadiness(state); }});
+  router.Add(
+      {"GET", "/metrics", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return AnswerMetrics(state); }});
   router.Add({"GET", "/openapi.yaml", RouteAccess::kEverybody, {}, [](const HttpRequest&) {
                 return HttpResponse{200, "application/yaml", std::string(OpenApiYaml()), {}};
               }});
 }
 
 void AddWebRoutes(Router& router) {
-  router.Add({"GET", "/", RouteAccess::kEverybody, {},
-              [](const HttpRequest& request) { return AnswerAsset("index.html", request); }});
+  router.Add({"GET", "/", RouteAccess::kEverybody, {}, [](const HttpRequest& request) {
+                return AnswerAsset("index.html", request);
+              }});
   router.Add({"GET", "/web/{file}", RouteAccess::kEverybody, {}, [](const HttpRequest& request) {
                 return AnswerAsset(request.path_parameters.at("file"), request);
               }});

@@ -22,7 +22,8 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
   if (state.catalog.Find(parsed.map) == nullptr) {
     throw Problem(422, "unknown_map", "The vehicle names a map that is not served; GET /v1/maps lists them.");
   }
-  Vehicle vehicle{id, parsed.map, parsed.gate, RunInPool(state.pool, [&] { return state.rectifiers.Get(parsed.camera); })};
+  Vehicle vehicle{id, parsed.map, parsed.gate,
+                  RunInPool(state.pool, [&] { return state.rectifiers.Get(parsed.camera); })};
   const VehicleState answer{std::make_shared<const Vehicle>(vehicle), std::nullopt};
   const bool created = state.vehicles.Put(std::move(vehicle));
   return JsonResponse(created ? 201 : 200, ToText(FormatVehicle(answer)));
@@ -49,12 +50,16 @@ void AddVehicleRoutes(AppState& state, Router& router) {
   router.Add({"GET", "/v1/vehicles", RouteAccess::kRead, {}, [&state](const HttpRequest&) {
                 return JsonResponse(200, FormatVehicleList(state.vehicles.All()));
               }});
-  router.Add({"PUT", "/v1/vehicles/{id}", RouteAccess::kChange, {"application/json"},
-              [&state](const HttpRequest& request) { return RegisterVehicle(state, request); }});
-  router.Add({"GET", "/v1/vehicles/{id}", RouteAccess::kRead, {},
-              [&state](const HttpRequest& request) { return AnswerVehicle(state, request); }});
-  router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kChange, {},
-              [&state](const HttpRequest& request) { return RemoveVehicle(state, request); }});
+  router.Add(
+      {"PUT", "/v1/vehicles/{id}", RouteAccess::kChange, {"application/json"}, [&state](const HttpRequest& request) {
+         return RegisterVehicle(state, request);
+       }});
+  router.Add({"GET", "/v1/vehicles/{id}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return AnswerVehicle(state, request);
+              }});
+  router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kChange, {}, [&state](const HttpRequest& request) {
+                return RemoveVehicle(state, request);
+              }});
 }
 
 }  // namespace floorloc

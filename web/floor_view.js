@@ -112,10 +112,10 @@ export class FloorView {
     this.drawn.clearLayers();
     const metresPerPixel = this.leaflet.unproject([1, 0], this.leaflet.getZoom()).lng;
     this.fixes.forEach((fix, i) => {
-      const opacity = 0.25 + (0.75 * (i + 1)) / this.fixes.length;
+      const opacity = 0.35 + (0.65 * (i + 1)) / this.fixes.length;
       const poses = fix.pose ? [fix.pose] : fix.alternatives;
       for (const pose of poses) {
-        this.drawPose(pose, fix, { color: COLOURS[fix.status], opacity, fillOpacity: 0.6 * opacity, weight: 1.5 }, metresPerPixel);
+        this.drawPose(pose, fix, { color: COLOURS[fix.status], opacity, fillOpacity: 0.85 * opacity, weight: 2 }, metresPerPixel);
       }
     });
   }
@@ -124,7 +124,7 @@ export class FloorView {
     if (pose.covariance) {
       L.polygon(ellipsePoints(pose), { ...style, fillOpacity: 0.15, className: "fix-ellipse" }).addTo(this.drawn);
     }
-    L.polygon(arrowPoints(pose, 26 * metresPerPixel), { ...style, className: `fix-arrow ${fix.status}` })
+    L.polygon(arrowPoints(pose, 32 * metresPerPixel), { ...style, className: `fix-arrow ${fix.status}` })
       .bindTooltip(`${fix.vehicle ?? "inline camera"}: x ${pose.x.toFixed(3)} m, y ${pose.y.toFixed(3)} m`)
       .addTo(this.drawn);
   }

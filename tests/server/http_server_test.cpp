@@ -169,7 +169,8 @@ TEST_F(HttpServerTest, RefusesBeforeItReadsTheBody) {
 }
 
 TEST_F(HttpServerTest, RefusesBodiesThatEndEarly) {
-  EXPECT_THAT(Exchange("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nonly a bit"), HasSubstr("malformed_body"));
+  EXPECT_THAT(Exchange("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nonly a bit"),
+              HasSubstr("malformed_body"));
 }
 
 TEST_F(HttpServerTest, ABodyThatNobodyReadsIsNoRequest) {
@@ -184,7 +185,8 @@ TEST_F(HttpServerTest, RefusesWhatIsNotHttp) {
   EXPECT_THAT(Exchange("BREW /pot HTTP/1.1\r\n\r\n"), HasSubstr("malformed_request"));
   EXPECT_THAT(Exchange("GET /" + std::string(9000, 'a') + " HTTP/1.1\r\n\r\n"), HasSubstr("uri_too_long"));
   EXPECT_THAT(Exchange("GET / HTTP/1.1\r\nRange: bytes=x\r\n\r\n"), HasSubstr("invalid_range"));
-  EXPECT_EQ(Exchange("GET / HTTP/1.1\r\nX: " + std::string(40'000, 'a') + "\r\n\r\n").find("200 OK"), std::string::npos);
+  EXPECT_EQ(Exchange("GET / HTTP/1.1\r\nX: " + std::string(40'000, 'a') + "\r\n\r\n").find("200 OK"),
+            std::string::npos);
   EXPECT_EQ(Exchange(std::string(100'000, 'a')).find("200 OK"), std::string::npos);
   EXPECT_EQ(Exchange(std::string(1000, '\0')).find("200 OK"), std::string::npos);
 }

@@ -44,7 +44,8 @@ class LocalizeTest : public testing::Test {
     return client_.Post(kLocalize + query, image, "image/jpeg");
   }
   httplib::Response PostRequest(const json& request, const std::string& image) {
-    return client_.PostParts(kLocalize, {{"image", image, "frame.jpg", "image/jpeg"}, {"request", request.dump(), "", ""}});
+    return client_.PostParts(kLocalize,
+                             {{"image", image, "frame.jpg", "image/jpeg"}, {"request", request.dump(), "", ""}});
   }
 
   TestServer server_;
@@ -94,13 +95,16 @@ TEST_F(LocalizeTest, TakesCameraAndPriorInline) {
   const Pose2 pose = SharedMaps().KnownPose();
   for (const json& prior : {json(PriorText(pose)), json{pose.x(), pose.y(), pose.yaw()},
                             json{{"x", pose.x()}, {"y", pose.y()}, {"yaw", pose.yaw()}}}) {
-    const json answer = Json(PostRequest({{"camera", body["camera"]}, {"floor", body["floor"]}, {"prior", prior}}, jpeg_));
+    const json answer =
+        Json(PostRequest({{"camera", body["camera"]}, {"floor", body["floor"]}, {"prior", prior}}, jpeg_));
     ExpectKnownPose(answer);
     EXPECT_EQ(answer["fix"]["search"], "prior");
   }
 }
 
-TEST_F(LocalizeTest, TakesAVehicleInTheRequestPart) { ExpectKnownPose(Json(PostRequest({{"vehicle", "agv-7"}}, jpeg_))); }
+TEST_F(LocalizeTest, TakesAVehicleInTheRequestPart) {
+  ExpectKnownPose(Json(PostRequest({{"vehicle", "agv-7"}}, jpeg_)));
+}
 
 TEST_F(LocalizeTest, IgnoresFurtherKeysOfTheCameraFiles) {
   json body = VehicleBody();
@@ -171,8 +175,8 @@ TEST_F(LocalizeTest, RefusesMapsThatAreNotServed) {
 }
 
 TEST_F(LocalizeTest, RefusesOtherContentTypes) {
-  ExpectProblem(client_.Post(std::string(kLocalize) + "?vehicle=agv-7", jpeg_, "application/x-www-form-urlencoded"), 415,
-                "unsupported_media_type");
+  ExpectProblem(client_.Post(std::string(kLocalize) + "?vehicle=agv-7", jpeg_, "application/x-www-form-urlencoded"),
+                415, "unsupported_media_type");
   ExpectProblem(client_.Post(std::string(kLocalize) + "?vehicle=agv-7", jpeg_, ""), 415, "unsupported_media_type");
 }
 
@@ -180,8 +184,9 @@ TEST_F(LocalizeTest, RefusesMalformedParts) {
   const std::string request = R"({"vehicle":"agv-7"})";
   ExpectProblem(client_.PostParts(kLocalize, {{"image", jpeg_, "", ""}}), 400, "invalid_parts");
   ExpectProblem(client_.PostParts(kLocalize, {{"request", request, "", ""}}), 400, "invalid_parts");
-  ExpectProblem(client_.PostParts(kLocalize, {{"image", jpeg_, "", ""}, {"image", jpeg_, "", ""}, {"request", request, "", ""}}),
-                400, "invalid_parts");
+  ExpectProblem(
+      client_.PostParts(kLocalize, {{"image", jpeg_, "", ""}, {"image", jpeg_, "", ""}, {"request", request, "", ""}}),
+      400, "invalid_parts");
   ExpectProblem(client_.PostParts(std::string(kLocalize) + "?vehicle=agv-7", {{"image", jpeg_, "", ""}}), 400,
                 "invalid_parameter");
   ExpectProblem(client_.Post(kLocalize, "no boundary", "multipart/form-data"), 400, "malformed_body");

@@ -51,10 +51,24 @@ bool HasType(const json& value, const std::string& type) {
 }
 
 const std::set<std::string>& KnownKeywords() {
-  static const std::set<std::string> known = {
-      "$ref",     "additionalProperties", "const",    "contentMediaType", "default",    "description", "enum",
-      "items",    "exclusiveMinimum",     "maxItems", "maximum",          "minItems",   "minimum",     "oneOf",
-      "pattern",  "properties",           "required", "type"};
+  static const std::set<std::string> known = {"$ref",
+                                              "additionalProperties",
+                                              "const",
+                                              "contentMediaType",
+                                              "default",
+                                              "description",
+                                              "enum",
+                                              "items",
+                                              "exclusiveMinimum",
+                                              "maxItems",
+                                              "maximum",
+                                              "minItems",
+                                              "minimum",
+                                              "oneOf",
+                                              "pattern",
+                                              "properties",
+                                              "required",
+                                              "type"};
   return known;
 }
 
@@ -155,7 +169,8 @@ std::vector<std::string> OpenApiContract::Validate(const json& schema_or_ref, co
   if (schema.contains("const") && schema["const"] != value) {
     errors.push_back(where + " is not " + schema["const"].dump());
   }
-  if (schema.contains("enum") && std::find(schema["enum"].begin(), schema["enum"].end(), value) == schema["enum"].end()) {
+  if (schema.contains("enum") &&
+      std::find(schema["enum"].begin(), schema["enum"].end(), value) == schema["enum"].end()) {
     errors.push_back(where + " is not one of " + schema["enum"].dump() + ": " + value.dump());
   }
   if (value.is_string() && schema.contains("pattern") &&

@@ -19,7 +19,8 @@ TEST(MatchPatternTest, TakesSegmentsByName) {
 }
 
 TEST(MatchPatternTest, RefusesEverythingElse) {
-  for (const char* path : {"", "a", "/a", "/a/", "/a/1/b/.jpg", "/a/1/b/2.png", "/a/1/b/2.jpg/", "/a//b/2.jpg", "/b/1/b/2.jpg"}) {
+  for (const char* path :
+       {"", "a", "/a", "/a/", "/a/1/b/.jpg", "/a/1/b/2.png", "/a/1/b/2.jpg/", "/a//b/2.jpg", "/b/1/b/2.jpg"}) {
     EXPECT_EQ(MatchPattern("/a/{x}/b/{y}.jpg", path), std::nullopt) << path;
   }
 }
@@ -73,12 +74,11 @@ TEST(MetricsTest, HistogramsAreCumulated) {
   metrics.CountLocalization({"hall", "localized"}, 0.02);
   metrics.CountLocalization({"hall", "localized"}, 100.0);
   const std::string text = metrics.Render({{"floorloc_x", "Help.", 7.0}});
-  for (const char* line :
-       {"floorloc_x 7\n", "floorloc_localize_total{map=\"hall\",status=\"localized\"} 3\n",
-        "floorloc_localize_seconds_bucket{map=\"hall\",le=\"0.002\"} 0\n",
-        "floorloc_localize_seconds_bucket{map=\"hall\",le=\"0.004\"} 1\n",
-        "floorloc_localize_seconds_bucket{map=\"hall\",le=\"10\"} 2\n",
-        "floorloc_localize_seconds_bucket{map=\"hall\",le=\"+Inf\"} 3\n"}) {
+  for (const char* line : {"floorloc_x 7\n", "floorloc_localize_total{map=\"hall\",status=\"localized\"} 3\n",
+                           "floorloc_localize_seconds_bucket{map=\"hall\",le=\"0.002\"} 0\n",
+                           "floorloc_localize_seconds_bucket{map=\"hall\",le=\"0.004\"} 1\n",
+                           "floorloc_localize_seconds_bucket{map=\"hall\",le=\"10\"} 2\n",
+                           "floorloc_localize_seconds_bucket{map=\"hall\",le=\"+Inf\"} 3\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line;
   }
 }

@@ -139,10 +139,9 @@ TEST_F(RoutesTest, DocumentAndRoutesAgree) {
   const std::string jpeg = SharedMaps().KnownJpeg();
   client_.Put("/v1/vehicles/a", VehicleBody().dump());
   client_.Post("/v1/maps/hall/localize?vehicle=a", jpeg, "image/jpeg");
-  for (const std::string target :
-       {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps", "/v1/maps/hall",
-        "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report", "/v1/maps/hall/fixes", "/v1/vehicles",
-        "/v1/vehicles/a"}) {
+  for (const std::string target : {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps",
+                                   "/v1/maps/hall", "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report",
+                                   "/v1/maps/hall/fixes", "/v1/vehicles", "/v1/vehicles/a"}) {
     client_.Get(target);
   }
   client_.Delete("/v1/vehicles/a");
