@@ -17,7 +17,7 @@ std::vector<double> MatrixNumbers(JsonObject& object, const std::string& key) {
     return ReadNumbers(value, object.PathOf(key));
   }
   JsonObject matrix = object.Object(key);
-  const std::vector<double> numbers = matrix.Numbers("data");
+  std::vector<double> numbers = matrix.Numbers("data");
   const std::int64_t rows = matrix.Integer("rows", 1, 100);
   const std::int64_t cols = matrix.Integer("cols", 1, 100);
   if (rows * cols != static_cast<std::int64_t>(numbers.size())) {

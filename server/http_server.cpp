@@ -181,10 +181,8 @@ class RequestLoop : private httplib::Server {
     if (!HasBody(raw)) {
       return;
     }
-    const Problem too_large(413, "body_too_large",
-                            "The body is larger than " + std::to_string(limits_.max_body_bytes) + " bytes.");
     if (raw.get_header_value<std::uint64_t>("Content-Length") > limits_.max_body_bytes) {
-      throw too_large;
+      throw TooLarge();
     }
     if (!reserved) {
       throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
@@ -193,14 +191,20 @@ class RequestLoop : private httplib::Server {
     const bool complete =
         raw.is_multipart_form_data() ? ReadParts(reader, request, exceeded) : ReadPlain(reader, request, exceeded);
     if (exceeded) {
-      throw too_large;
+      throw TooLarge();
+    }
+    if (!complete && answer.status == 415) {
+      throw ProblemOfStatus(415);
     }
     if (!complete) {
-      throw answer.status == 415 ? ProblemOfStatus(415)
-                                 : Problem(400, "malformed_body",
-                                           raw.is_multipart_form_data() ? "The multipart/form-data body is malformed."
-                                                                        : "The body ended before it was complete.");
+      throw Problem(400, "malformed_body",
+                    raw.is_multipart_form_data() ? "The multipart/form-data body is malformed."
+                                                 : "The body ended before it was complete.");
     }
+  }
+
+  Problem TooLarge() const {
+    return {413, "body_too_large", "The body is larger than " + std::to_string(limits_.max_body_bytes) + " bytes."};
   }
 
   bool ReadPlain(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/daemon.h"
 
-#include <signal.h>
+#include <csignal>
 
 #include "tests/server/server_fixture.h"
 
