@@ -107,6 +107,8 @@ void FillReport(const Placement& placement, const std::vector<BuildFrame>& frame
   report->part_sizes = placement.part_sizes;
   report->links = static_cast<int>(placement.links.size());
   report->rejected_links = placement.rejected_links;
+  report->overlapping_pairs = placement.overlapping_pairs;
+  report->unmatched_pairs = placement.unmatched_pairs;
   report->link_rms_m = placement.rms_m;
   report->link_rms_sigma = placement.rms_sigma;
   report->drift_m = placement.drift_m;
@@ -147,8 +149,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   const BuildOptions options = WithSharedOptions(requested, surveys);
   MapWriter writer(options.out);  // first: an output that can't be written is known before the work
 
-  std::vector<BuildFrame> frames =
-      ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress});
+  std::vector<BuildFrame> frames = ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress});
   AttachPoses(options.poses, &frames);
   clock.Finish("features");
 

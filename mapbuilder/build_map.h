@@ -36,6 +36,8 @@ struct BuildReport {
   std::vector<int> part_sizes;                               ///< largest first; more than one: the survey has gaps
   int links = 0;
   int rejected_links = 0;
+  int overlapping_pairs = 0;
+  int unmatched_pairs = 0;  ///< of the overlapping ones
   double link_rms_m = 0.0;
   double link_rms_sigma = 0.0;
   double drift_m = 0.0;

@@ -37,22 +37,26 @@ std::string DroppedText(const BuildReport& report) {
 }  // namespace
 
 std::string ToJson(const BuildReport& report, bool with_times) {
-  nlohmann::ordered_json json{
-      {"frames", report.frames},
-      {"frames_used", report.frames_used},
-      {"dropped", nlohmann::json::array()},
-      {"parts", report.part_sizes},
-      {"links", report.links},
-      {"rejected_links", report.rejected_links},
-      {"link_rms_m", report.link_rms_m},
-      {"link_rms_sigma", report.link_rms_sigma},
-      {"drift_m", report.drift_m},
-      {"drift_rad", report.drift_rad},
-      {"area_m2", report.area_m2},
-      {"extent", {{"x_min", report.extent.x_min}, {"x_max", report.extent.x_max},
-                  {"y_min", report.extent.y_min}, {"y_max", report.extent.y_max}}},
-      {"keypoints", report.keypoints},
-      {"mean_observations", report.mean_observations}};
+  nlohmann::ordered_json json{{"frames", report.frames},
+                              {"frames_used", report.frames_used},
+                              {"dropped", nlohmann::json::array()},
+                              {"parts", report.part_sizes},
+                              {"links", report.links},
+                              {"rejected_links", report.rejected_links},
+                              {"overlapping_pairs", report.overlapping_pairs},
+                              {"unmatched_pairs", report.unmatched_pairs},
+                              {"link_rms_m", report.link_rms_m},
+                              {"link_rms_sigma", report.link_rms_sigma},
+                              {"drift_m", report.drift_m},
+                              {"drift_rad", report.drift_rad},
+                              {"area_m2", report.area_m2},
+                              {"extent",
+                               {{"x_min", report.extent.x_min},
+                                {"x_max", report.extent.x_max},
+                                {"y_min", report.extent.y_min},
+                                {"y_max", report.extent.y_max}}},
+                              {"keypoints", report.keypoints},
+                              {"mean_observations", report.mean_observations}};
   for (const auto& [file, reason] : report.dropped) {
     json["dropped"].push_back({{"filename", file}, {"reason", reason}});
   }
@@ -79,6 +83,12 @@ std::string ToText(const BuildReport& r) {
   }
   text << Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
                  r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);
+  if (10 * r.unmatched_pairs > r.overlapping_pairs) {
+    text << Format(
+        "  WARNING      %d of %d pairs of frames that should show the same floor do not match: look at the "
+        "mosaic before you trust this map\n",
+        r.unmatched_pairs, r.overlapping_pairs);
+  }
   if (r.drift_m > 0.0) {
     text << Format("  drift        odometry strayed by up to %.1f cm and %.1f degrees; removed\n", 1e2 * r.drift_m,
                    r.drift_rad * 180.0 / std::numbers::pi);

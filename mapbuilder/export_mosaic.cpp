@@ -39,8 +39,8 @@ MosaicPicture ExportMosaic(const MapDatabase& map, double resolution_m) {
                    std::to_string(std::max(grid.width_m(), grid.height_m()) / kMaxSidePx));
   }
   const double zoom_resolution_m = side_m / layout.tile_px;
-  cv::Mat whole = cv::Mat::zeros((max_y->y - min_y->y + 1) * layout.tile_px, (max_x->x - min_x->x + 1) * layout.tile_px,
-                                 CV_8UC3);
+  cv::Mat whole =
+      cv::Mat::zeros((max_y->y - min_y->y + 1) * layout.tile_px, (max_x->x - min_x->x + 1) * layout.tile_px, CV_8UC3);
   for (const TileId& tile : tiles) {
     const auto jpeg = map.ReadMosaicTile(tile);
     const cv::Mat picture = jpeg ? cv::imdecode(*jpeg, cv::IMREAD_COLOR) : cv::Mat();

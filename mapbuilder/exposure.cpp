@@ -96,8 +96,8 @@ Exposure EstimateExposure(const std::vector<BuildFrame>& frames, const std::vect
     const BuildFrame& second = frames[static_cast<std::size_t>(link.second)];
     const auto s = static_cast<std::size_t>(first.survey);
     double log_ratio = 0.0;
-    if (first.survey != second.survey || !LogRatio(first, second, relative[s], surveys[s].rectifier->grid(),
-                                                   link.first_from_second, &log_ratio)) {
+    if (first.survey != second.survey ||
+        !LogRatio(first, second, relative[s], surveys[s].rectifier->grid(), link.first_from_second, &log_ratio)) {
       continue;
     }
     entries.emplace_back(link.first, link.first, 1.0);

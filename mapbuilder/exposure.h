@@ -12,8 +12,8 @@ namespace floorloc {
 
 /// What to multiply a rectified picture with, so that the mosaic shows the floor and not the camera.
 struct Exposure {
-  std::vector<double> frame_gain;    ///< per frame
-  std::vector<cv::Mat> flat_field;   ///< per survey: CV_32F gain of every pixel of the rectified picture
+  std::vector<double> frame_gain;   ///< per frame
+  std::vector<cv::Mat> flat_field;  ///< per survey: CV_32F gain of every pixel of the rectified picture
 };
 
 /// Vignetting and lamps that ride on the robot from the mean of all frames; then one gain per frame from the brightness

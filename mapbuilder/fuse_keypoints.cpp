@@ -66,9 +66,8 @@ class Fuser {
   }
 
   Track& FindOrCreate(const std::pair<int, int>& view, const Eigen::Vector2d& p, double angle) {
-    const float size = frames_[static_cast<std::size_t>(view.first)]
-                           .features.keypoints[static_cast<std::size_t>(view.second)]
-                           .size_m;
+    const float size =
+        frames_[static_cast<std::size_t>(view.first)].features.keypoints[static_cast<std::size_t>(view.second)].size_m;
     int best = -1;
     double best_difference = 1.0;
     for (int dx = -1; dx <= 1; ++dx) {
@@ -81,8 +80,8 @@ class Fuser {
           const Track& track = tracks_[static_cast<std::size_t>(t)];
           const double track_size = track.size_sum / track.count();
           if (track.last_frame == view.first || (track.Position() - p).norm() > options_.radius_m ||
-              std::abs(WrapAngle(track.Angle() - angle)) > options_.angle_rad ||
-              size > kMaxSizeRatio * track_size || track_size > kMaxSizeRatio * size) {
+              std::abs(WrapAngle(track.Angle() - angle)) > options_.angle_rad || size > kMaxSizeRatio * track_size ||
+              track_size > kMaxSizeRatio * size) {
             continue;
           }
           const double difference = Difference(view, track.views.front());

@@ -10,12 +10,12 @@
 namespace floorloc {
 
 struct FusionOptions {
-  double radius_m = 1.2e-3;         ///< views of one floor point lie this close
+  double radius_m = 1.2e-3;  ///< views of one floor point lie this close
   double angle_rad = 0.35;
-  double max_binary_share = 0.22;   ///< differing bits of two views, share of all
-  double max_float_share = 0.55;    ///< distance of two views, share of the descriptor's norm
-  int min_coverage = 3;             ///< where as many frames look, a point that one alone saw is dropped
-  double max_per_m2 = 6000.0;       ///< budget
+  double max_binary_share = 0.22;  ///< differing bits of two views, share of all
+  double max_float_share = 0.55;   ///< distance of two views, share of the descriptor's norm
+  int min_coverage = 3;            ///< where as many frames look, a point that one alone saw is dropped
+  double max_per_m2 = 6000.0;      ///< budget
 };
 
 /// Keypoints of overlapping frames become map points: positions and angles averaged, descriptors by majority (binary)

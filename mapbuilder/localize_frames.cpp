@@ -20,8 +20,7 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
   const CameraModel& camera = survey.camera.camera;
   const auto start = std::chrono::steady_clock::now();
   const cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
-  localized.decode_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  localized.decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   localized.result = localizer.Localize(rectifier, raw, prior);
   return localized;
 }
@@ -146,12 +145,9 @@ std::string ToJsonLine(const LocalizedFrame& localized) {
   json["rms_m"] = r.rms_m;
   json["p_wrong"] = r.p_wrong;
   json["search"] = r.used_prior ? "prior" : "global";
-  json["timing_ms"] = {{"decode", localized.decode_ms},
-                       {"rectify", r.timing.rectify_ms},
-                       {"features", r.timing.features_ms},
-                       {"match", r.timing.match_ms},
-                       {"register", r.timing.register_ms},
-                       {"total", localized.decode_ms + r.timing.total_ms}};
+  json["timing_ms"] = {{"decode", localized.decode_ms},    {"rectify", r.timing.rectify_ms},
+                       {"features", r.timing.features_ms}, {"match", r.timing.match_ms},
+                       {"register", r.timing.register_ms}, {"total", localized.decode_ms + r.timing.total_ms}};
   return json.dump();
 }
 

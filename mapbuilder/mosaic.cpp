@@ -68,10 +68,9 @@ class Composer {
     if (tile.z == block_zoom_) {
       return ComposeBlock(tile);
     }
-    MosaicPatch patch = ShrinkFour({Compose({tile.z + 1, 2 * tile.x, 2 * tile.y}),
-                                    Compose({tile.z + 1, 2 * tile.x + 1, 2 * tile.y}),
-                                    Compose({tile.z + 1, 2 * tile.x, 2 * tile.y + 1}),
-                                    Compose({tile.z + 1, 2 * tile.x + 1, 2 * tile.y + 1})});
+    MosaicPatch patch = ShrinkFour(
+        {Compose({tile.z + 1, 2 * tile.x, 2 * tile.y}), Compose({tile.z + 1, 2 * tile.x + 1, 2 * tile.y}),
+         Compose({tile.z + 1, 2 * tile.x, 2 * tile.y + 1}), Compose({tile.z + 1, 2 * tile.x + 1, 2 * tile.y + 1})});
     if (!patch.empty()) {
       sink_({{tile, EncodeJpeg(patch.bgr, options_.jpeg_quality)}});
     }
@@ -92,8 +91,7 @@ class Composer {
       return EmptyPatch();
     }
     const int tiles_per_side = 1 << (layout_.max_zoom - block_zoom_);
-    const MosaicPatch whole =
-        BlendPatch(input_, frames, square, tiles_per_side * layout_.tile_px, options_.threads);
+    const MosaicPatch whole = BlendPatch(input_, frames, square, tiles_per_side * layout_.tile_px, options_.threads);
     std::vector<MosaicPatch> level = CutTiles(whole, tiles_per_side);
     for (int z = layout_.max_zoom;; --z) {
       const int side = 1 << (z - block_zoom_);

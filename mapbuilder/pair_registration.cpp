@@ -13,6 +13,9 @@ namespace {
 constexpr double kGridCellM = 0.03;
 constexpr double kKeypointAngleNoiseRad = 0.35;
 
+// Where nothing says how two frames lie to each other, repeating floors offer several ways that look right.
+constexpr double kMaxRivalShare = 0.7;
+
 std::vector<OrientedMatch> FindMatches(const Features& first, const Features& second, const FramePair& pair,
                                        const PairRegistrationOptions& options) {
   const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellM);
@@ -60,7 +63,11 @@ std::optional<Link> RegisterPair(const std::vector<BuildFrame>& frames, const Re
   const std::vector<OrientedMatch> matches = FindMatches(first, second, pair, options);
   const double searched_m2 =
       pair.first_from_second ? std::numbers::pi * pair.radius_m * pair.radius_m : floor.width_m() * floor.height_m();
-  const RegistrationResult result = RegisterSe2(matches, {searched_m2, 2.0 * std::numbers::pi}, options.registration);
+  RegistrationOptions registration = options.registration;
+  if (!pair.first_from_second) {
+    registration.max_rival_share = kMaxRivalShare;
+  }
+  const RegistrationResult result = RegisterSe2(matches, {searched_m2}, registration);
   if (!result.ok()) {
     return std::nullopt;
   }

@@ -29,7 +29,7 @@ struct NearbyOptions {
   double min_overlap = 0.25;  ///< of the second frame's floor inside the first's
   double radius_m = 0.1;      ///< uncertainty of the poses
   double yaw_radius_rad = 0.15;
-  int first_new = 0;          ///< only pairs with a frame of this index or later
+  int first_new = 0;  ///< only pairs with a frame of this index or later
 };
 
 /// Pairs of placed frames whose floors overlap, found through a spatial hash: linear in the number of frames.

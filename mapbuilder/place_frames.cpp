@@ -8,6 +8,7 @@
 
 #include "core/io/input_error.h"
 #include "core/registration/least_squares.h"
+#include "mapbuilder/join_parts.h"
 #include "mapbuilder/spanning_forest.h"
 
 namespace floorloc {
@@ -20,6 +21,9 @@ constexpr double kOdometrySigmaRad = 0.05;
 
 // Links that the optimum contradicts by more than this are false.
 constexpr double kMaxLinkSigma = 8.0;
+
+// A map of which more overlaps than this do not match is folded onto itself.
+constexpr double kMaxUnmatchedShare = 0.15;
 
 // A part without a known place is put this far to the right of everything else.
 constexpr double kPartGapM = 1.0;
@@ -45,7 +49,7 @@ class Placer {
     MakeOdometryLinks();
     AddLinks(SelectConsecutivePairs(frames_));
     if (HasSeparateParts()) {
-      AddLinks(SelectSimilarPairs(frames_, kSimilarPairsPerFrame));
+      JoinSeparateParts();
     }
     CloseLoopsInGrowingRounds();
     AddOuterKnowledge();
@@ -55,7 +59,9 @@ class Placer {
  private:
   void MakeOdometryLinks();
   void AddLinks(const std::vector<FramePair>& pairs);
+  std::vector<Link> LinksAndOdometry() const;
   bool HasSeparateParts() const;
+  void JoinSeparateParts();
   void CloseLoopsInGrowingRounds();
   void Optimize(int frame_count);
   std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
@@ -64,6 +70,7 @@ class Placer {
   void RejectContradictingLinks();
   void SetPartsApart(const std::vector<int>& part, int largest);
   Placement Finish();
+  void CountUnmatchedOverlaps(Placement* placement) const;
   void ReportDrift(Placement* placement) const;
 
   const Pose2& PoseOf(int frame) const { return graph_.map_from_base[static_cast<std::size_t>(frame)]; }
@@ -103,25 +110,37 @@ void Placer::AddLinks(const std::vector<FramePair>& pairs) {
   }
 }
 
-// Parts that neither pictures nor odometry join: only appearance can tell where they belong.
-bool Placer::HasSeparateParts() const {
+std::vector<Link> Placer::LinksAndOdometry() const {
   std::vector<Link> all = graph_.links;
   all.insert(all.end(), graph_.odometry.begin(), graph_.odometry.end());
-  const std::vector<int> component = FindComponents(count_, all);
-  return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; }) || graph_.odometry.empty();
+  return all;
+}
+
+bool Placer::HasSeparateParts() const {
+  const std::vector<int> component = FindComponents(count_, LinksAndOdometry());
+  return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; });
+}
+
+// Parts that neither order nor odometry joins: only appearance can tell where they belong.
+void Placer::JoinSeparateParts() {
+  const std::vector<Link> similar =
+      RegisterPairs(frames_, floors_, SelectSimilarPairs(frames_, kSimilarPairsPerFrame), options_.registration);
+  for (const Link& link : FindJoiningLinks(count_, LinksAndOdometry(), similar)) {
+    if (linked_.emplace(link.first, link.second).second) {
+      graph_.links.push_back(link);
+    }
+  }
 }
 
 std::vector<std::optional<Pose2>> Placer::PlacedUpTo(int frame_count) const {
   // Parts that nothing joins lie on top of each other for now: only the largest may look for neighbours.
-  std::vector<Link> all = graph_.links;
-  all.insert(all.end(), graph_.odometry.begin(), graph_.odometry.end());
-  const std::vector<int> component = FindComponents(count_, all);
+  const std::vector<int> component = FindComponents(count_, LinksAndOdometry());
   std::map<int, int> size;
   for (const int c : component) {
     ++size[c];
   }
-  const auto largest = std::max_element(size.begin(), size.end(),
-                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto largest =
+      std::max_element(size.begin(), size.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::vector<std::optional<Pose2>> placed(frames_.size());
   for (int i = 0; i < frame_count; ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -235,6 +254,22 @@ void Placer::SetPartsApart(const std::vector<int>& part, int largest) {
   }
 }
 
+void Placer::CountUnmatchedOverlaps(Placement* placement) const {
+  NearbyOptions mostly;
+  mostly.min_overlap = 0.5;
+  for (const FramePair& pair : SelectNearbyPairs(placement->map_from_base, floors_, mostly)) {
+    ++placement->overlapping_pairs;
+    placement->unmatched_pairs += linked_.contains({pair.first, pair.second}) ? 0 : 1;
+  }
+  if (graph_.odometry.empty() && graph_.priors.empty() &&
+      placement->unmatched_pairs > kMaxUnmatchedShare * placement->overlapping_pairs) {
+    throw InputError("the floor repeats itself too much to find the frames' order from the pictures alone (" +
+                     std::to_string(placement->unmatched_pairs) + " of " +
+                     std::to_string(placement->overlapping_pairs) +
+                     " pairs that should show the same floor do not match); survey with odometry.tum, or give --poses");
+  }
+}
+
 void Placer::ReportDrift(Placement* placement) const {
   // Odometry's frame is the one that fits its first pose: what remains afterwards is drift.
   std::map<int, Pose2> map_from_odom;
@@ -263,11 +298,12 @@ Placement Placer::Finish() {
   for (const int p : part) {
     ++size[p];
   }
-  const auto largest = std::max_element(size.begin(), size.end(),
-                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto largest =
+      std::max_element(size.begin(), size.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   if (count_ > 1 && largest->second == 1) {
-    throw InputError("no two frames of the survey show the same floor; survey with at least a third of each picture "
-                     "overlapping the next, and check camera.yaml and floor.yaml");
+    throw InputError(
+        "no two frames of the survey show the same floor; survey with at least a third of each picture "
+        "overlapping the next, and check camera.yaml and floor.yaml");
   }
   if (options_.keep_all) {
     SetPartsApart(part, largest->first);
@@ -299,6 +335,7 @@ Placement Placer::Finish() {
   placement.rms_sigma = summary.rms_sigma;
   placement.links = graph_.links;
   placement.rejected_links = rejected_links_;
+  CountUnmatchedOverlaps(&placement);
   ReportDrift(&placement);
   return placement;
 }

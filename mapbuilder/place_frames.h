@@ -25,9 +25,11 @@ struct Placement {
   std::vector<Link> links;                          ///< that the poses agree with
   int rejected_links = 0;                           ///< that they contradict
   std::vector<int> part_sizes;                      ///< frames of each part that pictures connect, largest first
-  double rms_sigma = 0.0;                           ///< of the links, standard deviations
-  double rms_m = 0.0;                               ///< keypoint residual of the links
-  double drift_m = 0.0;    ///< how far odometry strayed from the result, at most; 0 without odometry
+  int overlapping_pairs = 0;                        ///< pairs of placed frames that share most of their floor
+  int unmatched_pairs = 0;  ///< those of them whose pictures do not match: many mean a map folded onto itself
+  double rms_sigma = 0.0;   ///< of the links, standard deviations
+  double rms_m = 0.0;       ///< keypoint residual of the links
+  double drift_m = 0.0;     ///< how far odometry strayed from the result, at most; 0 without odometry
   double drift_rad = 0.0;
 };
 

@@ -76,8 +76,8 @@ using Parameters = std::vector<std::array<double, 3>>;
 void AddFactors(const PoseGraph& graph, Parameters* p, ceres::Problem* problem) {
   const auto block = [&](int frame) { return (*p)[static_cast<std::size_t>(frame)].data(); };
   const auto between = [&](const Link& link) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<BetweenError, 3, 3, 3>(new BetweenError{
-                                  link.first_from_second, SqrtInformation(link.covariance)}),
+    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<BetweenError, 3, 3, 3>(
+                                  new BetweenError{link.first_from_second, SqrtInformation(link.covariance)}),
                               new ceres::CauchyLoss(kCauchyScale), block(link.first), block(link.second));
   };
   for (const Link& link : graph.links) {
@@ -91,9 +91,8 @@ void AddFactors(const PoseGraph& graph, Parameters* p, ceres::Problem* problem) 
                               new ceres::CauchyLoss(kCauchyScale), block(prior.frame));
   }
   for (const ControlPointFactor& factor : graph.control_points) {
-    problem->AddResidualBlock(
-        new ceres::AutoDiffCostFunction<ControlPointError, 2, 3>(new ControlPointError{factor}),
-        new ceres::CauchyLoss(kCauchyScale), block(factor.frame));
+    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ControlPointError, 2, 3>(new ControlPointError{factor}),
+                              new ceres::CauchyLoss(kCauchyScale), block(factor.frame));
   }
   for (const int frame : graph.fixed) {
     if (problem->HasParameterBlock(block(frame))) {

@@ -24,9 +24,9 @@ struct LoadedSurvey {
 struct BuildFrame {
   int survey = 0;  ///< index of its survey
   SurveyFrame info;
-  Features features;                      ///< base frame
-  cv::Mat brightness;                     ///< CV_32F, mean grey of coarse cells of the rectified picture; 0: unseen
-  std::optional<Pose2> odom_from_base;    ///< when the survey has odometry at the frame's time
+  Features features;                         ///< base frame
+  cv::Mat brightness;                        ///< CV_32F, mean grey of coarse cells of the rectified picture; 0: unseen
+  std::optional<Pose2> odom_from_base;       ///< when the survey has odometry at the frame's time
   std::optional<Pose2> prior_map_from_base;  ///< a pose known from another system
 };
 

@@ -135,8 +135,7 @@ struct Localizer::Impl {
   }
 
   // Second look: all keypoints where each pose that the matches vote for predicts them. Poses that meet are one.
-  std::vector<VerifiedPose> VerifyCandidates(const Features& features,
-                                             const std::vector<OrientedMatch>& matches,
+  std::vector<VerifiedPose> VerifyCandidates(const Features& features, const std::vector<OrientedMatch>& matches,
                                              const SearchScope& scope) const {
     const SearchRegion region = RegionOf(scope.guide);
     std::vector<VerifiedPose> verified;

@@ -24,7 +24,7 @@ struct PosePrior {
 };
 
 struct LocalizerOptions {
-  IndexOptions index;           ///< of the global search
+  IndexOptions index;              ///< of the global search
   float max_ratio_float = 0.85F;   ///< ratio test, float descriptors
   float max_ratio_binary = 0.90F;  ///< ratio test, binary descriptors
   RegistrationOptions registration;
@@ -56,8 +56,8 @@ struct LocalizationTiming {
 struct LocalizationResult {
   LocalizationStatus status = LocalizationStatus::kNotLocalized;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
-  Pose2 map_from_base;                                      ///< when localized
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();     ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
+  Pose2 map_from_base;                                   ///< when localized
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
   int keypoints = 0;
   int matches = 0;
   int inliers = 0;

@@ -11,14 +11,13 @@ namespace floorloc {
 /// What to make of the verified poses of a frame.
 struct PoseDecision {
   RegistrationStatus status = RegistrationStatus::kTooFewInliers;
-  int best = -1;         ///< index of the best pose; -1 when none is worth reporting
-  double p_wrong = 1.0;  ///< by chance, or because a rival is the right one
+  int best = -1;                             ///< index of the best pose; -1 when none is worth reporting
+  double p_wrong = 1.0;                      ///< by chance, or because a rival is the right one
   std::vector<PoseHypothesis> alternatives;  ///< when ambiguous, the best one first
 };
 
 /// Rivals are compared keypoint by keypoint: on self-similar floors many keypoints fit several places, and only by how
 /// much better they fit one of them says which. max_distance: at which descriptors still count as alike.
-PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distance,
-                        const RegistrationOptions& options);
+PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distance, const RegistrationOptions& options);
 
 }  // namespace floorloc

@@ -21,14 +21,14 @@ struct MapInfo {
   std::string id;               ///< UUID of the map; stays the same over its versions
   std::string content_version;  ///< SHA-256 of the content, hex
   std::string name;
-  std::string created;          ///< ISO 8601, UTC
-  double resolution_m = 0.0;    ///< of the mosaic's finest level
-  RectM extent;                 ///< of the surveyed floor, map frame
-  double area_m2 = 0.0;         ///< surveyed floor
+  std::string created;        ///< ISO 8601, UTC
+  double resolution_m = 0.0;  ///< of the mosaic's finest level
+  RectM extent;               ///< of the surveyed floor, map frame
+  double area_m2 = 0.0;       ///< surveyed floor
   ExtractorOptions extractor;
-  FloorCamera camera;           ///< of the (first) survey
-  std::string surveys_json;     ///< provenance: folders, frames
-  std::string report_json;      ///< build report
+  FloorCamera camera;        ///< of the (first) survey
+  std::string surveys_json;  ///< provenance: folders, frames
+  std::string report_json;   ///< build report
 };
 
 /// One survey frame as it was placed.

@@ -77,7 +77,8 @@ bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::
     keypoints->observations.push_back(Get<std::uint16_t>(blobs.observations, i));
   }
   const int first = keypoints->descriptors.rows;
-  const std::size_t row_size = static_cast<std::size_t>(keypoints->descriptors.cols) * keypoints->descriptors.elemSize();
+  const std::size_t row_size =
+      static_cast<std::size_t>(keypoints->descriptors.cols) * keypoints->descriptors.elemSize();
   if (row_size != row_bytes) {
     return false;
   }

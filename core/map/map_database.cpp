@@ -22,7 +22,8 @@ SqliteConnection OpenChecked(const std::filesystem::path& file) {
     throw MapError(file.string() + " does not exist or is no file; give the path of a .floormap file");
   }
   SqliteConnection connection(file, SqliteConnection::Mode::kReadOnly);
-  // A map comes from outside: nothing in it may run code or exceed its limits (SQLite, "Defense Against The Dark Arts").
+  // A map comes from outside: nothing in it may run code or exceed its limits (SQLite, "Defense Against The Dark
+  // Arts").
   sqlite3_db_config(connection.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(connection.get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_limit(connection.get(), SQLITE_LIMIT_LENGTH, kMaxBlobBytes);
@@ -54,8 +55,7 @@ struct MapDatabase::Impl {
   mutable std::mutex mutex;
 
   [[noreturn]] void Damaged(const std::string& what) const {
-    throw MapError(connection.file().string() + " is damaged (" + what +
-                   "); restore it from a copy or build it again");
+    throw MapError(connection.file().string() + " is damaged (" + what + "); restore it from a copy or build it again");
   }
   void CheckContract() const;
   MapInfo ReadInfo() const;
@@ -184,8 +184,13 @@ MapKeypoints MapDatabase::Impl::ReadKeypoints() const {
   const std::size_t row_bytes = static_cast<std::size_t>(length) * keypoints.descriptors.elemSize();
   while (row.Step()) {
     const KeypointTile tile{static_cast<int>(row.Integer(0)), static_cast<int>(row.Integer(1)), side_m};
-    const KeypointBlobs blobs{static_cast<int>(row.Integer(2)), row.Bytes(3), row.Bytes(4), row.Bytes(5),
-                              row.Bytes(6),                     row.Bytes(7), row.Bytes(8)};
+    const KeypointBlobs blobs{static_cast<int>(row.Integer(2)),
+                              row.Bytes(3),
+                              row.Bytes(4),
+                              row.Bytes(5),
+                              row.Bytes(6),
+                              row.Bytes(7),
+                              row.Bytes(8)};
     if (blobs.Checksum() != row.Integer(9) || !UnpackKeypoints(blobs, tile, row_bytes, &keypoints)) {
       Damaged("keypoints of tile " + std::to_string(tile.x) + "," + std::to_string(tile.y));
     }
@@ -243,8 +248,8 @@ std::vector<TileId> MapDatabase::ListMosaicTiles(int zoom) const {
   row.Bind(zoom);
   std::vector<TileId> tiles;
   while (row.Step()) {
-    tiles.push_back({static_cast<int>(row.Integer(0)), static_cast<int>(row.Integer(1)),
-                     static_cast<int>(row.Integer(2))});
+    tiles.push_back(
+        {static_cast<int>(row.Integer(0)), static_cast<int>(row.Integer(1)), static_cast<int>(row.Integer(2))});
   }
   return tiles;
 }

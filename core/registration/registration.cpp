@@ -6,7 +6,6 @@
 #include <numbers>
 #include <random>
 #include <span>
-#include <span>
 #include <stdexcept>
 
 #include "core/registration/least_squares.h"
@@ -23,7 +22,6 @@ Eigen::Vector2d MeanSource(const std::vector<OrientedMatch>& matches) {
   }
   return mean / static_cast<double>(matches.size());
 }
-
 
 std::size_t CountInliers(const std::vector<OrientedMatch>& matches, std::span<const int> subset, const Pose2& pose,
                          double radius_m) {
@@ -95,10 +93,9 @@ struct PoseChoice {
 
 PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const RegistrationOptions& options) {
   PoseChoice choice;
-  const auto best = std::min_element(candidates.begin(), candidates.end(),
-                                     [](const PoseCandidate& a, const PoseCandidate& b) {
-                                       return a.log_false_alarms < b.log_false_alarms;
-                                     });
+  const auto best = std::min_element(
+      candidates.begin(), candidates.end(),
+      [](const PoseCandidate& a, const PoseCandidate& b) { return a.log_false_alarms < b.log_false_alarms; });
   if (best == candidates.end() || static_cast<int>(best->inliers.size()) < options.min_inliers) {
     return choice;
   }
@@ -108,16 +105,19 @@ PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const Regist
   const auto hypothesis = [&](std::size_t i) {
     return PoseHypothesis{candidates[i].target_from_source, static_cast<int>(candidates[i].inliers.size()), weights[i]};
   };
+  bool rivalled = false;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (i != index && weights[i] > options.max_p_wrong) {
       choice.alternatives.push_back(hypothesis(i));
     }
+    rivalled = rivalled || (i != index && static_cast<double>(candidates[i].inliers.size()) >
+                                              options.max_rival_share * static_cast<double>(best->inliers.size()));
   }
   const double p_chance = std::min(1.0, std::pow(10.0, best->log_false_alarms));
   choice.p_wrong = std::min(1.0, p_chance + (1.0 - weights[index]));
   if (p_chance > options.max_p_wrong) {
     choice.status = RegistrationStatus::kNotSignificant;
-  } else if (choice.p_wrong > options.max_p_wrong) {
+  } else if (choice.p_wrong > options.max_p_wrong || rivalled) {
     choice.status = RegistrationStatus::kAmbiguous;
     choice.alternatives.insert(choice.alternatives.begin(), hypothesis(index));
   } else {
@@ -157,6 +157,7 @@ void RegistrationOptions::Check() const {
   require(ransac_iterations >= 1 && ransac_iterations <= 1000000, "ransac_iterations must be 1 to 1000000");
   require(min_inliers >= 3, "min_inliers must be at least 3");
   require(max_p_wrong > 0 && max_p_wrong <= 1, "max_p_wrong must be above 0 and at most 1");
+  require(max_rival_share > 0 && max_rival_share <= 1, "max_rival_share must be above 0 and at most 1");
   require(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
 }
 
@@ -203,9 +204,8 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<OrientedMatch>& 
       candidates.push_back(std::move(found));
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const PoseCandidate& a, const PoseCandidate& b) {
-    return a.inliers.size() > b.inliers.size();
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const PoseCandidate& a, const PoseCandidate& b) { return a.inliers.size() > b.inliers.size(); });
   return candidates;
 }
 

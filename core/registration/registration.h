@@ -22,14 +22,15 @@ struct OrientedMatch {
 };
 
 struct RegistrationOptions {
-  double inlier_radius_m = 0.002;       ///< residual of an inlier
-  double vote_cell_m = 0.03;            ///< cell of the (x, y) vote
-  double vote_cell_rad = 0.26;          ///< cell of the yaw vote
-  int candidates = 10;                  ///< best cells that are verified
-  int ransac_iterations = 60;           ///< two-point samples per candidate
+  double inlier_radius_m = 0.002;  ///< residual of an inlier
+  double vote_cell_m = 0.03;       ///< cell of the (x, y) vote
+  double vote_cell_rad = 0.26;     ///< cell of the yaw vote
+  int candidates = 10;             ///< best cells that are verified
+  int ransac_iterations = 60;      ///< two-point samples per candidate
   int min_inliers = 8;
-  double max_p_wrong = 1e-4;            ///< a registration above it is not accepted
-  double position_noise_floor_m = 5e-5; ///< lower bound of the keypoint noise in the covariance
+  double max_p_wrong = 1e-4;             ///< a registration above it is not accepted
+  double max_rival_share = 1.0;          ///< a rival with a larger share of the best pose's inliers makes it ambiguous
+  double position_noise_floor_m = 5e-5;  ///< lower bound of the keypoint noise in the covariance
   std::uint32_t seed = 1;
 
   void Check() const;

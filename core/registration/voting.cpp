@@ -85,22 +85,21 @@ std::vector<VotePeak> FindVotePeaks(const std::vector<OrientedMatch>& matches, c
     VisitNeighbourhood(grid, votes, entry.first, [&](const auto& list) { score += static_cast<int>(list.size()); });
     scores.emplace_back(score, entry.first);
   }
-  std::sort(scores.begin(), scores.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : a.second < b.second;
-  });
+  std::sort(scores.begin(), scores.end(),
+            [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
   std::vector<VotePeak> peaks;
   std::vector<Cell> centers;
-  for (const auto& [score, cell] : scores) {
+  for (const auto& scored : scores) {
+    const Cell& cell = scored.second;
     if (static_cast<int>(peaks.size()) == options.candidates) {
       break;
     }
     if (std::any_of(centers.begin(), centers.end(), [&](const Cell& c) { return grid.Adjacent(c, cell); })) {
       continue;
     }
-    VotePeak peak{score, {}};
-    VisitNeighbourhood(grid, votes, cell, [&](const auto& list) {
-      peak.matches.insert(peak.matches.end(), list.begin(), list.end());
-    });
+    VotePeak peak{scored.first, {}};
+    VisitNeighbourhood(grid, votes, cell,
+                       [&](const auto& list) { peak.matches.insert(peak.matches.end(), list.begin(), list.end()); });
     std::sort(peak.matches.begin(), peak.matches.end());
     peaks.push_back(std::move(peak));
     centers.push_back(cell);

@@ -25,7 +25,8 @@ const char* ToString(MatcherType type) {
 }
 
 MatcherType ParseMatcherType(const std::string& name) {
-  for (const MatcherType type : {MatcherType::kAuto, MatcherType::kBruteForce, MatcherType::kFlann, MatcherType::kMih}) {
+  for (const MatcherType type :
+       {MatcherType::kAuto, MatcherType::kBruteForce, MatcherType::kFlann, MatcherType::kMih}) {
     if (name == ToString(type)) {
       return type;
     }

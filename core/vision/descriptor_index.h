@@ -37,8 +37,8 @@ MatcherType ParseMatcherType(const std::string& name);
 
 struct IndexOptions {
   MatcherType type = MatcherType::kAuto;
-  int trees = 4;       ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
-  int checks = 64;     ///< FLANN: leaves looked at per query
+  int trees = 4;    ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
+  int checks = 64;  ///< FLANN: leaves looked at per query
   std::uint32_t seed = 1;
 };
 

@@ -20,13 +20,13 @@ std::vector<ExtractorType> AllExtractorTypes();
 /// Everything that decides which features a picture yields. A map stores all of it and the server uses it from there.
 struct ExtractorOptions {
   ExtractorType type = ExtractorType::kOrb;
-  int max_keypoints = 700;      ///< strongest kept per picture, spread evenly
-  int cell_px = 32;             ///< side of the cells that keypoints are spread over
-  int levels = 2;               ///< pyramid levels (octaves for SIFT and AKAZE): the floor's scale is known
-  double scale_factor = 1.4;    ///< between the levels of ORB's pyramid
-  double threshold = 0.0;       ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
-  int normalize_radius_px = 15; ///< half side of the window of the local contrast normalisation; 0: none
-  double smooth_sigma_px = 1.0; ///< Gaussian smoothing before the normalisation; 0: none
+  int max_keypoints = 700;       ///< strongest kept per picture, spread evenly
+  int cell_px = 32;              ///< side of the cells that keypoints are spread over
+  int levels = 2;                ///< pyramid levels (octaves for SIFT and AKAZE): the floor's scale is known
+  double scale_factor = 1.4;     ///< between the levels of ORB's pyramid
+  double threshold = 0.0;        ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
+  int normalize_radius_px = 15;  ///< half side of the window of the local contrast normalisation; 0: none
+  double smooth_sigma_px = 1.0;  ///< Gaussian smoothing before the normalisation; 0: none
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;

@@ -27,8 +27,8 @@ class Rectifier {
  private:
   FloorCamera camera_;
   GroundGrid grid_;
-  cv::Mat map_xy_;         // CV_16SC2: integer part of the raw pixel
-  cv::Mat map_fraction_;   // CV_16UC1: index of the bilinear weights
+  cv::Mat map_xy_;        // CV_16SC2: integer part of the raw pixel
+  cv::Mat map_fraction_;  // CV_16UC1: index of the bilinear weights
   cv::Mat mask_;
 };
 

@@ -54,7 +54,8 @@ void AddBuildCommand(CLI::App& app) {
       ->needs("--poses");
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.fusion.max_per_m2, "Budget of the map")->capture_default_str();
-  command->add_option("--resolution", a->options.mosaic.resolution_m, "Metres per pixel of the mosaic (default: survey's)");
+  command->add_option("--resolution", a->options.mosaic.resolution_m,
+                      "Metres per pixel of the mosaic (default: survey's)");
   command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();
   command->add_option("--seed", a->options.seed, "Of all random choices")->capture_default_str();
   command->add_flag("--json", a->json, "Print the report as JSON");

@@ -20,22 +20,24 @@ struct Arguments {
 
 nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
   const MapInfo& info = map.info;
-  nlohmann::ordered_json json{
-      {"name", info.name},
-      {"id", info.id},
-      {"version", info.content_version},
-      {"format_version", info.format_version},
-      {"builder_version", info.builder_version},
-      {"created", info.created},
-      {"frame", "map"},
-      {"resolution_m", info.resolution_m},
-      {"extent", {{"x_min", info.extent.x_min}, {"x_max", info.extent.x_max},
-                  {"y_min", info.extent.y_min}, {"y_max", info.extent.y_max}}},
-      {"area_m2", info.area_m2},
-      {"frames", frames},
-      {"keypoints", map.keypoints.size()},
-      {"mosaic", {{"tile_px", map.mosaic.tile_px}, {"max_zoom", map.mosaic.max_zoom}}},
-      {"extractor", ToParameters(info.extractor)}};
+  nlohmann::ordered_json json{{"name", info.name},
+                              {"id", info.id},
+                              {"version", info.content_version},
+                              {"format_version", info.format_version},
+                              {"builder_version", info.builder_version},
+                              {"created", info.created},
+                              {"frame", "map"},
+                              {"resolution_m", info.resolution_m},
+                              {"extent",
+                               {{"x_min", info.extent.x_min},
+                                {"x_max", info.extent.x_max},
+                                {"y_min", info.extent.y_min},
+                                {"y_max", info.extent.y_max}}},
+                              {"area_m2", info.area_m2},
+                              {"frames", frames},
+                              {"keypoints", map.keypoints.size()},
+                              {"mosaic", {{"tile_px", map.mosaic.tile_px}, {"max_zoom", map.mosaic.max_zoom}}},
+                              {"extractor", ToParameters(info.extractor)}};
   json["surveys"] = nlohmann::json::parse(info.surveys_json, nullptr, false);
   json["report"] = nlohmann::json::parse(info.report_json, nullptr, false);
   return json;
