@@ -82,8 +82,8 @@ std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames,
   for (std::size_t i = 0; i < frames.size(); ++i) {
     // Features come spread evenly, strongest first.
     const cv::Mat& descriptors = frames[i].features.descriptors;
-    picked[i] = descriptors.rowRange(0, std::min(descriptors.rows, kSimilarKeypoints));
-    if (picked[i].rows > 0) {
+    if (descriptors.rows > 0) {
+      picked[i] = descriptors.rowRange(0, std::min(descriptors.rows, kSimilarKeypoints));
       all.push_back(picked[i]);
       owner.insert(owner.end(), static_cast<std::size_t>(picked[i].rows), static_cast<int>(i));
     }
