@@ -25,8 +25,10 @@ using RoiGrid = std::array<Eigen::Vector2d, (kGridSteps + 1) * (kGridSteps + 1)>
 RoiGrid SpreadOver(const RectM& r) {
   RoiGrid points;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double x = static_cast<double>(i % (kGridSteps + 1)) / kGridSteps;
-    const double y = static_cast<double>(i / (kGridSteps + 1)) / kGridSteps;
+    const std::size_t column = i % (kGridSteps + 1);
+    const std::size_t row = i / (kGridSteps + 1);
+    const double x = static_cast<double>(column) / kGridSteps;
+    const double y = static_cast<double>(row) / kGridSteps;
     points[i] = {r.x_min + x * r.width_m(), r.y_min + y * r.height_m()};
   }
   return points;

@@ -99,7 +99,8 @@ std::string FormatSeconds(std::int64_t stamp_ns) {
 
 double ToSeconds(std::int64_t stamp_ns) {
   // Whole seconds and rest apart: the nanoseconds of a Unix time do not fit a double's 53 bits.
-  return static_cast<double>(stamp_ns / kNsPerSecond) + 1e-9 * static_cast<double>(stamp_ns % kNsPerSecond);
+  const std::int64_t seconds = stamp_ns / kNsPerSecond;
+  return static_cast<double>(seconds) + 1e-9 * static_cast<double>(stamp_ns % kNsPerSecond);
 }
 
 }  // namespace floorloc

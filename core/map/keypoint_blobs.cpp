@@ -82,7 +82,7 @@ bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::
   if (row_size != row_bytes) {
     return false;
   }
-  keypoints->descriptors.resize(static_cast<std::size_t>(first + blobs.count));
+  keypoints->descriptors.resize(static_cast<std::size_t>(first) + static_cast<std::size_t>(blobs.count));
   if (blobs.count > 0) {
     std::memcpy(keypoints->descriptors.ptr(first), blobs.descriptor.data(), blobs.descriptor.size());
   }

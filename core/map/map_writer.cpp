@@ -120,7 +120,7 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
     SqliteStatement(connection, "INSERT INTO extractor_parameter VALUES (?,?)").Bind(name).Bind(value).Run();
   }
   WriteCamera(connection, info.camera);
-  const std::string version = ComputeContentVersion(connection);
+  std::string version = ComputeContentVersion(connection);
   SqliteStatement(connection, "UPDATE map SET content_version = ?").Bind(version).Run();
   transaction.Commit();
   return version;
@@ -171,7 +171,7 @@ void MapWriter::WriteMosaicTiles(const std::vector<MosaicTile>& tiles) {
 }
 
 std::string MapWriter::Commit(const MapInfo& info, const MosaicLayout& mosaic) {
-  const std::string version = impl_->WriteInfo(info, mosaic);
+  std::string version = impl_->WriteInfo(info, mosaic);
   const std::filesystem::path file = impl_->file;
   const std::filesystem::path part = impl_->part.path();
   impl_->connection = SqliteConnection(":memory:", SqliteConnection::Mode::kCreate);  // closes the file
