@@ -28,27 +28,32 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
 bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
 // The ground truth's frame is the surveyor's, the map's its own: a few frames that are localized on the whole map tell
-// how they lie to each other.
+// how they lie to each other. Each proposes a motion; the one that most others agree with is taken.
 Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey) {
   constexpr std::size_t kFrames = 15;
-  std::vector<OrientedMatch> pairs;
+  constexpr double kAgreeM = 0.05;
+  std::vector<std::pair<Pose2, Pose2>> truth_and_fix;
   const std::size_t step = std::max<std::size_t>(1, survey.frames.size() / kFrames);
   for (std::size_t i = 0; i < survey.frames.size(); i += step) {
     const auto truth = InterpolatePose(survey.ground_truth, survey.frames[i].stamp_ns);
     const LocalizedFrame fix = LocalizeOne(localizer, rectifier, survey, survey.frames[i], std::nullopt);
     if (truth && Found(fix)) {
-      const Pose2& pose = fix.result.map_from_base;
-      pairs.push_back({truth->translation(), pose.translation(), truth->yaw(), pose.yaw()});
+      truth_and_fix.emplace_back(*truth, fix.result.map_from_base);
     }
   }
-  RegistrationOptions options;
-  options.inlier_radius_m = 0.02;
-  options.vote_cell_m = 0.1;
-  const std::vector<PoseCandidate> candidates = FindPoseCandidates(pairs, options);
-  if (candidates.empty()) {
-    return {};  // too few frames tell: the frames are taken to be the same
+  Pose2 best;  // where none tells, the frames are taken to be the same
+  std::ptrdiff_t best_count = 0;
+  for (const auto& proposal : truth_and_fix) {
+    const Pose2 map_from_truth = proposal.second * proposal.first.Inverse();
+    const auto count = std::count_if(truth_and_fix.begin(), truth_and_fix.end(), [&](const auto& pair) {
+      return (map_from_truth * pair.first).Between(pair.second).translation().norm() < kAgreeM;
+    });
+    if (count > best_count) {
+      best_count = count;
+      best = map_from_truth;
+    }
   }
-  return candidates.front().target_from_source;
+  return best;
 }
 
 std::vector<LocalizedFrame> LocalizeIndependently(const Localizer& localizer, const Rectifier& rectifier,

@@ -8,6 +8,7 @@
 
 #include "core/io/image.h"
 #include "mapbuilder/parallel.h"
+#include "mapbuilder/two_band_blender.h"
 
 namespace floorloc {
 namespace {
@@ -25,24 +26,8 @@ cv::Mat FramePixelFromPatchPixel(const Pose2& base_from_map, const GroundGrid& g
   return (cv::Mat_<double>(2, 3) << du.x(), dv.x(), origin.x(), du.y(), dv.y(), origin.y());
 }
 
-// Weight of a frame's pixels: falls steeply from the middle to the border, so that one frame dominates everywhere and
-// small misplacements do not blur the mosaic, while borders fade.
-cv::Mat FeatherWeight(const cv::Mat& mask) {
-  cv::Mat framed;
-  cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::Mat distance;
-  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
-  distance = distance(cv::Rect(1, 1, mask.cols, mask.rows)).clone();
-  double max = 1.0;
-  cv::minMaxLoc(distance, nullptr, &max);
-  distance /= std::max(max, 1.0);
-  cv::Mat weight;
-  cv::pow(distance, 3.0, weight);
-  return weight;
-}
-
-// The frame's picture in float, with camera and light divided out, times the feather.
-cv::Mat ReadWeightedPicture(const MosaicInput& input, int frame, const cv::Mat& feather) {
+// The frame's picture in float, with camera and light divided out.
+cv::Mat ReadFramePicture(const MosaicInput& input, int frame) {
   const BuildFrame& f = input.frames[static_cast<std::size_t>(frame)];
   const LoadedSurvey& survey = input.surveys[static_cast<std::size_t>(f.survey)];
   const CameraModel& camera = survey.survey.camera.camera;
@@ -50,48 +35,10 @@ cv::Mat ReadWeightedPicture(const MosaicInput& input, int frame, const cv::Mat& 
   cv::Mat picture;
   survey.rectifier->RectifyPicture(raw).convertTo(picture, CV_32F,
                                                   input.exposure.frame_gain[static_cast<std::size_t>(frame)]);
-  cv::Mat factor;
-  cv::cvtColor(input.exposure.flat_field[static_cast<std::size_t>(f.survey)].mul(feather), factor, cv::COLOR_GRAY2BGR);
-  return picture.mul(factor);
+  cv::Mat gain;
+  cv::cvtColor(input.exposure.flat_field[static_cast<std::size_t>(f.survey)], gain, cv::COLOR_GRAY2BGR);
+  return picture.mul(gain);
 }
-
-struct Accumulator {
-  cv::Mat color;   // CV_32FC3, weighted sum
-  cv::Mat weight;  // CV_32FC1
-
-  explicit Accumulator(int side_px)
-      : color(cv::Mat::zeros(side_px, side_px, CV_32FC3)), weight(cv::Mat::zeros(side_px, side_px, CV_32F)) {}
-
-  void Add(const cv::Mat& weighted, const cv::Mat& feather, const cv::Mat& frame_from_patch) {
-    const cv::Rect place = Footprint(feather.size(), frame_from_patch) & cv::Rect(cv::Point(), color.size());
-    if (place.empty()) {
-      return;
-    }
-    cv::Mat local = frame_from_patch.clone();
-    local.col(2) += frame_from_patch.colRange(0, 2) * (cv::Mat_<double>(2, 1) << place.x, place.y);
-    cv::Mat warped;
-    cv::Mat warped_weight;
-    const int flags = cv::INTER_LINEAR | cv::WARP_INVERSE_MAP;
-    cv::warpAffine(weighted, warped, local, place.size(), flags, cv::BORDER_CONSTANT, cv::Scalar::all(0));
-    cv::warpAffine(feather, warped_weight, local, place.size(), flags, cv::BORDER_CONSTANT, cv::Scalar::all(0));
-    color(place) += warped;
-    weight(place) += warped_weight;
-  }
-
- private:
-  // The pixels of the patch that a frame of the given size can touch.
-  static cv::Rect Footprint(const cv::Size& frame, const cv::Mat& frame_from_patch) {
-    cv::Mat patch_from_frame;
-    cv::invertAffineTransform(frame_from_patch, patch_from_frame);
-    const std::vector<cv::Point2f> corners{{-1.0F, -1.0F},
-                                           {static_cast<float>(frame.width), -1.0F},
-                                           {-1.0F, static_cast<float>(frame.height)},
-                                           {static_cast<float>(frame.width), static_cast<float>(frame.height)}};
-    std::vector<cv::Point2f> in_patch;
-    cv::transform(corners, in_patch, patch_from_frame);
-    return cv::boundingRect(in_patch);
-  }
-};
 
 }  // namespace
 
@@ -116,37 +63,35 @@ std::vector<int> FramesTouching(const MosaicInput& input, const RectM& square) {
 
 MosaicPatch BlendPatch(const MosaicInput& input, const std::vector<int>& frames, const RectM& square, int side_px,
                        int threads) {
-  std::vector<cv::Mat> feather;
+  std::vector<FeatherWeights> feather;
   for (const LoadedSurvey& survey : input.surveys) {
-    feather.push_back(FeatherWeight(survey.rectifier->mask()));
+    feather.push_back(MakeFeatherWeights(survey.rectifier->mask()));
   }
   // Pictures are read in parallel, a few at a time, and added in order: float sums depend on it.
   constexpr std::size_t kBatch = 16;
-  Accumulator sum(side_px);
+  TwoBandBlender blender(side_px);
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     const std::size_t count = std::min(kBatch, frames.size() - first);
-    std::vector<cv::Mat> pictures(count);
-    ParallelFor(static_cast<int>(count), threads, [&](int i) {
-      const int frame = frames[first + static_cast<std::size_t>(i)];
-      const int survey = input.frames[static_cast<std::size_t>(frame)].survey;
-      pictures[static_cast<std::size_t>(i)] =
-          ReadWeightedPicture(input, frame, feather[static_cast<std::size_t>(survey)]);
+    std::vector<BandedPicture> pictures(count);
+    const auto survey_of = [&](std::size_t i) {
+      return static_cast<std::size_t>(input.frames[static_cast<std::size_t>(frames[first + i])].survey);
+    };
+    ParallelFor(static_cast<int>(count), threads, [&](int index) {
+      const auto i = static_cast<std::size_t>(index);
+      const std::size_t survey = survey_of(i);
+      pictures[i] = SplitBands(ReadFramePicture(input, frames[first + i]), input.surveys[survey].rectifier->mask(),
+                               feather[survey]);
     });
     for (std::size_t i = 0; i < count; ++i) {
       const auto frame = static_cast<std::size_t>(frames[first + i]);
-      const auto survey = static_cast<std::size_t>(input.frames[frame].survey);
-      sum.Add(pictures[i], feather[survey],
-              FramePixelFromPatchPixel(input.map_from_base[frame]->Inverse(), input.surveys[survey].rectifier->grid(),
-                                       square, side_px));
+      const std::size_t survey = survey_of(i);
+      blender.Add(pictures[i], feather[survey],
+                  FramePixelFromPatchPixel(input.map_from_base[frame]->Inverse(),
+                                           input.surveys[survey].rectifier->grid(), square, side_px));
     }
   }
   MosaicPatch patch;
-  patch.seen = sum.weight > 1e-6F;
-  cv::Mat weight3;
-  cv::cvtColor(cv::max(sum.weight, 1e-6), weight3, cv::COLOR_GRAY2BGR);
-  cv::Mat mean = sum.color / weight3;
-  mean.convertTo(patch.bgr, CV_8UC3);
-  patch.bgr.setTo(cv::Scalar::all(0), patch.seen == 0);
+  blender.Finish(&patch.bgr, &patch.seen);
   return patch;
 }
 

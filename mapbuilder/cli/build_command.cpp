@@ -19,6 +19,14 @@ struct Arguments {
   bool json = false;
 };
 
+std::vector<std::string> ExtractorNames() {
+  std::vector<std::string> names;
+  for (const ExtractorType type : AllExtractorTypes()) {
+    names.emplace_back(ToString(type));
+  }
+  return names;
+}
+
 void Run(Arguments& a) {
   a.options.extractor.type = ParseExtractorType(a.features);
   if (!a.poses_file.empty()) {
@@ -44,7 +52,9 @@ void AddBuildCommand(CLI::App& app) {
   const auto a = std::make_shared<Arguments>();
   command->add_option("--survey", a->options.surveys, "Survey folder(s)")->required();
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
-  command->add_option("--features", a->features, "Feature extractor: orb, sift, akaze or brisk")->capture_default_str();
+  command->add_option("--features", a->features, "Feature extractor")
+      ->check(CLI::IsMember(ExtractorNames()))
+      ->capture_default_str();
   command->add_option("--max-keypoints", a->options.extractor.max_keypoints, "Keypoints per picture")
       ->capture_default_str();
   command->add_option("--poses", a->poses_file, "map_from_base poses of another system (TUM), taken as priors");

@@ -75,8 +75,11 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--out", a->out, "Trajectory of the fixes to write (TUM)")->required();
   command->add_option("--results", a->results, "One JSON line per frame");
   command->add_option("--prior", a->prior, "none: whole map; odometry: carried on from the last fix; truth")
+      ->check(CLI::IsMember({"none", "odometry", "truth"}))
       ->capture_default_str();
-  command->add_option("--matcher", a->matcher, "Global search: auto, mih, flann or brute_force")->capture_default_str();
+  command->add_option("--matcher", a->matcher, "Global search")
+      ->check(CLI::IsMember({"auto", "mih", "flann", "brute_force"}))
+      ->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();
   command->add_option("--seed", a->seed, "Of all random choices")->capture_default_str();
