@@ -52,6 +52,6 @@ struct BuildReport {
 };
 
 /// Surveys -> map file. Throws InputError or MapError; the old file stays as it was then.
-BuildReport BuildMap(const BuildOptions& options);
+BuildReport BuildMap(const BuildOptions& requested);
 
 }  // namespace floorloc

@@ -1,85 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/map/map_writer.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cmath>
-#include <cstdio>
 #include <map>
-#include <utility>
 
 #include "core/map/content_hash.h"
 #include "core/map/extractor_parameters.h"
 #include "core/map/keypoint_blobs.h"
 #include "core/map/map_contract.h"
+#include "core/map/part_file.h"
 #include "schema/embedded.h"
 
 namespace floorloc {
 namespace {
 
 constexpr double kKeypointTileM = 1.0;
-
-// A file that a killed build left behind is no use, but one that another build holds must stay.
-void RemoveLeftover(const std::filesystem::path& part) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(part, ignored)) {
-    return;
-  }
-  {
-    const SqliteConnection other(part, SqliteConnection::Mode::kCreate);
-    if (sqlite3_exec(other.get(), "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr) == SQLITE_BUSY) {
-      throw MapError(part.string() + " is being written by another build; wait for it or choose another name");
-    }
-  }
-  std::filesystem::remove(part, ignored);
-}
-
-// Opens the file and holds it against other builds.
-SqliteConnection Create(const std::filesystem::path& part) {
-  RemoveLeftover(part);
-  SqliteConnection connection(part, SqliteConnection::Mode::kCreate);
-  // Nothing of this file counts before the rename, which follows an fsync: no journal flush is needed in between.
-  connection.Execute("PRAGMA page_size = 8192; PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = OFF;");
-  if ((sqlite3_exec(connection.get(), "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr) & 0xFF) == SQLITE_BUSY) {
-    connection.Fail();
-  }
-  // A disk that is full already shows at the first table, when the file is sure to be removed again.
-  sqlite3_exec(connection.get(), "COMMIT", nullptr, nullptr, nullptr);
-  return connection;
-}
-
-// Removes the unfinished file, unless it was kept.
-class PartFile {
- public:
-  explicit PartFile(std::filesystem::path path) : path_(std::move(path)) {}
-  PartFile(const PartFile&) = delete;
-  PartFile& operator=(const PartFile&) = delete;
-  ~PartFile() {
-    if (!kept_) {
-      std::error_code ignored;
-      std::filesystem::remove(path_, ignored);
-      std::filesystem::remove(path_.string() + "-journal", ignored);
-    }
-  }
-  void Keep() { kept_ = true; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-  bool kept_ = false;
-};
-
-void SyncPath(const std::filesystem::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  if (descriptor >= 0) {
-    close(descriptor);
-  }
-  if (!synced) {
-    throw MapError(path.string() + " cannot be flushed to the disk; check the disk and the free space on it");
-  }
-}
 
 void WriteCamera(const SqliteConnection& connection, const FloorCamera& c) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> homography = c.floor.base_from_pixel;
@@ -96,13 +31,15 @@ void WriteCamera(const SqliteConnection& connection, const FloorCamera& c) {
 
 struct MapWriter::Impl {
   explicit Impl(const std::filesystem::path& target)
-      : file(target), connection(Create(target.string() + ".part")), part(connection.file()) {
+      : file(target), part(target.string() + ".part"), connection(part.path(), SqliteConnection::Mode::kCreate) {
+    // Nothing of this file counts before the rename, which follows an fsync: no journal flush is needed in between.
+    connection.Execute("PRAGMA page_size = 8192; PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = OFF;");
     connection.Execute(std::string(MapSql()));
   }
 
   std::filesystem::path file;
+  PartFile part;  // outlives the connection
   SqliteConnection connection;
-  PartFile part;  // of this build alone once the connection holds it
   DescriptorType descriptor_type = DescriptorType::kBinary;
   int descriptor_length = 0;
 
@@ -172,15 +109,8 @@ void MapWriter::WriteMosaicTiles(const std::vector<MosaicTile>& tiles) {
 
 std::string MapWriter::Commit(const MapInfo& info, const MosaicLayout& mosaic) {
   std::string version = impl_->WriteInfo(info, mosaic);
-  const std::filesystem::path file = impl_->file;
-  const std::filesystem::path part = impl_->part.path();
   impl_->connection = SqliteConnection(":memory:", SqliteConnection::Mode::kCreate);  // closes the file
-  SyncPath(part);
-  if (std::rename(part.c_str(), file.c_str()) != 0) {
-    throw MapError(file.string() + " cannot be replaced; check the folder's permissions");
-  }
-  impl_->part.Keep();
-  SyncPath(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+  impl_->part.MoveTo(impl_->file);
   return version;
 }
 

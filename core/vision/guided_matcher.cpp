@@ -74,7 +74,7 @@ GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::M
   rows_ = static_cast<int>((high.y() - low.y()) / cell_m) + 1;
   const auto cell_of = [&](const Keypoint& k) {
     const Eigen::Vector2d p = (k.Position() - origin_) / cell_m_;
-    return static_cast<std::size_t>(static_cast<int>(p.y()) * columns_ + static_cast<int>(p.x()));
+    return static_cast<std::size_t>(p.y()) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(p.x());
   };
   cell_start_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
   for (const Keypoint& k : keypoints) {

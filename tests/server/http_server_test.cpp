@@ -185,8 +185,11 @@ TEST_F(HttpServerTest, RefusesWhatIsNotHttp) {
   EXPECT_THAT(Exchange("BREW /pot HTTP/1.1\r\n\r\n"), HasSubstr("malformed_request"));
   EXPECT_THAT(Exchange("GET /" + std::string(9000, 'a') + " HTTP/1.1\r\n\r\n"), HasSubstr("uri_too_long"));
   EXPECT_THAT(Exchange("GET / HTTP/1.1\r\nRange: bytes=x\r\n\r\n"), HasSubstr("invalid_range"));
-  EXPECT_EQ(Exchange("GET / HTTP/1.1\r\nX: " + std::string(40'000, 'a') + "\r\n\r\n").find("200 OK"),
-            std::string::npos);
+  std::string many_headers;
+  for (int i = 0; i < 2000; ++i) {
+    many_headers += "X-Header: 0123456789\r\n";
+  }
+  EXPECT_EQ(Exchange("GET / HTTP/1.1\r\n" + many_headers + "\r\n").find("200 OK"), std::string::npos);
   EXPECT_EQ(Exchange(std::string(100'000, 'a')).find("200 OK"), std::string::npos);
   EXPECT_EQ(Exchange(std::string(1000, '\0')).find("200 OK"), std::string::npos);
 }

@@ -7,7 +7,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
+#include <thread>
 
 #include "tests/core/map/map_test_support.h"
 
@@ -109,6 +111,31 @@ TEST(MapWriterTest, WritersOfTwoProcessesExcludeEachOther) {
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_EQ(WEXITSTATUS(status), 42);
+}
+
+TEST(MapWriterTest, OfManyWritersAtOnceOneWinsAndItsMapIsWhole) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "m.floormap";
+  const MapContent content = MakeContent();
+  for (int round = 0; round < 20; ++round) {
+    std::atomic<int> written{0};
+    {
+      std::vector<std::jthread> threads;
+      for (int i = 0; i < 4; ++i) {
+        threads.emplace_back([&] {
+          try {
+            WriteMap(file, content);
+            ++written;
+          } catch (const MapError& error) {
+            EXPECT_THAT(error.what(), HasSubstr("is being written by another"));
+          }
+        });
+      }
+    }
+    EXPECT_GE(written.load(), 1);
+    MapDatabase(file).VerifyContent();
+    EXPECT_THAT(FilesIn(folder.path()), ElementsAre("m.floormap"));
+  }
 }
 
 TEST(MapWriterTest, LeftoversOfAKilledBuildAreReplaced) {
