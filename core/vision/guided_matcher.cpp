@@ -70,8 +70,14 @@ GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::M
     high = high.cwiseMax(k.Position());
   }
   origin_ = low;
-  columns_ = static_cast<int>((high.x() - low.x()) / cell_m) + 1;
-  rows_ = static_cast<int>((high.y() - low.y()) / cell_m) + 1;
+  // However far apart the keypoints of a strange map lie, the grid stays in proportion to their number.
+  const double max_cells = std::max(1e5, 64.0 * static_cast<double>(keypoints.size()));
+  const Eigen::Vector2d extent = high - low;
+  while ((extent.x() / cell_m_ + 1.0) * (extent.y() / cell_m_ + 1.0) > max_cells) {
+    cell_m_ *= 2.0;
+  }
+  columns_ = static_cast<int>(extent.x() / cell_m_) + 1;
+  rows_ = static_cast<int>(extent.y() / cell_m_) + 1;
   const auto cell_of = [&](const Keypoint& k) {
     const Eigen::Vector2d p = (k.Position() - origin_) / cell_m_;
     return static_cast<std::size_t>(p.y()) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(p.x());

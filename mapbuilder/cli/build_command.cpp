@@ -13,7 +13,7 @@ namespace {
 
 struct Arguments {
   BuildOptions options;
-  std::string features = "orb";
+  std::string features = "auto";
   std::string poses_file;
   std::vector<double> poses_sigma;
   bool json = false;
@@ -28,7 +28,9 @@ std::vector<std::string> ExtractorNames() {
 }
 
 void Run(Arguments& a) {
-  a.options.extractor.type = ParseExtractorType(a.features);
+  if (a.features != "auto") {
+    a.options.extractor.type = ParseExtractorType(a.features);
+  }
   if (!a.poses_file.empty()) {
     a.options.poses = ReadTrajectory(a.poses_file);
   }
