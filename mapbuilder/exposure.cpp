@@ -41,16 +41,22 @@ cv::Mat RelativeMean(const std::vector<BuildFrame>& frames, int survey) {
   return relative;
 }
 
-// Mean over the shared floor of log(second / first), both without vignetting; false when too little is shared.
-bool LogRatio(const BuildFrame& first, const BuildFrame& second, const cv::Mat& relative, const GroundGrid& grid,
-              const Pose2& first_from_second, double* log_ratio) {
+// What turns a survey's brightness into that of the floor.
+struct Lighting {
+  cv::Mat relative;  // of each coarse cell
+  GroundGrid grid;
+};
+
+// Mean over the shared floor of log(second / first), both without vignetting; empty when too little is shared.
+std::optional<double> LogRatio(const BuildFrame& first, const BuildFrame& second, const Pose2& first_from_second,
+                               const Lighting& light) {
   double sum = 0.0;
   int count = 0;
   for (int v = 0; v < second.brightness.rows; ++v) {
     for (int u = 0; u < second.brightness.cols; ++u) {
       const Eigen::Vector2d p =
-          first_from_second * grid.BaseFromPixel((u + 0.5) * kBrightnessCellPx, (v + 0.5) * kBrightnessCellPx);
-      const Eigen::Vector2d cell = grid.PixelFromBase(p) / kBrightnessCellPx;
+          first_from_second * light.grid.BaseFromPixel((u + 0.5) * kBrightnessCellPx, (v + 0.5) * kBrightnessCellPx);
+      const Eigen::Vector2d cell = light.grid.PixelFromBase(p) / kBrightnessCellPx;
       const int fu = static_cast<int>(std::floor(cell.x()));
       const int fv = static_cast<int>(std::floor(cell.y()));
       if (fu < 0 || fv < 0 || fu >= first.brightness.cols || fv >= first.brightness.rows) {
@@ -59,14 +65,13 @@ bool LogRatio(const BuildFrame& first, const BuildFrame& second, const cv::Mat& 
       const float a = first.brightness.at<float>(fv, fu);
       const float b = second.brightness.at<float>(v, u);
       if (a > 1.0F && b > 1.0F) {
-        sum += std::log(b / relative.at<float>(v, u)) - std::log(a / relative.at<float>(fv, fu));
+        sum += std::log(b / light.relative.at<float>(v, u)) - std::log(a / light.relative.at<float>(fv, fu));
         ++count;
       }
     }
   }
   constexpr int kMinCells = 8;
-  *log_ratio = count > 0 ? sum / count : 0.0;
-  return count >= kMinCells;
+  return count >= kMinCells ? std::optional(sum / count) : std::nullopt;
 }
 
 }  // namespace
@@ -74,12 +79,12 @@ bool LogRatio(const BuildFrame& first, const BuildFrame& second, const cv::Mat& 
 Exposure EstimateExposure(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
                           const std::vector<Link>& links) {
   Exposure exposure;
-  std::vector<cv::Mat> relative;
+  std::vector<Lighting> lighting;
   for (std::size_t s = 0; s < surveys.size(); ++s) {
-    relative.push_back(RelativeMean(frames, static_cast<int>(s)));
-    const GroundGrid& grid = surveys[s].rectifier->grid();
+    lighting.push_back({RelativeMean(frames, static_cast<int>(s)), surveys[s].rectifier->grid()});
+    const GroundGrid& grid = lighting.back().grid;
     cv::Mat field;
-    cv::resize(relative.back(), field, cv::Size(grid.width_px, grid.height_px), 0, 0, cv::INTER_CUBIC);
+    cv::resize(lighting.back().relative, field, cv::Size(grid.width_px, grid.height_px), 0, 0, cv::INTER_CUBIC);
     field = cv::max(field, 1.0 / kMaxGain);
     exposure.flat_field.push_back(1.0 / field);
   }
@@ -94,18 +99,20 @@ Exposure EstimateExposure(const std::vector<BuildFrame>& frames, const std::vect
   for (const Link& link : links) {
     const BuildFrame& first = frames[static_cast<std::size_t>(link.first)];
     const BuildFrame& second = frames[static_cast<std::size_t>(link.second)];
-    const auto s = static_cast<std::size_t>(first.survey);
-    double log_ratio = 0.0;
-    if (first.survey != second.survey ||
-        !LogRatio(first, second, relative[s], surveys[s].rectifier->grid(), link.first_from_second, &log_ratio)) {
+    if (first.survey != second.survey) {
+      continue;
+    }
+    const auto log_ratio =
+        LogRatio(first, second, link.first_from_second, lighting[static_cast<std::size_t>(first.survey)]);
+    if (!log_ratio) {
       continue;
     }
     entries.emplace_back(link.first, link.first, 1.0);
     entries.emplace_back(link.second, link.second, 1.0);
     entries.emplace_back(link.first, link.second, -1.0);
     entries.emplace_back(link.second, link.first, -1.0);
-    right[link.first] += log_ratio;
-    right[link.second] -= log_ratio;
+    right[link.first] += *log_ratio;
+    right[link.second] -= *log_ratio;
   }
   Eigen::SparseMatrix<double> normal(n, n);
   normal.setFromTriplets(entries.begin(), entries.end());

@@ -41,7 +41,7 @@ std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Sur
                                            const LocalizeFramesOptions& options);
 
 /// One line of the --results file.
-std::string ToJsonLine(const LocalizedFrame& frame);
+std::string ToJsonLine(const LocalizedFrame& localized);
 
 /// The localized frames as a trajectory.
 Trajectory ToTrajectory(const std::vector<LocalizedFrame>& frames);

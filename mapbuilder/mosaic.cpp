@@ -118,7 +118,9 @@ class Composer {
 
   static std::vector<MosaicPatch> ShrinkLevel(const std::vector<MosaicPatch>& level, int side) {
     std::vector<MosaicPatch> coarser;
-    const auto at = [&](int x, int y) { return level[static_cast<std::size_t>(y * side + x)]; };
+    const auto at = [&](int x, int y) {
+      return level[static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x)];
+    };
     for (int y = 0; y < side; y += 2) {
       for (int x = 0; x < side; x += 2) {
         coarser.push_back(ShrinkFour({at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)}));
