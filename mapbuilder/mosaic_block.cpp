@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/mosaic_block.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -45,16 +46,21 @@ cv::Mat ReadFramePicture(const MosaicInput& input, int frame) {
 bool MosaicPatch::empty() const { return cv::countNonZero(seen) == 0; }
 
 std::vector<int> FramesTouching(const MosaicInput& input, const RectM& square) {
-  const Eigen::Vector2d center = square.Center();
-  const double half_diagonal = 0.5 * std::hypot(square.width_m(), square.height_m());
+  const Eigen::AlignedBox2d wanted(Eigen::Vector2d(square.x_min, square.y_min),
+                                   Eigen::Vector2d(square.x_max, square.y_max));
   std::vector<int> touching;
   for (std::size_t i = 0; i < input.frames.size(); ++i) {
     if (!input.map_from_base[i]) {
       continue;
     }
     const RectM& roi = input.surveys[static_cast<std::size_t>(input.frames[i].survey)].survey.camera.floor.roi;
-    const double reach = half_diagonal + 0.5 * std::hypot(roi.width_m(), roi.height_m());
-    if ((*input.map_from_base[i] * roi.Center() - center).norm() < reach) {
+    Eigen::AlignedBox2d seen;
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(roi.x_min, roi.y_min), Eigen::Vector2d(roi.x_min, roi.y_max),
+          Eigen::Vector2d(roi.x_max, roi.y_min), Eigen::Vector2d(roi.x_max, roi.y_max)}) {
+      seen.extend(*input.map_from_base[i] * corner);
+    }
+    if (wanted.intersects(seen)) {
       touching.push_back(static_cast<int>(i));
     }
   }
