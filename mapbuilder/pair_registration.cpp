@@ -4,6 +4,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/localization/oriented_matches.h"
 #include "core/vision/guided_matcher.h"
 #include "mapbuilder/parallel.h"
 
@@ -27,13 +28,7 @@ std::vector<OrientedMatch> FindMatches(const Features& first, const Features& se
     guide = {Pose2(), kAnywhereM, std::numbers::pi};
   }
   const float ratio = first.descriptors.depth() == CV_8U ? options.max_ratio_binary : options.max_ratio_float;
-  std::vector<OrientedMatch> oriented;
-  for (const Match& match : FilterByRatio(matcher.FindNearest(second, guide), ratio)) {
-    const Keypoint& from = second.keypoints[static_cast<std::size_t>(match.query)];
-    const Keypoint& to = first.keypoints[static_cast<std::size_t>(match.train)];
-    oriented.push_back({from.Position(), to.Position(), from.angle_rad, to.angle_rad});
-  }
-  return oriented;
+  return ToOrientedMatches(FilterByRatio(matcher.FindNearest(second, guide), ratio), second.keypoints, first.keypoints);
 }
 
 // Errors of calibration turn and shift the overlap as a whole: about its middle, not about the base frame's origin.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/localization/oriented_matches.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/pose_verifier.h"
 #include "core/registration/least_squares.h"
@@ -72,18 +73,6 @@ LocalizationStatus StatusOf(RegistrationStatus status) {
   }
 }
 
-std::vector<OrientedMatch> ToOrientedMatches(const std::vector<Match>& matches, const Features& query,
-                                             const std::vector<Keypoint>& map) {
-  std::vector<OrientedMatch> oriented;
-  oriented.reserve(matches.size());
-  for (const Match& match : matches) {
-    const Keypoint& from = query.keypoints[static_cast<std::size_t>(match.query)];
-    const Keypoint& to = map[static_cast<std::size_t>(match.train)];
-    oriented.push_back({from.Position(), to.Position(), from.angle_rad, to.angle_rad});
-  }
-  return oriented;
-}
-
 // What is searched, and how hard.
 struct SearchScope {
   std::optional<PosePrior> prior;
@@ -131,7 +120,7 @@ struct Localizer::Impl {
   std::vector<OrientedMatch> FindMatches(const Features& features, const std::optional<MatchGuide>& guide) const {
     const std::vector<Match> matches =
         guide ? guided.FindNearest(features, *guide) : FindNearest(*index, features.descriptors);
-    return ToOrientedMatches(FilterByRatio(matches, MaxRatio()), features, map.keypoints.keypoints);
+    return ToOrientedMatches(FilterByRatio(matches, MaxRatio()), features.keypoints, map.keypoints.keypoints);
   }
 
   // Second look: all keypoints where each pose that the matches vote for predicts them. Poses that meet are one.

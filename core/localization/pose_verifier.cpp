@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <random>
 
+#include "core/localization/oriented_matches.h"
 #include "core/registration/significance.h"
 
 namespace floorloc {
@@ -59,16 +60,9 @@ void PoseVerifier::MeasureChance(double area_m2) {
 
 VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_from_base) const {
   VerifiedPose verified;
-  std::vector<Match> alike;
-  for (const Match& match : matcher_.FindNearest(features, {map_from_base, kRadiusM, kYawRadiusRad, 1})) {
-    if (match.distance > max_distance_) {
-      continue;
-    }
-    const Keypoint& from = features.keypoints[static_cast<std::size_t>(match.query)];
-    const Keypoint& to = map_.keypoints[static_cast<std::size_t>(match.train)];
-    verified.matches.push_back({from.Position(), to.Position(), from.angle_rad, to.angle_rad});
-    alike.push_back(match);
-  }
+  std::vector<Match> alike = matcher_.FindNearest(features, {map_from_base, kRadiusM, kYawRadiusRad, 1});
+  std::erase_if(alike, [&](const Match& match) { return match.distance > max_distance_; });
+  verified.matches = ToOrientedMatches(alike, features.keypoints, map_.keypoints);
   verified.candidate = RefinePose(verified.matches, map_from_base, options_);
   verified.distance.assign(features.keypoints.size(), std::numeric_limits<float>::infinity());
   for (const int i : verified.candidate.inliers) {
