@@ -37,6 +37,7 @@ class BuildMapTest : public ::testing::Test {
     truth_ = ReadTum(survey_ / "groundtruth.tum");
     options_.surveys = {survey_};
     options_.out = folder_.path() / "floor.floormap";
+    options_.mosaic.resolution_m = 0.0028;  // coarse is fast
   }
 
   BuildReport Build() { return BuildMap(options_); }
@@ -107,9 +108,11 @@ TEST_F(BuildMapTest, WithOdometryTheGeometryIsTrue) {
 }
 
 TEST_F(BuildMapTest, TheMapIsWholeAndConsistentWithItsReport) {
+  options_.mosaic.resolution_m = 0.0;  // the survey's
   const BuildReport report = Build();
   const MapDatabase database(options_.out);
   database.VerifyContent();
+  EXPECT_EQ(database.ReadMosaicLayout().resolution_m, ReadSurvey(survey_).camera.floor.resolution_m);
   const FloorMap map = database.ReadMap();
   EXPECT_EQ(map.info.content_version, report.content_version);
   EXPECT_EQ(static_cast<int>(map.keypoints.size()), report.keypoints);

@@ -37,6 +37,7 @@ FloorMap BuildFloorMap() {
   options.surveys = {folder.path() / "survey"};
   options.out = folder.path() / "floor.floormap";
   options.poses = ReadTum(folder.path() / "survey" / "groundtruth.tum");
+  options.mosaic.resolution_m = 0.0028;  // coarse is fast
   options.placement.prior_sigma_m = 1e-3;
   options.placement.prior_sigma_rad = 1e-3;
   BuildMap(options);
