@@ -156,6 +156,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   const std::vector<RectM> floors = FloorsInBase(frames, surveys);
   const Placement placement = PlaceFrames(frames, surveys, options.placement);
   const CoverageGrid coverage(placement.map_from_base, floors);
+  report.kept_all = options.placement.keep_all;
   FillReport(placement, frames, coverage, &report);
   writer.WriteFrames(PlacedFrames(frames, placement));
   clock.Finish("poses");

@@ -34,6 +34,7 @@ struct BuildReport {
   int frames_used = 0;
   std::vector<std::pair<std::string, std::string>> dropped;  ///< file name, reason
   std::vector<int> part_sizes;                               ///< largest first; more than one: the survey has gaps
+  bool kept_all = false;                                     ///< all parts are in the map
   int links = 0;
   int rejected_links = 0;
   int overlapping_pairs = 0;

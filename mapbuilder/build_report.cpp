@@ -79,7 +79,9 @@ std::string ToText(const BuildReport& r) {
     for (const int size : r.part_sizes) {
       text << " " << size;
     }
-    text << " frames; survey the floor between them, or keep all with --keep-all\n";
+    text << " frames; "
+         << (r.kept_all ? "all are kept, but how they lie to each other is not sure" : "the largest is kept")
+         << "; survey the floor between them" << (r.kept_all ? "" : ", or keep all with --keep-all") << "\n";
   }
   text << Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
                  r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);

@@ -138,6 +138,14 @@ std::vector<std::uint8_t> ReadBinaryFile(const std::filesystem::path& file, std:
   return ReadWhole<std::vector<std::uint8_t>>(file, max_bytes);
 }
 
+void CheckWritable(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK | X_OK) != 0 ||
+      std::filesystem::is_directory(file)) {
+    throw InputError(file, "cannot be written; check the folder and its permissions");
+  }
+}
+
 void WriteFileAtomically(const std::filesystem::path& file, const std::string& content) {
   TemporaryFile temporary(file);
   temporary.Write(content);

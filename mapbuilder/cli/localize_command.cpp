@@ -45,6 +45,10 @@ void PrintSummary(const std::vector<LocalizedFrame>& frames) {
 }
 
 void Run(Arguments& a) {
+  CheckWritable(a.out);
+  if (!a.results.empty()) {
+    CheckWritable(a.results);
+  }
   a.options.prior = ParsePriorSource(a.prior);
   a.options.progress = ProgressOutput::Stderr();
   LocalizerOptions localizer_options;

@@ -117,6 +117,12 @@ TEST(DescriptorIndexTest, MultiIndexHashingFindsNoisyCopies) {
   EXPECT_GE(Recall(MakeIndex(train, MatcherType::kMih)->FindNeighbours(queries, 2)), 0.99);
 }
 
+TEST(DescriptorIndexTest, MultiIndexHashingLooksOneBitAside) {
+  const cv::Mat train = RandomBits(kMany, 32, 7);
+  const cv::Mat queries = FlipBits(NoisyCopies::EveryFifth(train), 0.2, 8);  // 2 of 3 have an equal slice left
+  EXPECT_GE(Recall(MakeIndex(train, MatcherType::kMih)->FindNeighbours(queries, 1)), 0.97);
+}
+
 TEST(DescriptorIndexTest, MultiIndexHashingTakesDescriptorsOfOddLength) {
   const cv::Mat train = RandomBits(kMany, 61, 5);
   const cv::Mat queries = FlipBits(NoisyCopies::EveryFifth(train), 0.1, 6);
