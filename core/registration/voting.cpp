@@ -33,6 +33,11 @@ class Grid {
       : cell_m_(options.vote_cell_m),
         yaw_cells_(std::max(3, static_cast<int>(std::lround(2.0 * std::numbers::pi / options.vote_cell_rad)))) {}
 
+  // Of a pose beyond any floor, as damaged keypoints ask for, there is no cell.
+  bool Contains(const Eigen::Vector2d& p, double yaw) const {
+    constexpr double kCells = 1e9;  // an int counts them
+    return std::abs(p.x()) < kCells * cell_m_ && std::abs(p.y()) < kCells * cell_m_ && std::isfinite(yaw);
+  }
   Cell At(const Eigen::Vector2d& p, double yaw) const {
     const double turn = (yaw + std::numbers::pi) / (2.0 * std::numbers::pi);
     const int yaw_cell = static_cast<int>(std::floor(turn * yaw_cells_));
@@ -76,7 +81,9 @@ std::vector<VotePeak> FindVotePeaks(const std::vector<OrientedMatch>& matches, c
     const OrientedMatch& m = matches[i];
     const double yaw = m.Yaw();
     const Eigen::Vector2d center = m.target_m + Pose2(0.0, 0.0, yaw) * Eigen::Vector2d(source_center - m.source_m);
-    votes[grid.At(center, yaw)].push_back(static_cast<int>(i));
+    if (grid.Contains(center, yaw)) {
+      votes[grid.At(center, yaw)].push_back(static_cast<int>(i));
+    }
   }
   // A cell's score counts its neighbours: a peak that straddles a border is not lost.
   std::vector<std::pair<int, Cell>> scores;
