@@ -35,7 +35,8 @@ TEST(VotingTest, PeaksComeBestFirstAndApart) {
   options.candidates = 4;
   const Pose2 one(1.0, 1.0, 0.0);
   const Pose2 other(1.0, 1.0, 1.0);
-  const auto matches = Join(Join(draw.Right(20, one, 0.0), draw.Right(30, other, 0.0)), draw.Wrong(50, {0.0, 0.0}, 9.0));
+  const auto matches =
+      Join(Join(draw.Right(20, one, 0.0), draw.Right(30, other, 0.0)), draw.Wrong(50, {0.0, 0.0}, 9.0));
   const std::vector<VotePeak> peaks = FindVotePeaks(matches, kMiddle, options);
   ASSERT_EQ(peaks.size(), 4U);
   EXPECT_TRUE(
