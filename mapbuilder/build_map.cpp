@@ -131,6 +131,12 @@ std::vector<MapFrame> PlacedFrames(const std::vector<BuildFrame>& frames, const 
 BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys) {
   options.placement.registration.threads = options.threads;
   options.placement.registration.progress = options.progress;
+  const FloorPlane& floor = surveys.front().survey.camera.floor;
+  options.placement.registration.resolution_m = floor.resolution_m;
+  options.fusion = options.fusion.ForCamera(floor, options.extractor.max_keypoints);
+  if (options.max_keypoints_per_m2 > 0.0) {
+    options.fusion.max_per_m2 = options.max_keypoints_per_m2;
+  }
   options.placement.registration.registration.seed = options.seed;
   options.mosaic.threads = options.threads;
   options.mosaic.progress = options.progress;

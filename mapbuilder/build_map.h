@@ -22,8 +22,9 @@ struct BuildOptions {
   Trajectory poses;  ///< map_from_base known from another system; may be empty
   PlacementOptions placement;
   FusionOptions fusion;
-  MosaicOptions mosaic;  ///< resolution_m 0: the surveys'
-  int threads = 0;       ///< 0: one per core
+  double max_keypoints_per_m2 = 0.0;  ///< budget of the map; 0: what suits the camera
+  MosaicOptions mosaic;               ///< resolution_m 0: the surveys'
+  int threads = 0;                    ///< 0: one per core
   std::uint32_t seed = 1;
   ProgressOutput progress;
 };

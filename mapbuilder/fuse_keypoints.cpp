@@ -139,9 +139,10 @@ cv::Mat FusedDescriptor(const std::vector<BuildFrame>& frames, const Track& trac
 }
 
 // The best tracks of every cell of the budget grid: most observations first, then the strongest.
-std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vector<int> candidates, double max_per_m2) {
-  constexpr double kCellM = 0.1;
-  const auto budget = static_cast<std::size_t>(std::max(1.0, max_per_m2 * kCellM * kCellM));
+std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vector<int> candidates,
+                                    const FusionOptions& options) {
+  const double cell_m = options.budget_cell_m;
+  const auto budget = static_cast<std::size_t>(std::max(1.0, options.max_per_m2 * cell_m * cell_m));
   std::stable_sort(candidates.begin(), candidates.end(), [&](int a, int b) {
     const Track& x = tracks[static_cast<std::size_t>(a)];
     const Track& y = tracks[static_cast<std::size_t>(b)];
@@ -152,8 +153,8 @@ std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vecto
   std::vector<int> chosen;
   for (const int t : candidates) {
     const Eigen::Vector2d p = tracks[static_cast<std::size_t>(t)].Position();
-    const auto x = static_cast<std::int64_t>(std::floor(p.x() / kCellM));
-    const auto y = static_cast<std::int64_t>(std::floor(p.y() / kCellM));
+    const auto x = static_cast<std::int64_t>(std::floor(p.x() / cell_m));
+    const auto y = static_cast<std::int64_t>(std::floor(p.y() / cell_m));
     if (used[x * 0x100000000LL + (y & 0xFFFFFFFFLL)]++ < budget) {
       chosen.push_back(t);
     }
@@ -163,6 +164,18 @@ std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vecto
 }
 
 }  // namespace
+
+FusionOptions FusionOptions::ForCamera(const FloorPlane& floor, int keypoints_per_frame) const {
+  constexpr double kReferenceResolutionM = 7e-4;
+  constexpr double kReferenceViewM2 = 0.129;
+  constexpr double kReferenceKeypoints = 700.0;
+  const double view_m2 = floor.roi.width_m() * floor.roi.height_m();
+  FusionOptions adapted = *this;
+  adapted.radius_m *= floor.resolution_m / kReferenceResolutionM;
+  adapted.max_per_m2 *= kReferenceViewM2 / view_m2 * (keypoints_per_frame / kReferenceKeypoints);
+  adapted.budget_cell_m *= std::sqrt(view_m2 / kReferenceViewM2);
+  return adapted;
+}
 
 MapKeypoints FuseKeypoints(const std::vector<BuildFrame>& frames,
                            const std::vector<std::optional<Pose2>>& map_from_base,
@@ -182,7 +195,7 @@ MapKeypoints FuseKeypoints(const std::vector<BuildFrame>& frames,
     }
   }
   MapKeypoints map;
-  for (const int t : ChooseWithinBudget(tracks, std::move(candidates), options.max_per_m2)) {
+  for (const int t : ChooseWithinBudget(tracks, std::move(candidates), options)) {
     const Track& track = tracks[static_cast<std::size_t>(t)];
     const Eigen::Vector2d p = track.Position();
     map.keypoints.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(track.Angle()),

@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-constexpr double kGridCellM = 0.03;
+constexpr double kGridCellPx = 40.0;
 constexpr double kKeypointAngleNoiseRad = 0.35;
 
 // Where nothing says how two frames lie to each other, repeating floors offer several ways that look right.
@@ -19,7 +19,7 @@ constexpr double kMaxRivalShare = 0.7;
 
 std::vector<OrientedMatch> FindMatches(const Features& first, const Features& second, const FramePair& pair,
                                        const PairRegistrationOptions& options) {
-  const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellM);
+  const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellPx * options.resolution_m);
   MatchGuide guide;
   if (pair.first_from_second) {
     guide = {*pair.first_from_second, pair.radius_m, pair.yaw_radius_rad + kKeypointAngleNoiseRad};
@@ -58,7 +58,7 @@ std::optional<Link> RegisterPair(const std::vector<BuildFrame>& frames, const Re
   const std::vector<OrientedMatch> matches = FindMatches(first, second, pair, options);
   const double searched_m2 =
       pair.first_from_second ? std::numbers::pi * pair.radius_m * pair.radius_m : floor.width_m() * floor.height_m();
-  RegistrationOptions registration = options.registration;
+  RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
   if (!pair.first_from_second) {
     registration.max_rival_share = kMaxRivalShare;
   }

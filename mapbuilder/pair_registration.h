@@ -21,6 +21,7 @@ struct Link {
 
 struct PairRegistrationOptions {
   RegistrationOptions registration = DefaultRegistration();
+  double resolution_m = 7e-4;  ///< of the rectified pictures
   float max_ratio_binary = 0.9F;
   float max_ratio_float = 0.85F;
   /// What keypoints alone do not show: calibration and mounting errors, per pair of frames.

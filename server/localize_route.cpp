@@ -57,11 +57,13 @@ LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob 
   if (!call.request.vehicle.empty()) {
     job.rectifier = RegisteredRectifier(state, call.request.vehicle);
   }
-  const CameraModel& camera = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
-  CheckImageHeader(job.bytes, camera, state.config.limits.max_image_pixels);
+  const CameraModel& lens = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
+  CheckImageHeader(job.bytes, lens, state.config.limits.max_image_pixels);
   return RunInPool(state.pool, [&] {
-    if (job.rectifier == nullptr) {
-      job.rectifier = state.rectifiers.Get(*call.request.camera);
+    const FloorCamera& camera = job.rectifier ? job.rectifier->camera() : *call.request.camera;
+    const double resolution_m = job.map->info().camera.floor.resolution_m;
+    if (job.rectifier == nullptr || camera.floor.resolution_m != resolution_m) {
+      job.rectifier = state.rectifiers.Get(camera.AtResolution(resolution_m));
     }
     return RunLocalization(job);
   });

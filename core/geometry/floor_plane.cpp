@@ -80,6 +80,12 @@ void FloorCamera::Check() const {
           "homography is mirrored: the base frame has x forward, y left, z up (are the axes swapped?)");
 }
 
+FloorCamera FloorCamera::AtResolution(double resolution_m) const {
+  FloorCamera camera_at = *this;
+  camera_at.floor.resolution_m = resolution_m;
+  return camera_at;
+}
+
 Eigen::Vector2d FloorCamera::FloorFromRawPixel(const Eigen::Vector2d& raw_px) const {
   return (floor.base_from_pixel * camera.Undistort(raw_px).homogeneous()).hnormalized();
 }

@@ -40,6 +40,9 @@ struct FloorCamera {
   /// horizon and at least partly inside the picture. Throws std::invalid_argument.
   void Check() const;
 
+  /// The same camera, rectified to another resolution: a map's keypoints only fit pictures of its own.
+  FloorCamera AtResolution(double resolution_m) const;
+
   Eigen::Vector2d FloorFromRawPixel(const Eigen::Vector2d& raw_px) const;
   Eigen::Vector2d RawPixelFromFloor(const Eigen::Vector2d& point_in_base_m) const;
 };

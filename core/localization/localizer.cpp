@@ -18,7 +18,7 @@
 namespace floorloc {
 namespace {
 
-constexpr double kGridCellM = 0.05;
+constexpr double kGridCellPx = 70.0;
 
 // Spread of a keypoint's own angle between two views.
 constexpr double kKeypointAngleNoiseRad = 0.35;
@@ -32,6 +32,11 @@ constexpr double kStructureExponent = 0.5;
 
 // Arm at which the systematic errors of position and heading weigh the same.
 constexpr double kSystematicLeverM = 0.25;
+
+LocalizerOptions ScaledTo(LocalizerOptions options, double resolution_m) {
+  options.registration = options.registration.ScaledTo(resolution_m);
+  return options;
+}
 
 class Stopwatch {
  public:
@@ -98,12 +103,12 @@ MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
 
 struct Localizer::Impl {
   Impl(FloorMap floor_map, const LocalizerOptions& o)
-      : options(o),
+      : options(ScaledTo(o, floor_map.info.camera.floor.resolution_m)),
         map(std::move(floor_map)),
         extractor(CreateFeatureExtractor(map.info.extractor)),
         index(CreateDescriptorIndex(map.keypoints.descriptors, o.index)),
-        guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellM),
-        verifier(map.keypoints, guided, map.info.area_m2, o.registration) {}
+        guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera.floor.resolution_m),
+        verifier(map.keypoints, guided, map.info.area_m2, options.registration) {}
 
   LocalizerOptions options;
   FloorMap map;
@@ -177,7 +182,7 @@ struct Localizer::Impl {
     result->matches = static_cast<int>(best.matches.size());
     result->inliers = static_cast<int>(best.candidate.inliers.size());
     result->rms_m = RmsResidual(best.matches, best.candidate.inliers, pose);
-    const double noise_m = std::hypot(result->rms_m / std::numbers::sqrt2, options.registration.position_noise_floor_m);
+    const double noise_m = KeypointNoise(result->rms_m, result->inliers, options.registration);
     result->covariance = PoseCovariance(best.matches, best.candidate.inliers, pose, noise_m);
   }
 

@@ -14,8 +14,8 @@
 namespace floorloc {
 namespace {
 
-// How far a keypoint may be from where the hypothesis predicts it, before refinement.
-constexpr double kRadiusM = 0.006;
+// How far a keypoint may be from where the hypothesis predicts it, before refinement, in inlier radii.
+constexpr double kRadii = 3.0;
 constexpr double kYawRadiusRad = 0.45;
 
 // Share of pairs of different floor points that may count as alike.
@@ -60,7 +60,8 @@ void PoseVerifier::MeasureChance(double area_m2) {
 
 VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_from_base) const {
   VerifiedPose verified;
-  std::vector<Match> alike = matcher_.FindNearest(features, {map_from_base, kRadiusM, kYawRadiusRad, 1});
+  std::vector<Match> alike =
+      matcher_.FindNearest(features, {map_from_base, kRadii * options_.inlier_radius_m, kYawRadiusRad, 1});
   std::erase_if(alike, [&](const Match& match) { return match.distance > max_distance_; });
   verified.matches = ToOrientedMatches(alike, features.keypoints, map_.keypoints);
   verified.candidate = RefinePose(verified.matches, map_from_base, options_);

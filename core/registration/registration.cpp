@@ -161,6 +161,22 @@ void RegistrationOptions::Check() const {
   require(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
 }
 
+double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& options) {
+  // Two residuals per inlier, three of them spent on the pose.
+  const double degrees_of_freedom = std::max(1.0, 2.0 * inliers - 3.0);
+  return std::hypot(rms_m * std::sqrt(inliers / degrees_of_freedom), options.position_noise_floor_m);
+}
+
+RegistrationOptions RegistrationOptions::ScaledTo(double resolution_m) const {
+  constexpr double kReferenceResolutionM = 7e-4;
+  const double scale = resolution_m / kReferenceResolutionM;
+  RegistrationOptions scaled = *this;
+  scaled.inlier_radius_m *= scale;
+  scaled.vote_cell_m *= scale;
+  scaled.position_noise_floor_m *= scale;
+  return scaled;
+}
+
 bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options) {
   const Pose2 d = a.Between(b);
   return d.translation().norm() < options.vote_cell_m && std::abs(d.yaw()) < options.vote_cell_rad;
@@ -236,8 +252,8 @@ RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const 
   result.target_from_source = best.target_from_source;
   result.inliers = best.inliers;
   result.rms_m = RmsResidual(matches, best.inliers, best.target_from_source);
-  result.covariance = PoseCovariance(matches, best.inliers, best.target_from_source,
-                                     std::hypot(result.rms_m / std::numbers::sqrt2, options.position_noise_floor_m));
+  const double noise_m = KeypointNoise(result.rms_m, static_cast<int>(best.inliers.size()), options);
+  result.covariance = PoseCovariance(matches, best.inliers, best.target_from_source, noise_m);
   result.p_wrong = choice.p_wrong;
   result.alternatives = std::move(choice.alternatives);
   return result;

@@ -21,6 +21,7 @@ struct OrientedMatch {
   double Yaw() const { return WrapAngle(target_angle_rad - source_angle_rad); }
 };
 
+/// Lengths are for rectified pictures of 0.7 mm per pixel; ScaledTo() adapts them to others.
 struct RegistrationOptions {
   double inlier_radius_m = 0.002;  ///< residual of an inlier
   double vote_cell_m = 0.03;       ///< cell of the (x, y) vote
@@ -34,6 +35,7 @@ struct RegistrationOptions {
   std::uint32_t seed = 1;
 
   void Check() const;
+  RegistrationOptions ScaledTo(double resolution_m) const;
 };
 
 enum class RegistrationStatus { kRegistered, kAmbiguous, kTooFewMatches, kTooFewInliers, kNotSignificant };
@@ -76,6 +78,9 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<OrientedMatch>& 
 /// Alternates between the inliers of a pose and the least-squares fit to them until they agree.
 PoseCandidate RefinePose(const std::vector<OrientedMatch>& matches, const Pose2& start,
                          const RegistrationOptions& options);
+
+/// Standard deviation of a keypoint's coordinates, from the RMS residual of the inliers of a fitted pose.
+double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& options);
 
 /// True when two poses are too near each other to be rivals.
 bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options);

@@ -65,7 +65,8 @@ void AddBuildCommand(CLI::App& app) {
       ->expected(2)
       ->needs("--poses");
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
-  command->add_option("--keypoints-per-m2", a->options.fusion.max_per_m2, "Budget of the map")->capture_default_str();
+  command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,
+                      "Budget of the map (default: suits the camera)");
   command->add_option("--resolution", a->options.mosaic.resolution_m,
                       "Metres per pixel of the mosaic (default: survey's)");
   command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();

@@ -225,4 +225,23 @@ TEST(RegistrationOptionsTest, RefusesNonsense) {
 }
 
 }  // namespace
+TEST(RegistrationOptions, LengthsFollowTheResolution) {
+  const RegistrationOptions options;
+  const RegistrationOptions same = options.ScaledTo(7e-4);
+  const RegistrationOptions twice = options.ScaledTo(1.4e-3);
+  EXPECT_DOUBLE_EQ(same.inlier_radius_m, options.inlier_radius_m);
+  EXPECT_DOUBLE_EQ(twice.inlier_radius_m, 2.0 * options.inlier_radius_m);
+  EXPECT_DOUBLE_EQ(twice.vote_cell_m, 2.0 * options.vote_cell_m);
+  EXPECT_DOUBLE_EQ(twice.position_noise_floor_m, 2.0 * options.position_noise_floor_m);
+  EXPECT_EQ(twice.min_inliers, options.min_inliers);
+}
+
+TEST(KeypointNoise, CountsTheFittedParameters) {
+  RegistrationOptions options;
+  options.position_noise_floor_m = 1e-9;
+  // Many inliers: each of the two coordinates has its share of the squared residual. Few: three of them went into the fit.
+  EXPECT_NEAR(KeypointNoise(1e-3, 100000, options), 1e-3 / std::sqrt(2.0), 1e-8);
+  EXPECT_NEAR(KeypointNoise(1e-3, 6, options), 1e-3 * std::sqrt(6.0 / 9.0), 1e-8);
+}
+
 }  // namespace floorloc
