@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import random
+import re
 import resource
 import shutil
 import signal
@@ -161,6 +162,15 @@ class MainJob(Recorded):
         lines = self.check_localized("odometry")
         self.assertEqual(lines[0]["search"], "global")
         self.assertEqual({line["search"] for line in lines[1:]}, {"prior"})
+
+    def test_a_camera_with_another_resolution_is_localized(self):
+        frames = self.folder / "coarse"
+        shutil.copytree(self.drive, frames)
+        floor = frames / "floor.yaml"
+        floor.write_text(re.sub(r"resolution: \S+", "resolution: 0.0011", floor.read_text()))
+        out = self.folder / "coarse.tum"
+        run_ok("localize", "--map", self.map, "--frames", frames, "--out", out)
+        self.assertEqual(len(read_tum(out)), len(list((frames / "images").iterdir())))
 
     def test_a_frame_of_another_floor_is_not_localized(self):
         other = self.folder / "other"

@@ -239,7 +239,8 @@ TEST(RegistrationOptions, LengthsFollowTheResolution) {
 TEST(KeypointNoise, CountsTheFittedParameters) {
   RegistrationOptions options;
   options.position_noise_floor_m = 1e-9;
-  // Many inliers: each of the two coordinates has its share of the squared residual. Few: three of them went into the fit.
+  // Many inliers: each of the two coordinates has its share of the squared residual. Few: three of them went into the
+  // fit.
   EXPECT_NEAR(KeypointNoise(1e-3, 100000, options), 1e-3 / std::sqrt(2.0), 1e-8);
   EXPECT_NEAR(KeypointNoise(1e-3, 6, options), 1e-3 * std::sqrt(6.0 / 9.0), 1e-8);
 }
