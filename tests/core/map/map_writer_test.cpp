@@ -171,7 +171,7 @@ TEST(MapWriterTest, AFullDiskLeavesNothing) {
   const TemporaryFolder probe;
   WriteMap(probe.path() / "m.floormap", content);
   const auto whole = std::filesystem::file_size(probe.path() / "m.floormap");
-  for (const std::uintmax_t share : {0, 1, 3, 5, 7, 9}) {
+  for (const std::uintmax_t share : {0U, 1U, 3U, 5U, 7U, 9U}) {
     const TemporaryFolder folder;
     std::string error;
     {
