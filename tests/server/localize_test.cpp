@@ -29,9 +29,9 @@ void ExpectKnownPose(const json& answer) {
 // A PNG file that ends after its header, announcing any size.
 std::string PngHeader(std::uint32_t width, std::uint32_t height) {
   std::string png = EncodePicture(cv::Mat(8, 8, CV_8UC1, cv::Scalar(0)), ".png");
-  for (int i = 0; i < 4; ++i) {
-    png[static_cast<std::size_t>(16 + i)] = static_cast<char>(width >> (24 - 8 * i));
-    png[static_cast<std::size_t>(20 + i)] = static_cast<char>(height >> (24 - 8 * i));
+  for (std::size_t i = 0; i < 4; ++i) {
+    png[16 + i] = static_cast<char>(width >> (24 - 8 * i));
+    png[20 + i] = static_cast<char>(height >> (24 - 8 * i));
   }
   return png;
 }
