@@ -106,7 +106,7 @@ void TestServer::Stop() {
   }
 }
 
-ContractClient::ContractClient(int port, std::string token) : client_("127.0.0.1", port) {
+ContractClient::ContractClient(int port, const std::string& token) : client_("127.0.0.1", port) {
   client_.set_keep_alive(true);
   if (!token.empty()) {
     client_.set_bearer_token_auth(token);

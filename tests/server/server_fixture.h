@@ -64,7 +64,7 @@ class TestServer {
 /// A client that checks every answer against schema/openapi.yaml.
 class ContractClient {
  public:
-  explicit ContractClient(int port, std::string token = "");
+  explicit ContractClient(int port, const std::string& token = "");
 
   httplib::Response Get(const std::string& target, const httplib::Headers& headers = {});
   httplib::Response Put(const std::string& target, const std::string& body,
