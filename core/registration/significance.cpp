@@ -7,9 +7,14 @@
 namespace floorloc {
 namespace {
 
+// lgamma() writes its sign to a global; this one may run in many threads.
+double LogFactorial(int n) {
+  int sign = 0;
+  return lgamma_r(n + 1.0, &sign);
+}
+
 double LogBinomialTerm(int n, int k, double p) {
-  return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) + k * std::log(p) +
-         (n - k) * std::log1p(-p);
+  return LogFactorial(n) - LogFactorial(k) - LogFactorial(n - k) + k * std::log(p) + (n - k) * std::log1p(-p);
 }
 
 }  // namespace

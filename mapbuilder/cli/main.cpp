@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <exception>
 #include <iostream>
+#include <opencv2/core/utility.hpp>
 
 #include "mapbuilder/cli/command.h"
 
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   floorloc::AddExportCommand(app);
   floorloc::AddEvaluateCommand(app);
   floorloc::AddSimulateCommand(app);
+  cv::setNumThreads(1);  // --threads says how many there are; OpenCV's own pool would add to them
   try {
     app.parse(argc, argv);
     return 0;
