@@ -4,14 +4,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "mapbuilder/cell_key.h"
+
 namespace floorloc {
 namespace {
 
 std::int64_t Index(double coordinate_m) {
   return static_cast<std::int64_t>(std::floor(coordinate_m / CoverageGrid::kCellM));
 }
-
-std::int64_t Key(std::int64_t x, std::int64_t y) { return x * 0x100000000LL + (y & 0xFFFFFFFFLL); }
 
 Eigen::AlignedBox2d Bounds(const RectM& floor, const Pose2& map_from_base) {
   Eigen::AlignedBox2d box;
@@ -39,7 +39,7 @@ CoverageGrid::CoverageGrid(const std::vector<std::optional<Pose2>>& map_from_bas
       for (std::int64_t y = Index(box.min().y()); y <= Index(box.max().y()); ++y) {
         const Eigen::Vector2d center((static_cast<double>(x) + 0.5) * kCellM, (static_cast<double>(y) + 0.5) * kCellM);
         if (floor_in_base[i].Contains(base_from_map * center)) {
-          ++counts_[Key(x, y)];
+          ++counts_[CellKey(x, y)];
         }
       }
     }
@@ -50,7 +50,7 @@ CoverageGrid::CoverageGrid(const std::vector<std::optional<Pose2>>& map_from_bas
 }
 
 int CoverageGrid::CountAt(const Eigen::Vector2d& point_in_map) const {
-  const auto it = counts_.find(Key(Index(point_in_map.x()), Index(point_in_map.y())));
+  const auto it = counts_.find(CellKey(point_in_map, kCellM));
   return it == counts_.end() ? 0 : it->second;
 }
 

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/vision/guided_matcher.h"
+#include "mapbuilder/cell_key.h"
 #include "mapbuilder/coverage.h"
 
 namespace floorloc {
@@ -49,12 +50,6 @@ class Fuser {
   const std::vector<Track>& tracks() const { return tracks_; }
 
  private:
-  std::int64_t CellOf(double x, double y) const {
-    const auto cx = static_cast<std::int64_t>(std::floor(x / options_.radius_m));
-    const auto cy = static_cast<std::int64_t>(std::floor(y / options_.radius_m));
-    return cx * 0x100000000LL + (cy & 0xFFFFFFFFLL);
-  }
-
   // Share by which two views' descriptors differ, relative to what is allowed: below 1 they may be one point.
   double Difference(const std::pair<int, int>& a, const std::pair<int, int>& b) const {
     const cv::Mat da = frames_[static_cast<std::size_t>(a.first)].features.descriptors.row(a.second);
@@ -72,7 +67,7 @@ class Fuser {
     double best_difference = 1.0;
     for (int dx = -1; dx <= 1; ++dx) {
       for (int dy = -1; dy <= 1; ++dy) {
-        const auto cell = grid_.find(CellOf(p.x() + dx * options_.radius_m, p.y() + dy * options_.radius_m));
+        const auto cell = grid_.find(CellKey(p + options_.radius_m * Eigen::Vector2d(dx, dy), options_.radius_m));
         if (cell == grid_.end()) {
           continue;
         }
@@ -95,7 +90,7 @@ class Fuser {
     if (best < 0) {
       best = static_cast<int>(tracks_.size());
       tracks_.emplace_back();
-      grid_[CellOf(p.x(), p.y())].push_back(best);
+      grid_[CellKey(p, options_.radius_m)].push_back(best);
     }
     return tracks_[static_cast<std::size_t>(best)];
   }
@@ -153,9 +148,7 @@ std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vecto
   std::vector<int> chosen;
   for (const int t : candidates) {
     const Eigen::Vector2d p = tracks[static_cast<std::size_t>(t)].Position();
-    const auto x = static_cast<std::int64_t>(std::floor(p.x() / cell_m));
-    const auto y = static_cast<std::int64_t>(std::floor(p.y() / cell_m));
-    if (used[x * 0x100000000LL + (y & 0xFFFFFFFFLL)]++ < budget) {
+    if (used[CellKey(p, cell_m)]++ < budget) {
       chosen.push_back(t);
     }
   }

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/vision/descriptor_index.h"
+#include "mapbuilder/cell_key.h"
 
 namespace floorloc {
 namespace {
@@ -21,8 +22,6 @@ constexpr double kOdometryYawRad = 0.1;
 // Keypoints per frame that take part in the search by appearance, and neighbours asked for each.
 constexpr int kSimilarKeypoints = 250;
 constexpr int kSimilarNeighbours = 8;
-
-std::int64_t CellKey(std::int64_t x, std::int64_t y) { return x * 0x100000000LL + (y & 0xFFFFFFFFLL); }
 
 using SpatialHash = std::unordered_map<std::int64_t, std::vector<int>>;
 
