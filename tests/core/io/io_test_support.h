@@ -12,30 +12,11 @@
 #include <vector>
 
 #include "core/io/input_error.h"
+#include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc::testing_io {
 
-/// A folder of its own for every test, removed at its end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "floorloc-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error("cannot make a temporary folder");
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using floorloc::TemporaryFolder;
 
 /// The sentence of the InputError that `work` throws; a failure of the test when it throws none or something else.
 inline std::string ErrorOf(const std::function<void()>& work) {

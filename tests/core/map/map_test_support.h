@@ -15,31 +15,11 @@
 
 #include "core/map/map_database.h"
 #include "core/map/map_writer.h"
+#include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc::testing_map {
 
-/// A folder of its own for every test, removed at its end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "floorloc-map-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error("cannot make a temporary folder");
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::permissions(path_, std::filesystem::perms::owner_all, ignored);
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using floorloc::TemporaryFolder;
 
 /// Everything that goes into a map file.
 struct MapContent {
