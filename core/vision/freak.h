@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "core/vision/integral_image.h"
+
+namespace floorloc {
+
+/// How FREAK looks at a keypoint.
+struct FreakOptions {
+  bool oriented = true;                ///< turn the pattern with the picture; false: keypoints get the angle 0
+  bool scaled = true;                  ///< size the pattern by the keypoint; false: as for a keypoint of 7 px
+  double reach_per_size = 22.0 / 7.0;  ///< pattern's radius, fields included, in keypoint sizes
+
+  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  void Check() const;
+};
+
+/// Fast Retina Keypoint after Alahi, Ortiz and Vandergheynst (CVPR 2012): comparisons of the mean brightness of
+/// overlapping receptive fields that grow towards the rim, as in a retina. Const and thread-safe.
+class Freak {
+ public:
+  /// Throws std::invalid_argument when the options do not pass Check().
+  explicit Freak(const FreakOptions& options);
+
+  /// One row of 64 bytes (CV_8U, 512 bits) per keypoint, and the keypoint's angle, degrees clockwise from the
+  /// picture's right. gray: CV_8UC1. Keypoints nearer to the picture's edge than the pattern reaches are dropped.
+  cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const;
+  cv::Mat Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
+
+ private:
+  FreakOptions options_;
+};
+
+constexpr int kFreakBytes = 64;  ///< per descriptor
+
+}  // namespace floorloc

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "core/vision/integral_image.h"
+
+namespace floorloc {
+
+/// Which keypoints SURF finds and how it describes them.
+struct SurfOptions {
+  double threshold = 30.0;  ///< least determinant of the Hessian, (grey levels)^2, filters normalised by their area
+  int octaves = 2;          ///< each octave doubles the range of scales; 1 to 8
+  int layers = 2;           ///< scales per octave at which keypoints are looked for; 1 to 8
+  int first_step_px = 1;    ///< between the samples of the first octave, 1 or 2; doubled from octave to octave
+  int max_keypoints = 0;    ///< the strongest are kept; 0: all
+  bool upright = false;     ///< no orientation (angle 0): faster, for pictures that all look the same way
+
+  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  void Check() const;
+};
+
+/// Speeded-Up Robust Features after Bay, Ess, Tuytelaars and Van Gool (CVIU 2008). Const and thread-safe.
+///
+/// Keypoints are blobs: pt has (0, 0) in the centre of the top-left pixel; size is the side of the box filter that
+/// answered most strongly, px (9 px belong to the scale s = 1.2 px); angle is in degrees clockwise from the picture's
+/// right; response is the determinant of the Hessian; octave counts from 0; class_id is 1 for dark blobs on bright
+/// ground and -1 for bright ones on dark (the sign of the Laplacian).
+class Surf {
+ public:
+  /// Throws std::invalid_argument when the options do not pass Check(), or when SURF was left out of the build.
+  explicit Surf(const SurfOptions& options);
+
+  /// Keypoints with their angles, strongest first. gray: CV_8UC1; mask: empty, or zero where no keypoint may be.
+  std::vector<cv::KeyPoint> Detect(const cv::Mat& gray, const cv::Mat& mask = cv::Mat()) const;
+
+  /// One row of 64 numbers (CV_32F, length 1) per keypoint. Keypoints nearer to the picture's edge than the descriptor
+  /// reaches (SurfReachPx) are dropped; those of other detectors without an angle (below 0) are given SURF's.
+  cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const;
+
+  /// Detect and Describe with one integral image; *keypoints are those that have a descriptor.
+  cv::Mat DetectAndDescribe(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>* keypoints) const;
+
+  /// The stages, for callers that choose keypoints in between. Find leaves the angle at -1: Describe gives it.
+  std::vector<cv::KeyPoint> Find(const IntegralImage& picture) const;
+  cv::Mat Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
+
+ private:
+  SurfOptions options_;
+};
+
+constexpr int kSurfLength = 64;  ///< numbers per descriptor
+
+/// How far from the keypoint its descriptor (whatever the orientation) looks, px.
+float SurfReachPx(const cv::KeyPoint& keypoint);
+
+}  // namespace floorloc
