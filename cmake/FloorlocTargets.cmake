@@ -19,13 +19,15 @@ if(FLOORLOC_SANITIZE)
   target_link_options(floorloc_options INTERFACE -fsanitize=${FLOORLOC_SANITIZE})
 endif()
 
-# floorloc_library(NAME [PUBLIC targets...] [PRIVATE targets...])
-# Builds every .cpp of the current folder (main.cpp excepted) into the static library floorloc::NAME.
+# floorloc_library(NAME [PUBLIC targets...] [PRIVATE targets...] [EXCLUDE files...])
+# Builds every .cpp of the current folder (main.cpp and those to exclude excepted) into the static library floorloc::NAME.
 function(floorloc_library name)
-  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;EXCLUDE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  list(TRANSFORM ARG_EXCLUDE PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(REMOVE_ITEM sources "" ${ARG_EXCLUDE})
   add_library(floorloc_${name} STATIC ${sources})
   add_library(floorloc::${name} ALIAS floorloc_${name})
   target_sources(floorloc_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${CMAKE_SOURCE_DIR} FILES ${headers})

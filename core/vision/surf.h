@@ -43,17 +43,23 @@ class Surf {
   /// Detect and Describe with one integral image; *keypoints are those that have a descriptor.
   cv::Mat DetectAndDescribe(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>* keypoints) const;
 
-  /// The stages, for callers that choose keypoints in between. Find leaves the angle at -1: Describe gives it.
-  std::vector<cv::KeyPoint> Find(const IntegralImage& picture) const;
+  /// The stages, for callers that choose keypoints in between. Find leaves the angle at -1; Orient gives an angle to
+  /// those without one (upright: 0 to all), as Describe does first.
+  std::vector<cv::KeyPoint> Find(const IntegralImage& picture, const cv::Mat& mask = cv::Mat()) const;
+  void Orient(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
   cv::Mat Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
 
  private:
   SurfOptions options_;
 };
 
-constexpr int kSurfLength = 64;  ///< numbers per descriptor
+constexpr int kSurfLength = 64;                   ///< numbers per descriptor
+constexpr float kSurfScalePerSize = 1.2F / 9.0F;  ///< the scale of a filter of 9 px is 1.2 px
 
 /// How far from the keypoint its descriptor (whatever the orientation) looks, px.
-float SurfReachPx(const cv::KeyPoint& keypoint);
+inline float SurfReachPx(const cv::KeyPoint& keypoint) {
+  // The corners of the grid of boxes, 20 scales square, half a box of about one scale, and rounding.
+  return 15.0F * kSurfScalePerSize * keypoint.size + 2.0F;
+}
 
 }  // namespace floorloc

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+namespace floorloc {
+
+/// Drops keypoints where the mask (unless empty; CV_8UC1, of the picture's size) is zero, sorts the rest from the
+/// strongest to the weakest and keeps this many (0: all).
+void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* keypoints);
+
+/// Drops keypoints whose reach (px, from the keypoint) leaves the picture.
+void DropNearEdge(const cv::Size& picture, float (*reach_px)(const cv::KeyPoint&),
+                  std::vector<cv::KeyPoint>* keypoints);
+
+}  // namespace floorloc

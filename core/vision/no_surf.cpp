@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stands in for surf.cpp in builds without SURF: no Surf can be made, so that its other members are never called.
+#include <cassert>
+#include <stdexcept>
+
+#include "core/vision/surf.h"
+
+namespace floorloc {
+
+Surf::Surf(const SurfOptions& /*options*/) {
+  throw std::invalid_argument(
+      "this build has no SURF; choose another extractor, or build floorloc with -DFLOORLOC_WITH_SURF=ON");
+}
+
+std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& /*picture*/, const cv::Mat& /*mask*/) const {
+  assert(false);
+  return {};
+}
+
+void Surf::Orient(const IntegralImage& /*picture*/, std::vector<cv::KeyPoint>* /*keypoints*/) const { assert(false); }
+
+cv::Mat Surf::Describe(const IntegralImage& /*picture*/, std::vector<cv::KeyPoint>* /*keypoints*/) const {
+  assert(false);
+  return {};
+}
+
+std::vector<cv::KeyPoint> Surf::Detect(const cv::Mat& /*gray*/, const cv::Mat& /*mask*/) const {
+  assert(false);
+  return {};
+}
+
+cv::Mat Surf::Describe(const cv::Mat& /*gray*/, std::vector<cv::KeyPoint>* /*keypoints*/) const {
+  assert(false);
+  return {};
+}
+
+cv::Mat Surf::DetectAndDescribe(const cv::Mat& /*gray*/, const cv::Mat& /*mask*/,
+                                std::vector<cv::KeyPoint>* /*keypoints*/) const {
+  assert(false);
+  return {};
+}
+
+}  // namespace floorloc

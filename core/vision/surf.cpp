@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/surf.h"
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/vision/keypoint_selection.h"
+#include "core/vision/surf_descriptor.h"
+#include "core/vision/surf_detector.h"
+#include "core/vision/surf_orientation.h"
+
+namespace floorloc {
+
+Surf::Surf(const SurfOptions& options) : options_(options) { options_.Check(); }
+
+std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& picture, const cv::Mat& mask) const {
+  std::vector<cv::KeyPoint> keypoints = DetectFastHessian(picture, options_);
+  KeepStrongest(mask, options_.max_keypoints, &keypoints);
+  return keypoints;
+}
+
+void Surf::Orient(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
+  for (cv::KeyPoint& keypoint : *keypoints) {
+    if (options_.upright) {
+      keypoint.angle = 0.0F;
+    } else if (keypoint.angle < 0.0F) {
+      keypoint.angle = SurfOrientation(picture, keypoint);
+    }
+  }
+}
+
+cv::Mat Surf::Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
+  DropNearEdge({picture.width(), picture.height()}, SurfReachPx, keypoints);
+  Orient(picture, keypoints);
+  cv::Mat descriptors(static_cast<int>(keypoints->size()), kSurfLength, CV_32FC1);
+  for (int i = 0; i < descriptors.rows; ++i) {
+    DescribeSurf(picture, (*keypoints)[static_cast<std::size_t>(i)], descriptors.ptr<float>(i));
+  }
+  return descriptors;
+}
+
+std::vector<cv::KeyPoint> Surf::Detect(const cv::Mat& gray, const cv::Mat& mask) const {
+  const IntegralImage picture(gray);
+  std::vector<cv::KeyPoint> keypoints = Find(picture, mask);
+  Orient(picture, &keypoints);
+  return keypoints;
+}
+
+cv::Mat Surf::Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const {
+  return Describe(IntegralImage(gray), keypoints);
+}
+
+cv::Mat Surf::DetectAndDescribe(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>* keypoints) const {
+  const IntegralImage picture(gray);
+  *keypoints = Find(picture, mask);
+  return Describe(picture, keypoints);
+}
+
+}  // namespace floorloc

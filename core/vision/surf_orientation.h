@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/types.hpp>
+
+#include "core/vision/integral_image.h"
+
+namespace floorloc {
+
+/// The direction in which most Haar wavelets within 6 s of the keypoint point (s its scale), degrees clockwise from the
+/// picture's right, 0 to 360. Where wavelets would leave the picture, its nearest ones count.
+float SurfOrientation(const IntegralImage& picture, const cv::KeyPoint& keypoint);
+
+}  // namespace floorloc
