@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace floorloc {
 namespace {
 
@@ -27,25 +25,6 @@ TEST(AlignMapToTruth, RecoversTheMotionBetweenTheFrames) {
 
 TEST(AlignMapToTruth, RefusesAMapWithoutTruth) {
   EXPECT_THROW(AlignMapToTruth({MapFrame()}, {}), std::invalid_argument);
-}
-
-TEST(ComputeScore, CountsRightWrongAndMissing) {
-  const Pose2 truth_from_map(1.0, 2.0, 0.5);
-  const std::vector<Pose2> truth(4, truth_from_map * Pose2(0.1, 0.2, 0.3));
-  const std::vector<Fix> fixes = {
-      {Pose2(0.101, 0.2, 0.3), 1.0}, {Pose2(0.2, 0.2, 0.3), 2.0}, {Pose2(0.1, 0.2, 0.4), 3.0}, {std::nullopt, 4.0}};
-  const Score score = ComputeScore(fixes, truth, truth_from_map, Tolerance());
-  EXPECT_EQ(score.frames, 4);
-  EXPECT_EQ(score.localized, 3);
-  EXPECT_EQ(score.right, 1);
-  EXPECT_NEAR(score.position_median_m, 0.001, 1e-9);
-  EXPECT_NEAR(score.position_p99_m, 0.1, 1e-9);
-  EXPECT_NEAR(score.yaw_p99_rad, 0.1, 1e-9);
-}
-
-TEST(Percentile, OfNothingIsNotANumber) {
-  EXPECT_TRUE(std::isnan(Percentile({}, 0.5)));
-  EXPECT_EQ(Percentile({3.0, 1.0, 2.0}, 0.5), 2.0);
 }
 
 }  // namespace

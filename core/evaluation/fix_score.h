@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// What a method answered for one frame.
+struct Fix {
+  std::optional<Pose2> map_from_base;  ///< empty: not localized
+  double total_ms = 0.0;
+};
+
+/// A localized frame within these limits is a success, beyond them it is wrong.
+struct Tolerance {
+  double position_m = 0.010;
+  double yaw_rad = 0.017453292519943295;
+};
+
+/// Root mean squares along the axes of the truth's frame and of the heading.
+struct Deviation {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+
+  double position_m() const;
+};
+
+/// What all answers of a method are worth. Errors are of the localized frames, wrong ones included; NaN when none is.
+struct Score {
+  int frames = 0;
+  int localized = 0;
+  int right = 0;
+  double position_mean_m = 0.0, position_median_m = 0.0, position_p99_m = 0.0;
+  double yaw_mean_rad = 0.0, yaw_median_rad = 0.0, yaw_p99_rad = 0.0;
+  Deviation accuracy;   ///< of the errors from zero
+  Deviation precision;  ///< of the errors from their mean: the spread of the poses where the truth stands still
+  double total_median_ms = 0.0;
+};
+
+/// The value below which `share` of the values lie; NaN of none.
+double Percentile(std::vector<double> values, double share);
+/// NaN of none.
+double Mean(const std::vector<double>& values);
+
+/// fixes[i] belongs to truth[i] = truth_from_base.
+Score ComputeScore(const std::vector<Fix>& fixes, const std::vector<Pose2>& truth, const Pose2& truth_from_map,
+                   const Tolerance& tolerance);
+
+}  // namespace floorloc
