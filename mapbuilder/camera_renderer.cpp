@@ -126,25 +126,6 @@ void AddTexel(const cv::Mat& level, double u, double v, float* bgr) {
   }
 }
 
-// Soft step from 0 to 1 around x = 0.
-double SmoothStep(double x, double softness) {
-  const double t = std::clamp(0.5 + 0.5 * x / softness, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
-
-double LightAt(const Eigen::Vector2d& point_in_base, const Pose2& map_from_base, const RenderConditions& conditions) {
-  double light = 1.0;
-  const Eigen::Vector2d point_in_map = map_from_base * point_in_base;
-  for (const Lamp& lamp : conditions.lamps) {
-    const double distance = ((lamp.on_robot ? point_in_base : point_in_map) - lamp.center_m).norm();
-    light += lamp.strength * std::exp(-0.5 * std::pow(distance / (0.5 * lamp.radius_m), 2.0));
-  }
-  const ShadowStrip& shadow = conditions.shadow;
-  const Eigen::Vector2d normal(std::cos(shadow.normal_rad), std::sin(shadow.normal_rad));
-  const double from_middle = std::abs(normal.dot(point_in_base) - shadow.offset_m);
-  return light * (1.0 - shadow.strength * SmoothStep(shadow.half_width_m - from_middle, shadow.softness_m));
-}
-
 // Row by row with a seed of its own each.
 void AddNoise(cv::Mat& picture, const RenderConditions& conditions) {
   if (conditions.read_noise <= 0.0 && conditions.shot_noise <= 0.0) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/pose2.h"
 #include "mapbuilder/floor_texture.h"
 #include "mapbuilder/simulated_camera.h"
 
@@ -45,6 +46,9 @@ struct RenderConditions {
   CameraVibration vibration;
   std::uint64_t noise_seed = 0;
 };
+
+/// Light of lamps and shadow on a floor point of the base frame; 1 is the hall's own light.
+double LightAt(const Eigen::Vector2d& point_in_base, const Pose2& map_from_base, const RenderConditions& conditions);
 
 /// How bad the conditions of a recording are.
 struct ConditionLevels {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace floorloc {
+
+/// What a method finds in a picture: descriptor i belongs to keypoint i; CV_32F or CV_8U (bits).
+struct PictureFeatures {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+};
+
+/// A detector with a descriptor, set up to find about as many keypoints as the others.
+struct FeatureMethod {
+  std::string name;
+  std::function<PictureFeatures(const cv::Mat& gray)> extract;
+};
+
+/// Our SURF with dlib's octaves, layers and sampling, dlib's SURF, our SURF for floors, STAR with FREAK, and OpenCV's
+/// SIFT and ORB. All keep the strongest max_keypoints; those whose descriptor would leave the picture go after that.
+std::vector<FeatureMethod> ComparedMethods(int max_keypoints);
+
+}  // namespace floorloc

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Speed and steadiness of features, ours beside dlib's and OpenCV's. Usage: surf_benchmark PICTURE...
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/bench/features/feature_method.h"
+#include "tests/bench/features/feature_score.h"
+#include "tests/bench/features/picture_change.h"
+
+namespace floorloc {
+namespace {
+
+constexpr int kMaxKeypoints = 1000;
+constexpr int kRepetitions = 11;
+
+struct Row {
+  std::string name;
+  double median_ms = 0.0;
+  double keypoints = 0.0;  // per picture
+  std::vector<FeatureScore> scores;
+};
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The middle 640 x 480 pixels.
+std::vector<cv::Mat> ReadPictures(int count, char** names) {
+  std::vector<cv::Mat> pictures;
+  for (int i = 0; i < count; ++i) {
+    const cv::Mat picture = cv::imread(names[i], cv::IMREAD_GRAYSCALE);
+    if (picture.cols < 640 || picture.rows < 480) {
+      std::fprintf(stderr, "surf_benchmark: %s is no picture of at least 640 x 480 pixels\n", names[i]);
+      continue;
+    }
+    pictures.push_back(picture(cv::Rect((picture.cols - 640) / 2, (picture.rows - 480) / 2, 640, 480)).clone());
+  }
+  return pictures;
+}
+
+Row Measure(const FeatureMethod& method, const std::vector<cv::Mat>& pictures) {
+  Row row{.name = method.name, .scores = {}};
+  std::vector<double> times_ms;
+  const std::vector<PictureChange> changes = PictureChanges();
+  row.scores.resize(changes.size());
+  for (const cv::Mat& picture : pictures) {
+    PictureFeatures features;
+    for (int i = 0; i < kRepetitions; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      features = method.extract(picture);
+      const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+      times_ms.push_back(elapsed.count());
+    }
+    row.keypoints += static_cast<double>(features.keypoints.size()) / static_cast<double>(pictures.size());
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      const PictureFeatures after = method.extract(Apply(changes[i], picture));
+      row.scores[i].Add(ScoreFeatures(features, after, changes[i].motion(picture.size()), picture.size()));
+    }
+  }
+  row.median_ms = Median(times_ms);
+  return row;
+}
+
+void PrintScores(const char* title, const std::vector<Row>& rows, double (FeatureScore::*value)() const) {
+  std::printf("\n%-14s", title);
+  for (const PictureChange& change : PictureChanges()) {
+    std::printf("%10s", change.name.c_str());
+  }
+  std::printf("%10s\n", "mean");
+  for (const Row& row : rows) {
+    std::printf("%-14s", row.name.c_str());
+    double sum = 0.0;
+    for (const FeatureScore& score : row.scores) {
+      std::printf("%9.1f%%", 100.0 * (score.*value)());
+      sum += (score.*value)() / static_cast<double>(row.scores.size());
+    }
+    std::printf("%9.1f%%\n", 100.0 * sum);
+  }
+}
+
+void PrintSpeeds(const std::vector<Row>& rows, const Row& reference) {
+  std::printf("\n%-14s%10s%10s%16s%22s\n", "speed", "ms", "keypoints", "us/keypoint", "times dlib's speed");
+  for (const Row& row : rows) {
+    const double us_per_keypoint = 1000.0 * row.median_ms / row.keypoints;
+    std::printf("%-14s%10.2f%10.0f%16.2f%22.1f\n", row.name.c_str(), row.median_ms, row.keypoints, us_per_keypoint,
+                reference.median_ms / row.median_ms);
+  }
+}
+
+int Run(int count, char** names) {
+  cv::setNumThreads(1);
+  const std::vector<cv::Mat> pictures = ReadPictures(count, names);
+  if (pictures.empty()) {
+    std::fprintf(stderr, "usage: surf_benchmark PICTURE...\n");
+    return 2;
+  }
+  std::vector<Row> rows;
+  for (const FeatureMethod& method : ComparedMethods(kMaxKeypoints)) {
+    rows.push_back(Measure(method, pictures));
+  }
+  std::printf(
+      "%zu pictures of 640 x 480 pixels, one thread, the strongest %d keypoints of each, threshold 1 for SURF.\n"
+      "'surf as dlib' looks where dlib does: 4 octaves of 4 scales, first samples 2 px apart.\n",
+      pictures.size(), kMaxKeypoints);
+  PrintSpeeds(rows, rows[1]);
+  PrintScores("repeatability", rows, &FeatureScore::repeatability);
+  PrintScores("matching score", rows, &FeatureScore::matching_score);
+  return 0;
+}
+
+}  // namespace
+}  // namespace floorloc
+
+int main(int argc, char** argv) { return floorloc::Run(argc - 1, argv + 1); }

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/localization/localizer.h"
+#include "mapbuilder/progress.h"
+#include "tests/bench/honesty/cases.h"
+#include "tests/bench/honesty/gray_renderer.h"
+
+namespace floorloc {
+
+/// Where the benchmark keeps a floor's pictures, survey and map.
+struct FloorFiles {
+  std::filesystem::path folder;
+  std::string name;
+
+  std::filesystem::path Survey() const { return folder / (name + "-survey"); }
+  std::filesystem::path Map() const { return folder / (name + ".floormap"); }
+  /// The floor when the share `wear` of it has changed.
+  std::filesystem::path Picture(double wear) const;
+};
+
+/// Makes the floor, its worn variants, a survey of its left part and the map of that; nothing when the map is there.
+/// Throws what the builder throws.
+void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const ProgressOutput& progress);
+
+/// Throws InputError when the file is not there.
+GrayFloor ReadGrayFloor(const FloorFiles& files, double wear);
+
+/// A floor with its map.
+struct BenchFloor {
+  std::unique_ptr<Localizer> localizer;
+  Pose2 map_from_truth;          ///< by the map's own frames
+  double map_rms_m = 0.0;        ///< position error of the map's own frames after that
+  std::vector<GrayFloor> looks;  ///< one per condition case
+};
+
+BenchFloor ReadBenchFloor(const FloorFiles& files, const std::vector<ConditionCase>& conditions);
+
+}  // namespace floorloc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "core/geometry/pose2.h"
+#include "core/localization/localizer.h"
+#include "tests/bench/honesty/cases.h"
+
+namespace floorloc {
+
+/// Where a frame is taken.
+enum class FramePlace {
+  kMap,         ///< all of it on the surveyed floor
+  kEdge,        ///< across the border of the surveyed floor
+  kUnmapped,    ///< on the part of the same floor that was never surveyed
+  kOtherFloor,  ///< on another floor
+};
+/// "map", "edge", "unmapped", "other_floor"
+const char* ToString(FramePlace place);
+/// Throws std::invalid_argument for another name.
+FramePlace ParseFramePlace(const std::string& name);
+
+/// What the localizer is told.
+enum class SearchKind {
+  kGlobal,      ///< nothing
+  kPrior,       ///< a prior that holds
+  kWrongPrior,  ///< a prior that excludes the truth: one repetition off, or on the map though the frame isn't
+};
+/// "global", "prior", "wrong_prior"
+const char* ToString(SearchKind search);
+/// Throws std::invalid_argument for another name.
+SearchKind ParseSearchKind(const std::string& name);
+
+/// One question to the localizer.
+struct PlannedSearch {
+  SearchKind kind = SearchKind::kGlobal;
+  std::optional<PosePrior> prior;  ///< its pose is truth_from_base
+};
+
+/// One frame of the benchmark. Everything random about it comes from its seed.
+struct FramePlan {
+  FramePlace place = FramePlace::kMap;
+  std::size_t condition = 0;    ///< index of the condition case
+  std::size_t other_floor = 0;  ///< 0 ... others - 1, when it is on another floor
+  Pose2 truth_from_base;        ///< in the frame of the floor it is on
+  Eigen::Vector3d twist = Eigen::Vector3d::Zero();
+  double time_s = 0.0;
+  std::uint64_t seed = 0;
+  std::vector<PlannedSearch> searches;
+};
+
+/// What frames are drawn from.
+struct FramePlanner {
+  FloorCase floor;
+  RectM roi;                   ///< of the camera
+  std::size_t conditions = 1;  ///< how many there are
+  std::vector<Eigen::Vector2d> other_sizes_m;
+  std::uint64_t seed = 1;
+
+  /// The same frame number gives the same plan.
+  FramePlan Plan(int frame) const;
+};
+
+}  // namespace floorloc

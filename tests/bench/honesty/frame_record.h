@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/bench/honesty/frame_plan.h"
+
+namespace floorloc {
+
+/// What the localizer answered to one question.
+struct FixRecord {
+  SearchKind search = SearchKind::kGlobal;
+  LocalizationStatus status = LocalizationStatus::kNotLocalized;
+  bool has_pose = false;  ///< also of a frame that was not accepted: the best guess
+  double p_wrong = 1.0;
+  double error_m = 0.0;  ///< of the pose; infinite when the frame is not on the map's floor
+  double error_rad = 0.0;
+  double nees = 0.0;
+  int inliers = 0;
+  bool truth_listed = false;  ///< ambiguous, and the truth is among the alternatives
+  double localize_ms = 0.0;
+
+  bool accepted() const { return status == LocalizationStatus::kLocalized; }
+  /// The pose is beyond 10 mm or 1 degree.
+  bool wrong() const;
+};
+
+struct FrameRecord {
+  int frame = 0;
+  FramePlace place = FramePlace::kMap;
+  std::string condition;
+  double render_ms = 0.0;
+  std::vector<FixRecord> fixes;
+};
+
+/// One JSON object, without the end of the line.
+std::string ToJsonLine(const FrameRecord& record);
+/// Throws std::exception of some kind when the text is not such a line.
+FrameRecord ParseFrameRecord(const std::string& line);
+
+}  // namespace floorloc

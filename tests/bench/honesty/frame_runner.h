@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tests/bench/honesty/bench_floor.h"
+#include "tests/bench/honesty/frame_plan.h"
+#include "tests/bench/honesty/frame_record.h"
+
+namespace floorloc {
+
+/// Renders the planned frames of one floor and localizes them. Run may run in many threads and gives the same record
+/// (but for the times) for the same frame.
+class FrameRunner {
+ public:
+  /// Refers to the floors, which must outlive it.
+  FrameRunner(const BenchFloor& floor, FramePlanner planner, std::vector<const GrayFloor*> others,
+              std::vector<ConditionCase> conditions);
+
+  FrameRecord Run(int frame) const;
+
+ private:
+  cv::Mat Render(const FramePlan& plan) const;
+  FixRecord Localize(const FramePlan& plan, const PlannedSearch& search, const cv::Mat& raw) const;
+
+  const BenchFloor& floor_;
+  FramePlanner planner_;
+  std::vector<const GrayFloor*> others_;
+  std::vector<ConditionCase> conditions_;
+  FloorCamera camera_;
+  GrayRenderer renderer_;
+  Rectifier rectifier_;
+};
+
+/// True when both tell the same but for the times: the program still gives the same answers.
+bool SameAnswers(const FrameRecord& a, const FrameRecord& b);
+
+}  // namespace floorloc

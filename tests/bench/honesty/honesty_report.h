@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/evaluation/consistency.h"
+#include "tests/bench/honesty/frame_record.h"
+
+namespace floorloc {
+
+/// What became of the frames of one kind in one kind of search.
+struct Tally {
+  int frames = 0;
+  int right = 0;  ///< accepted, within 10 mm and 1 degree
+  int wrong = 0;  ///< accepted, and beyond
+  int ambiguous = 0;
+  int truth_listed = 0;  ///< of the ambiguous ones
+  int not_localized = 0;
+  std::vector<double> nees;      ///< of the right ones
+  std::vector<double> errors_m;  ///< of the right ones
+
+  void Add(const FixRecord& fix);
+};
+
+/// Records of all floors, by the name of the floor.
+using FloorRecords = std::map<std::string, std::vector<FrameRecord>>;
+
+/// Everything the benchmark has to say.
+struct HonestyReport {
+  /// search -> floor ("all" for the sum) -> condition, or place of the frames that are not wholly on the map -> tally.
+  /// The row "total" holds all frames on the map and its edge.
+  std::map<SearchKind, std::map<std::string, std::map<std::string, Tally>>> tallies;
+  std::map<SearchKind, std::vector<ReliabilityBin>> reliability;  ///< of every best pose, accepted or not
+  std::map<SearchKind, double> expected_wrong;                    ///< sum of p_wrong over the accepted poses
+  int frames = 0;
+  double render_ms = 0.0;  ///< mean per frame
+  std::map<SearchKind, double> localize_ms;
+};
+
+HonestyReport Summarize(const FloorRecords& records);
+
+void PrintReport(std::ostream& out, const HonestyReport& report);
+/// The same for programs: pretty-printed JSON.
+std::string ToJson(const HonestyReport& report);
+/// The reliability diagram of global search and of search with a prior, as a self-contained SVG.
+std::string DrawReliability(const HonestyReport& report);
+
+}  // namespace floorloc
