@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tests/bench/score.h"
+#include "core/evaluation/fix_score.h"
 
 namespace floorloc {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/evaluation/consistency.h"
-#include "tests/bench/score.h"
+#include "core/evaluation/fix_score.h"
 
 namespace floorloc {
 namespace {

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tests/bench/score.h"
+#include "core/evaluation/fix_score.h"
 
 namespace floorloc {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int kDecades = 9;  // p_wrong down to 1e-8, and all below
 
 bool OnTheMap(FramePlace place) { return place == FramePlace::kMap || place == FramePlace::kEdge; }
 
@@ -22,6 +24,13 @@ void AddFix(const std::string& floor, const FrameRecord& record, const FixRecord
       rows["total"].Add(fix);
     }
   }
+}
+
+Json ToJson(const WrongFix& wrong) {
+  const FixRecord& fix = wrong.fix;
+  return {{"floor", wrong.floor},         {"frame", wrong.frame},           {"place", ToString(wrong.place)},
+          {"condition", wrong.condition}, {"search", ToString(fix.search)}, {"p_wrong", fix.p_wrong},
+          {"error_m", fix.error_m},       {"error_rad", fix.error_rad},     {"inliers", fix.inliers}};
 }
 
 Json ToJson(const Tally& tally) {
@@ -69,6 +78,19 @@ void Tally::Add(const FixRecord& fix) {
   }
 }
 
+std::vector<std::string> OrderedRows(const std::map<std::string, Tally>& rows) {
+  std::vector<std::string> order;
+  for (const ConditionCase& condition : ConditionCases()) {
+    order.push_back(condition.name);
+  }
+  for (const FramePlace place : {FramePlace::kEdge, FramePlace::kUnmapped, FramePlace::kOtherFloor}) {
+    order.emplace_back(ToString(place));
+  }
+  order.emplace_back("total");
+  std::erase_if(order, [&](const std::string& row) { return !rows.contains(row); });
+  return order;
+}
+
 HonestyReport Summarize(const FloorRecords& records) {
   HonestyReport report;
   std::map<SearchKind, std::vector<Forecast>> forecasts;
@@ -78,6 +100,9 @@ HonestyReport Summarize(const FloorRecords& records) {
       ++report.frames;
       report.render_ms += record.render_ms;
       for (const FixRecord& fix : record.fixes) {
+        if (fix.accepted() && fix.wrong()) {
+          report.wrong_fixes.push_back({floor, record.place, record.frame, record.condition, fix});
+        }
         AddFix(floor, record, fix, &report);
         ++searches[fix.search];
         report.localize_ms[fix.search] += fix.localize_ms;
@@ -91,7 +116,7 @@ HonestyReport Summarize(const FloorRecords& records) {
   report.render_ms /= std::max(1, report.frames);
   for (const auto& [search, count] : searches) {
     report.localize_ms[search] /= count;
-    report.reliability[search] = BinByDecade(forecasts[search]);
+    report.reliability[search] = BinByDecade(forecasts[search], kDecades);
   }
   return report;
 }
@@ -110,6 +135,10 @@ std::string ToJson(const HonestyReport& report) {
         part["floors"][floor][row] = ToJson(tally);
       }
     }
+  }
+  json["wrong_fixes"] = Json::array();
+  for (const WrongFix& wrong : report.wrong_fixes) {
+    json["wrong_fixes"].push_back(ToJson(wrong));
   }
   return json.dump(2) + "\n";
 }

@@ -28,17 +28,30 @@ struct Tally {
 /// Records of all floors, by the name of the floor.
 using FloorRecords = std::map<std::string, std::vector<FrameRecord>>;
 
+/// An accepted pose that is wrong, and where to find its frame.
+struct WrongFix {
+  std::string floor;
+  FramePlace place = FramePlace::kMap;
+  int frame = 0;
+  std::string condition;
+  FixRecord fix;
+};
+
 /// Everything the benchmark has to say.
 struct HonestyReport {
   /// search -> floor ("all" for the sum) -> condition, or place of the frames that are not wholly on the map -> tally.
   /// The row "total" holds all frames on the map and its edge.
   std::map<SearchKind, std::map<std::string, std::map<std::string, Tally>>> tallies;
+  std::vector<WrongFix> wrong_fixes;
   std::map<SearchKind, std::vector<ReliabilityBin>> reliability;  ///< of every best pose, accepted or not
   std::map<SearchKind, double> expected_wrong;                    ///< sum of p_wrong over the accepted poses
   int frames = 0;
   double render_ms = 0.0;  ///< mean per frame
   std::map<SearchKind, double> localize_ms;
 };
+
+/// The rows of a floor in the order to show them: conditions, places, "total".
+std::vector<std::string> OrderedRows(const std::map<std::string, Tally>& rows);
 
 HonestyReport Summarize(const FloorRecords& records);
 

@@ -71,6 +71,19 @@ TEST(Wrong, IsBeyondTenMillimetresOrOneDegree) {
   EXPECT_FALSE(FixRecord().wrong()) << "no pose, no error";
 }
 
+TEST(Summarize, NamesTheFramesOfWrongFixes) {
+  const HonestyReport report = Summarize(SomeRecords());
+  ASSERT_EQ(report.wrong_fixes.size(), 2U);
+  EXPECT_EQ(report.wrong_fixes[0].floor, "tiles");
+  EXPECT_EQ(report.wrong_fixes[0].fix.error_m, 0.011);
+  EXPECT_EQ(report.wrong_fixes[1].place, FramePlace::kOtherFloor);
+}
+
+TEST(OrderedRows, PutsConditionsFirstAndTheTotalLast) {
+  const std::map<std::string, Tally> rows = {{"total", {}}, {"hard", {}}, {"edge", {}}, {"clean", {}}};
+  EXPECT_THAT(OrderedRows(rows), ::testing::ElementsAre("clean", "hard", "edge", "total"));
+}
+
 TEST(HonestyJson, HoldsTheTallies) {
   const nlohmann::json json = nlohmann::json::parse(ToJson(Summarize(SomeRecords())));
   EXPECT_EQ(json.at("frames"), 5);

@@ -3,8 +3,8 @@
 #include <ostream>
 #include <sstream>
 
+#include "core/evaluation/fix_score.h"
 #include "tests/bench/honesty/honesty_report.h"
-#include "tests/bench/score.h"
 
 namespace floorloc {
 namespace {
@@ -35,18 +35,18 @@ void PrintTally(std::ostream& out, const std::string& floor, const std::string& 
   out << std::left << std::setw(12) << floor << std::setw(12) << row << std::right << std::setw(8) << tally.frames
       << std::setw(8) << tally.right << std::setw(8) << Number(100.0 * tally.right / tally.frames, 1) << std::setw(7)
       << tally.wrong << std::setw(8) << tally.ambiguous << std::setw(8) << tally.truth_listed << std::setw(7)
-      << tally.not_localized << std::setw(9) << median << "  " << NeesCell(tally) << '\n';
+      << tally.not_localized << std::setw(11) << median << "  " << NeesCell(tally) << '\n';
 }
 
 void PrintTallies(std::ostream& out, SearchKind search, const HonestyReport& report) {
   out << "\nsearch: " << ToString(search) << ", " << Number(report.localize_ms.at(search), 1) << " ms per frame\n"
       << std::left << std::setw(12) << "floor" << std::setw(12) << "frames of" << std::right << std::setw(8) << "frames"
       << std::setw(8) << "right" << std::setw(8) << "right %" << std::setw(7) << "WRONG" << std::setw(8) << "ambig."
-      << std::setw(8) << "listed" << std::setw(7) << "none" << std::setw(9) << "median mm"
+      << std::setw(8) << "listed" << std::setw(7) << "none" << std::setw(11) << "median mm"
       << "  mean NEES [95 %]\n";
   for (const auto& [floor, rows] : report.tallies.at(search)) {
-    for (const auto& [row, tally] : rows) {
-      PrintTally(out, floor, row, tally);
+    for (const std::string& row : OrderedRows(rows)) {
+      PrintTally(out, floor, row, rows.at(row));
     }
   }
 }
@@ -85,6 +85,23 @@ void PrintVerdict(std::ostream& out, SearchKind search, const HonestyReport& rep
       << "; p_wrong led to expect " << Scientific(report.expected_wrong.at(search)) << " wrong ones\n";
 }
 
+// Those with a wrong prior can't be helped: they are only counted.
+void PrintWrongFixes(std::ostream& out, const HonestyReport& report) {
+  constexpr int kMost = 40;
+  int listed = 0;
+  for (const WrongFix& wrong : report.wrong_fixes) {
+    if (wrong.fix.search != SearchKind::kWrongPrior && ++listed <= kMost) {
+      out << "WRONG: " << wrong.floor << " frame " << wrong.frame << ", " << ToString(wrong.place) << ", "
+          << wrong.condition << ", " << ToString(wrong.fix.search) << ": off by "
+          << Number(1000.0 * wrong.fix.error_m, 1) << " mm, p_wrong " << Scientific(wrong.fix.p_wrong) << ", "
+          << wrong.fix.inliers << " inliers\n";
+    }
+  }
+  if (listed > kMost) {
+    out << "and " << listed - kMost << " more; the JSON report has all\n";
+  }
+}
+
 }  // namespace
 
 void PrintReport(std::ostream& out, const HonestyReport& report) {
@@ -99,6 +116,7 @@ void PrintReport(std::ostream& out, const HonestyReport& report) {
     PrintReliability(out, search, report);
   }
   out << '\n';
+  PrintWrongFixes(out, report);
   for (const auto& [search, floors] : report.tallies) {
     PrintVerdict(out, search, report);
   }

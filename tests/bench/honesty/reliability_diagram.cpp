@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSidePx = 520.0;
 constexpr double kLeftPx = 90.0;
-constexpr double kTopPx = 50.0;
+constexpr double kTopPx = 60.0;
 constexpr int kDecades = 8;  // what is rarer is drawn on the frame
 
 struct Series {
@@ -80,12 +80,11 @@ void DrawSeries(std::ostream& out, const Series& series, const std::vector<Relia
 std::string DrawReliability(const HonestyReport& report) {
   std::ostringstream out;
   out << std::setprecision(6)
-      << "<svg xmlns='http://www.w3.org/2000/svg' width='660' height='640' font-family='sans-serif' font-size='13'>\n"
+      << "<svg xmlns='http://www.w3.org/2000/svg' width='660' height='650' font-family='sans-serif' font-size='13'>\n"
          "<rect width='100%' height='100%' fill='#fff'/>\n";
   DrawText(out, {kLeftPx, 28.0}, "font-size='16'",
-           "Is p_wrong true? " + std::to_string(report.frames) +
-               " simulated frames; dashed: a factor of 2; "
-               "hollow: none wrong");
+           "Is p_wrong true? " + std::to_string(report.frames) + " simulated frames");
+  DrawText(out, {kLeftPx, 46.0}, "fill='#555'", "dashed: a factor of 2; hollow: none of the poses was wrong");
   DrawGrid(out);
   double y = kTopPx + 22.0;
   for (const Series& series : kSeries) {
