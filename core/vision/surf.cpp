@@ -21,21 +21,27 @@ std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& picture, const cv::Mat
 }
 
 void Surf::Orient(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
+  BoxSampler sampler(picture);
+  Orient(&sampler, keypoints);
+}
+
+void Surf::Orient(BoxSampler* sampler, std::vector<cv::KeyPoint>* keypoints) const {
   for (cv::KeyPoint& keypoint : *keypoints) {
     if (options_.upright) {
       keypoint.angle = 0.0F;
     } else if (keypoint.angle < 0.0F) {
-      keypoint.angle = SurfOrientation(picture, keypoint);
+      keypoint.angle = SurfOrientation(keypoint, sampler);
     }
   }
 }
 
 cv::Mat Surf::Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
   DropNearEdge({picture.width(), picture.height()}, SurfReachPx, keypoints);
-  Orient(picture, keypoints);
+  BoxSampler sampler(picture);
+  Orient(&sampler, keypoints);
   cv::Mat descriptors(static_cast<int>(keypoints->size()), kSurfLength, CV_32FC1);
   for (int i = 0; i < descriptors.rows; ++i) {
-    DescribeSurf(picture, (*keypoints)[static_cast<std::size_t>(i)], descriptors.ptr<float>(i));
+    DescribeSurf((*keypoints)[static_cast<std::size_t>(i)], &sampler, descriptors.ptr<float>(i));
   }
   return descriptors;
 }

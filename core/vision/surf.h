@@ -5,6 +5,7 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
+#include "core/vision/box_sampler.h"
 #include "core/vision/integral_image.h"
 
 namespace floorloc {
@@ -50,6 +51,8 @@ class Surf {
   cv::Mat Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
 
  private:
+  void Orient(BoxSampler* sampler, std::vector<cv::KeyPoint>* keypoints) const;
+
   SurfOptions options_;
 };
 

@@ -3,13 +3,13 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "core/vision/integral_image.h"
+#include "core/vision/box_sampler.h"
 
 namespace floorloc {
 
 /// Writes the kSurfLength numbers of the keypoint's descriptor, length 1 (all 0 on a picture without any contrast): in
 /// 4 x 4 fields, turned by the keypoint's angle, of 5 s side each the sums of the Haar wavelets along and across the
-/// angle and of their absolute values. The keypoint must be at least SurfReachPx inside the picture.
-void DescribeSurf(const IntegralImage& picture, const cv::KeyPoint& keypoint, float* descriptor);
+/// angle and of their absolute values.
+void DescribeSurf(const cv::KeyPoint& keypoint, BoxSampler* picture, float* descriptor);
 
 }  // namespace floorloc

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <opencv2/core/matx.hpp>
+#include <opencv2/core.hpp>
 
 #include "core/vision/multiversion.h"
 #include "core/vision/surf_response.h"

@@ -3,12 +3,12 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "core/vision/integral_image.h"
+#include "core/vision/box_sampler.h"
 
 namespace floorloc {
 
 /// The direction in which most Haar wavelets within 6 s of the keypoint point (s its scale), degrees clockwise from the
 /// picture's right, 0 to 360. Where wavelets would leave the picture, its nearest ones count.
-float SurfOrientation(const IntegralImage& picture, const cv::KeyPoint& keypoint);
+float SurfOrientation(const cv::KeyPoint& keypoint, BoxSampler* picture);
 
 }  // namespace floorloc

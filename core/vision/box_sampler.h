@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "core/vision/integral_image.h"
+
+namespace floorloc {
+
+/// Points around a middle, in units of a scale.
+struct SamplePattern {
+  std::vector<float> u;
+  std::vector<float> v;
+};
+
+/// side x side points around (0, 0), one unit apart, row by row.
+SamplePattern SquareGrid(int side);
+
+/// Where a pattern is put in a picture.
+struct SamplePlace {
+  cv::Point2f middle;  ///< px
+  cv::Point2f u_axis;  ///< one unit along u, px; v runs at right angles, clockwise
+  int box_px = 1;      ///< side of the upright square around each point whose mean is asked for
+};
+
+/// Means over squares at any points of a picture, to a fraction of a pixel. Keeps smoothed pictures for the next grid:
+/// one sampler per picture and thread.
+class BoxSampler {
+ public:
+  explicit BoxSampler(const IntegralImage& picture) : picture_(picture) {}
+
+  /// Writes one mean per point, grey levels. Squares that would leave the picture are moved into it.
+  void Sample(const SamplePattern& pattern, const SamplePlace& place, float* means);
+
+ private:
+  // Rounding to whole pixels does no harm to wider squares.
+  static constexpr int kWidestSmoothed = 8;
+
+  const IntegralImage& picture_;
+  std::array<cv::Mat, kWidestSmoothed + 1> smoothed_;  // by side of the square; empty until needed
+};
+
+}  // namespace floorloc
