@@ -18,14 +18,14 @@ class BruteForceHamming final : public DescriptorIndex {
  public:
   explicit BruteForceHamming(const cv::Mat& descriptors) : train_(descriptors) {}
 
-  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
+  std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
     const PackedDescriptors queries(descriptors);
     std::vector<std::vector<Neighbour>> neighbours;
     std::vector<int> all(static_cast<std::size_t>(train_.rows()));
     std::iota(all.begin(), all.end(), 0);
     for (int q = 0; q < queries.rows(); ++q) {
-      neighbours.push_back(count <= 2 ? ToNeighbours(FindTwoNearest(train_, queries.row(q)), count)
-                                      : NearestHamming(train_, queries.row(q), all, count));
+      neighbours.push_back(search.count <= 2 ? ToNeighbours(FindTwoNearest(train_, queries.row(q)), search)
+                                             : NearestHamming(train_, queries.row(q), all, search));
     }
     return neighbours;
   }
@@ -48,7 +48,7 @@ class BruteForceEuclidean final : public DescriptorIndex {
   explicit BruteForceEuclidean(const cv::Mat& descriptors)
       : train_(ToMatrix(descriptors)), train_norm_(train_.rowwise().squaredNorm()) {}
 
-  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
+  std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
     const RowMatrix queries = ToMatrix(descriptors);
     std::vector<std::vector<Neighbour>> neighbours;
     // |a - b|^2 = |a|^2 + |b|^2 - 2 a.b, a block of queries at a time: a matrix product is the fastest loop there is.
@@ -58,13 +58,14 @@ class BruteForceEuclidean final : public DescriptorIndex {
       RowMatrix squared = -2.0F * queries.middleRows(first, rows) * train_.transpose();
       squared.rowwise() += train_norm_.transpose();
       for (Eigen::Index i = 0; i < rows; ++i) {
-        NearestList nearest(count);
+        NearestList nearest({.count = search.count});
         for (Eigen::Index j = 0; j < squared.cols(); ++j) {
           nearest.Consider(static_cast<int>(j), squared(i, j));
         }
         for (Neighbour& n : nearest.list()) {
           n.distance = std::sqrt(std::max(n.distance + queries.row(first + i).squaredNorm(), 0.0F));
         }
+        std::erase_if(nearest.list(), [&](const Neighbour& n) { return n.distance > search.max_distance; });
         neighbours.push_back(std::move(nearest.list()));
       }
     }

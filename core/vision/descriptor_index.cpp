@@ -6,7 +6,7 @@
 
 #include "core/vision/brute_force_index.h"
 #include "core/vision/flann_index.h"
-#include "core/vision/mih_index.h"
+#include "core/vision/hash_index.h"
 
 namespace floorloc {
 
@@ -18,28 +18,28 @@ const char* ToString(MatcherType type) {
       return "brute_force";
     case MatcherType::kFlann:
       return "flann";
-    case MatcherType::kMih:
-      return "mih";
+    case MatcherType::kHash:
+      return "hash";
   }
   return "unknown";
 }
 
 MatcherType ParseMatcherType(const std::string& name) {
   for (const MatcherType type :
-       {MatcherType::kAuto, MatcherType::kBruteForce, MatcherType::kFlann, MatcherType::kMih}) {
+       {MatcherType::kAuto, MatcherType::kBruteForce, MatcherType::kFlann, MatcherType::kHash}) {
     if (name == ToString(type)) {
       return type;
     }
   }
-  throw std::invalid_argument("unknown matcher '" + name + "'; known are: auto, brute_force, flann, mih");
+  throw std::invalid_argument("unknown matcher '" + name + "'; known are: auto, brute_force, flann, hash");
 }
 
 std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options) {
   // Below this size an exact search is faster than any index.
   constexpr int kSmall = 2000;
   const bool binary = descriptors.depth() == CV_8U;
-  if (options.type == MatcherType::kMih && !binary) {
-    throw std::invalid_argument("matcher 'mih' takes binary descriptors only; use auto, flann or brute_force");
+  if (options.type == MatcherType::kHash && !binary) {
+    throw std::invalid_argument("matcher 'hash' takes binary descriptors only; use auto, flann or brute_force");
   }
   if (options.type == MatcherType::kBruteForce || descriptors.rows < kSmall) {
     return CreateBruteForceIndex(descriptors);
@@ -47,7 +47,7 @@ std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptor
   if (options.type == MatcherType::kFlann || !binary) {
     return CreateFlannIndex(descriptors, options);
   }
-  return CreateMihIndex(descriptors);
+  return CreateHashIndex(descriptors, options);
 }
 
 std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors) {
@@ -57,6 +57,19 @@ std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& desc
     if (!found.empty()) {
       const float second = found.size() > 1 ? found[1].distance : std::numeric_limits<float>::infinity();
       matches.push_back({query, found[0].index, found[0].distance, second});
+    }
+    ++query;
+  }
+  return matches;
+}
+
+std::vector<Match> FindAllNear(const DescriptorIndex& index, const cv::Mat& descriptors,
+                               const NeighbourSearch& search) {
+  std::vector<Match> matches;
+  int query = 0;
+  for (const std::vector<Neighbour>& found : index.Search(descriptors, search)) {
+    for (const Neighbour& n : found) {
+      matches.push_back({query, n.index, n.distance, std::numeric_limits<float>::infinity()});
     }
     ++query;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -26,23 +27,35 @@ struct Match {
 };
 
 enum class MatcherType {
-  kAuto,        ///< multi-index hashing for binary descriptors, FLANN for float ones
+  kAuto,        ///< hashing for binary descriptors, FLANN for float ones
   kBruteForce,  ///< exact
   kFlann,       ///< randomised kd-trees (float), hierarchical clusterings (binary)
-  kMih,         ///< multi-index hashing, binary descriptors only
+  kHash,        ///< hashing on learned projections, binary descriptors only
 };
 
 const char* ToString(MatcherType type);
 MatcherType ParseMatcherType(const std::string& name);
 
+/// Hashing looks into no more buckets than this.
+constexpr int kMaxProbes = 4096;
+
 struct IndexOptions {
   MatcherType type = MatcherType::kAuto;
-  int trees = 4;    ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
-  int checks = 64;  ///< FLANN: leaves looked at per query
+  int trees = 4;     ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
+  int checks = 64;   ///< FLANN: leaves looked at per query
+  int probes = 512;  ///< hashing: buckets looked at per query, at most kMaxProbes
   std::uint32_t seed = 1;
 };
 
-/// Nearest neighbours among a fixed set of descriptors. Owns its data; searches are const and thread-safe.
+/// What is looked for, and how hard.
+struct NeighbourSearch {
+  int count = 2;                                                ///< the nearest so many
+  float max_distance = std::numeric_limits<float>::infinity();  ///< farther ones are left out
+  int probes = 0;  ///< hashing: buckets looked at per query; 0: as many as the index's options say
+};
+
+/// Nearest neighbours among a fixed set of descriptors. Keeps its data alive (binary ones it may share with the matrix
+/// it was made of, which must not be written to afterwards); searches are const and thread-safe.
 class DescriptorIndex {
  public:
   virtual ~DescriptorIndex() = default;
@@ -50,8 +63,13 @@ class DescriptorIndex {
   DescriptorIndex(const DescriptorIndex&) = delete;
   DescriptorIndex& operator=(const DescriptorIndex&) = delete;
 
-  /// The count nearest neighbours of every row, nearest first; fewer when the index holds fewer.
-  virtual std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const = 0;
+  /// Neighbours of every row, nearest first; fewer than asked for when there are fewer.
+  virtual std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors,
+                                                     const NeighbourSearch& search) const = 0;
+  /// The count nearest neighbours of every row.
+  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const {
+    return Search(descriptors, {.count = count});
+  }
   virtual int size() const = 0;
 };
 
@@ -59,6 +77,9 @@ std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptor
 
 /// The two nearest neighbours of every row as one Match; rows without a neighbour are left out.
 std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors);
+
+/// Every neighbour of every row as a Match of its own, for votes; second_distance is infinity.
+std::vector<Match> FindAllNear(const DescriptorIndex& index, const cv::Mat& descriptors, const NeighbourSearch& search);
 
 /// Lowe's ratio test: keeps matches whose nearest neighbour is clearly nearer than the second one.
 std::vector<Match> FilterByRatio(const std::vector<Match>& matches, float max_ratio);

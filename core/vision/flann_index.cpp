@@ -35,9 +35,9 @@ class FlannIndex final : public DescriptorIndex {
     index_.buildIndex();
   }
 
-  std::vector<std::vector<Neighbour>> FindNeighbours(const cv::Mat& descriptors, int count) const override {
+  std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
     std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(descriptors.rows));
-    const int k = std::min(count, size());  // OpenCV throws when it can't find as many as were asked for
+    const int k = std::min(search.count, size());  // OpenCV throws when it can't find as many as were asked for
     if (k == 0) {
       return neighbours;
     }
@@ -48,7 +48,9 @@ class FlannIndex final : public DescriptorIndex {
       index_.findNeighbors(nearest, descriptors.ptr<Element>(i), search_);
       nearest.copy(indices.data(), distances.data(), k);
       for (std::size_t n = 0; n < indices.size(); ++n) {
-        neighbours[static_cast<std::size_t>(i)].push_back({indices[n], ToMetric(distances[n])});
+        if (const float distance = ToMetric(distances[n]); distance <= search.max_distance) {
+          neighbours[static_cast<std::size_t>(i)].push_back({indices[n], distance});
+        }
       }
     }
     return neighbours;

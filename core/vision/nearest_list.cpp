@@ -3,26 +3,25 @@
 
 namespace floorloc {
 
-std::vector<Neighbour> ToNeighbours(const TwoNearest& nearest, int count) {
-  std::vector<Neighbour> list;
+std::vector<Neighbour> ToNeighbours(const TwoNearest& nearest, const NeighbourSearch& search) {
+  NearestList list(search);
   if (nearest.index >= 0) {
-    list.push_back({nearest.index, static_cast<float>(nearest.distance)});
+    list.Consider(nearest.index, static_cast<float>(nearest.distance));
   }
-  if (nearest.second_index >= 0 && count > 1) {
-    list.push_back({nearest.second_index, static_cast<float>(nearest.second_distance)});
+  if (nearest.second_index >= 0) {
+    list.Consider(nearest.second_index, static_cast<float>(nearest.second_distance));
   }
-  return list;
+  return std::move(list.list());
 }
 
 std::vector<Neighbour> NearestHamming(const PackedDescriptors& train, const std::uint64_t* query,
-                                      std::span<const int> candidates, int count) {
-  if (count <= 2) {
-    return ToNeighbours(FindTwoNearest(train, query, candidates), count);
+                                      std::span<const int> candidates, const NeighbourSearch& search) {
+  if (search.count <= 2) {
+    return ToNeighbours(FindTwoNearest(train, query, candidates), search);
   }
-  NearestList nearest(count);
-  for (const int i : candidates) {
-    nearest.Consider(i, static_cast<float>(HammingDistance(train, i, query)));
-  }
+  NearestList nearest(search);
+  VisitDistances(train, query, candidates, BestHammingKernels(),
+                 [&nearest](int row, int distance) { nearest.Consider(row, static_cast<float>(distance)); });
   return std::move(nearest.list());
 }
 

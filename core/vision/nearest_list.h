@@ -11,13 +11,14 @@
 
 namespace floorloc {
 
-/// Keeps the count smallest distances, nearest first; of equal ones the first considered.
+/// Keeps the smallest distances, nearest first; of equal ones the first considered.
 class NearestList {
  public:
-  explicit NearestList(int count) : count_(static_cast<std::size_t>(count)) {}
+  explicit NearestList(const NeighbourSearch& search)
+      : count_(static_cast<std::size_t>(search.count)), max_distance_(search.max_distance) {}
 
   void Consider(int index, float distance) {
-    if (list_.size() == count_ && distance >= list_.back().distance) {
+    if (distance > max_distance_ || (list_.size() == count_ && distance >= list_.back().distance)) {
       return;
     }
     if (list_.size() == count_) {
@@ -31,14 +32,15 @@ class NearestList {
 
  private:
   std::size_t count_;
+  float max_distance_;
   std::vector<Neighbour> list_;
 };
 
-/// The two nearest as a list of at most count (1 or 2).
-std::vector<Neighbour> ToNeighbours(const TwoNearest& nearest, int count);
+/// The nearest two as a list, when the search asks for one or two.
+std::vector<Neighbour> ToNeighbours(const TwoNearest& nearest, const NeighbourSearch& search);
 
-/// The count nearest of the candidate rows.
+/// The nearest of the candidate rows.
 std::vector<Neighbour> NearestHamming(const PackedDescriptors& train, const std::uint64_t* query,
-                                      std::span<const int> candidates, int count);
+                                      std::span<const int> candidates, const NeighbourSearch& search);
 
 }  // namespace floorloc

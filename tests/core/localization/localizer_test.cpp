@@ -200,7 +200,7 @@ TEST_F(LocalizerTest, EveryThreadGetsTheAnswerOfOne) {
 TEST_F(LocalizerTest, EveryMatcherFindsTheView) {
   const Pose2 truth = Floor().BaseForView(0.6, 0.45, 2.5);
   const cv::Mat view = GrayView(Floor(), truth, 8);
-  for (const MatcherType type : {MatcherType::kBruteForce, MatcherType::kMih, MatcherType::kFlann}) {
+  for (const MatcherType type : {MatcherType::kBruteForce, MatcherType::kHash, MatcherType::kFlann}) {
     LocalizerOptions options;
     options.index.type = type;
     ExpectNear(Localizer(TheMap(), options).Localize(rectifier_, view, std::nullopt), truth);

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/probe_sequence.h"
+
+#include <algorithm>
+#include <cassert>
+#include <compare>
+#include <functional>
+#include <queue>
+
+namespace floorloc {
+namespace {
+
+// The margin of rank r of uniformly spread ones grows as r, its square about as this.
+int CostOf(int rank) { return (rank + 1) * (rank + 2); }
+
+struct Candidate {
+  int cost = 0;
+  int rank = 0;
+  int parent = 0;
+  int parent_cost = 0;
+  auto operator<=>(const Candidate&) const = default;
+};
+
+}  // namespace
+
+ProbeSequence::ProbeSequence(int ranks, int count) {
+  assert(ranks <= 255 && count <= 65536);
+  probes_.push_back({});
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> next;
+  if (ranks > 0) {
+    next.push({CostOf(0), 0, 0, 0});
+  }
+  while (!next.empty() && static_cast<int>(probes_.size()) < count) {
+    const Candidate c = next.top();
+    next.pop();
+    const auto index = static_cast<int>(probes_.size());
+    probes_.push_back({static_cast<std::uint16_t>(c.parent), static_cast<std::uint8_t>(c.rank)});
+    // Every set follows from exactly one: either its largest rank was one less, or that rank is new.
+    if (c.rank + 1 < ranks) {
+      next.push({c.parent_cost + CostOf(c.rank + 1), c.rank + 1, c.parent, c.parent_cost});
+      next.push({c.cost + CostOf(c.rank + 1), c.rank + 1, index, c.cost});
+    }
+  }
+}
+
+}  // namespace floorloc
