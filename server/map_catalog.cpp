@@ -43,7 +43,9 @@ std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, cons
   map->name = file.stem().string();
   try {
     map->database = std::make_unique<const MapDatabase>(file);
-    map->localizer = std::make_unique<const Localizer>(map->database->ReadMap(), options);
+    map->localizer = std::make_unique<const Localizer>(
+        map->database->ReadMap(), options,
+        [&database = *map->database](const TileId& tile) { return database.ReadMosaicTile(tile); });
   } catch (const std::exception& error) {
     map->database.reset();
     map->error = WithoutFolder(error.what(), file);

@@ -86,6 +86,18 @@ FloorCamera FloorCamera::AtResolution(double resolution_m) const {
   return camera_at;
 }
 
+Eigen::Vector3d FloorCamera::CameraCenter() const {
+  Eigen::Matrix3d intrinsics;
+  intrinsics << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
+  // Proportional to [r1 r2 t] of camera_from_base.
+  const Eigen::Matrix3d columns = (floor.base_from_pixel * intrinsics).inverse();
+  const double depth = columns.row(2) * floor.roi.Center().homogeneous();
+  const double norm = 0.5 * (columns.col(0).norm() + columns.col(1).norm());
+  const Eigen::Matrix3d scaled = columns / std::copysign(norm, depth);
+  const Eigen::Vector3d t = scaled.col(2);
+  return {-scaled.col(0).dot(t), -scaled.col(1).dot(t), -scaled.col(0).cross(scaled.col(1)).dot(t)};
+}
+
 Eigen::Vector2d FloorCamera::FloorFromRawPixel(const Eigen::Vector2d& raw_px) const {
   return (floor.base_from_pixel * camera.Undistort(raw_px).homogeneous()).hnormalized();
 }

@@ -43,6 +43,9 @@ struct FloorCamera {
   /// The same camera, rectified to another resolution: a map's keypoints only fit pictures of its own.
   FloorCamera AtResolution(double resolution_m) const;
 
+  /// Where the camera is, base frame, from the homography's decomposition (Zhang 2000): z is its height.
+  Eigen::Vector3d CameraCenter() const;
+
   Eigen::Vector2d FloorFromRawPixel(const Eigen::Vector2d& raw_px) const;
   Eigen::Vector2d RawPixelFromFloor(const Eigen::Vector2d& point_in_base_m) const;
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/localization/oriented_matches.h"
+#include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/pose_verifier.h"
 #include "core/registration/least_squares.h"
@@ -27,8 +28,14 @@ constexpr double kKeypointAngleNoiseRad = 0.35;
 constexpr int kSparseStride = 3;
 constexpr int kFullStride = 1;
 
-// Floors repeat themselves more than independent points would: what looks like a chance of p happens with p^this.
-constexpr double kStructureExponent = 0.5;
+// Above this risk of being wrong the keypoints alone do not decide: all poses are laid over the mosaic.
+constexpr double kClearPWrong = 1e-6;
+
+// A frame whose picture agrees less with the mosaic keeps the pose that its keypoints gave it.
+constexpr double kMinCorrelation = 0.15;
+
+// Pictures may correct where keypoints put the middle of the frame by this, in inlier radii.
+constexpr double kMaxCorrection = 2.0;
 
 // Arm at which the systematic errors of position and heading weigh the same.
 constexpr double kSystematicLeverM = 0.25;
@@ -78,6 +85,13 @@ LocalizationStatus StatusOf(RegistrationStatus status) {
   }
 }
 
+// A frame, as the stages need it.
+struct FrameView {
+  Features features;
+  FrameSamples samples;
+  Eigen::Vector3d camera_center;
+};
+
 // What is searched, and how hard.
 struct SearchScope {
   std::optional<PosePrior> prior;
@@ -99,16 +113,36 @@ MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
           prior.yaw_radius_rad + kKeypointAngleNoiseRad, kSparseStride};
 }
 
+// What a frame alone does not show: errors of the map, which turn and shift the floor in view as a whole about its
+// middle.
+Eigen::Matrix3d SystematicCovariance(const Pose2& map_from_base, const Eigen::Vector2d& view_center, double error_m) {
+  const Eigen::Vector2d arm = -(map_from_base.rotation() * view_center);
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+  jacobian(0, 2) = -arm.y();
+  jacobian(1, 2) = arm.x();
+  const double turn = error_m / kSystematicLeverM;
+  const Eigen::Vector3d variance(error_m * error_m, error_m * error_m, turn * turn);
+  return jacobian * variance.asDiagonal() * jacobian.transpose();
+}
+
 }  // namespace
 
 struct Localizer::Impl {
-  Impl(FloorMap floor_map, const LocalizerOptions& o)
+  Impl(FloorMap floor_map, MosaicTileSource tiles, const LocalizerOptions& o)
       : options(ScaledTo(o, floor_map.info.camera.floor.resolution_m)),
         map(std::move(floor_map)),
         extractor(CreateFeatureExtractor(map.info.extractor)),
         index(CreateDescriptorIndex(map.keypoints.descriptors, o.index)),
         guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera.floor.resolution_m),
-        verifier(map.keypoints, guided, map.info.area_m2, options.registration) {}
+        verifier(map.keypoints, guided, map.info.area_m2, options.registration) {
+    if (tiles) {
+      const ExtractorOptions& e = map.info.extractor;
+      raster.emplace(std::move(tiles), map.mosaic,
+                     ContrastOptions{e.normalize_radius_px > 0 ? e.normalize_radius_px : ContrastOptions().radius_px,
+                                     e.smooth_sigma_px},
+                     o.mosaic_memory_bytes);
+    }
+  }
 
   LocalizerOptions options;
   FloorMap map;
@@ -116,6 +150,7 @@ struct Localizer::Impl {
   std::unique_ptr<DescriptorIndex> index;
   GuidedMatcher guided;
   PoseVerifier verifier;
+  std::optional<MosaicRaster> raster;
 
   float MaxRatio() const {
     return extractor->descriptor_type() == DescriptorType::kBinary ? options.max_ratio_binary : options.max_ratio_float;
@@ -141,12 +176,8 @@ struct Localizer::Impl {
       });
       if (!known && scope.Contains(refined)) {
         pose.votes = static_cast<int>(FindInliers(matches, refined, options.registration.inlier_radius_m).size());
-        // Both looks must be beyond chance: on self-similar floors many keypoints fit a wrong place, but few are
-        // distinctive there.
-        const double log_chance_votes =
+        pose.log_chance_votes =
             LogChancePoses(static_cast<int>(matches.size()), pose.votes, region, options.registration);
-        pose.candidate.log_false_alarms =
-            std::max(pose.candidate.log_false_alarms, kStructureExponent * log_chance_votes);
         verified.push_back(std::move(pose));
       }
     }
@@ -158,21 +189,40 @@ struct Localizer::Impl {
   }
 
   // Matches, verifies and decides; adds its times to the result's.
-  void Search(const Features& features, const SearchScope& scope, LocalizationResult* result) const {
+  void Search(const FrameView& frame, const SearchScope& scope, LocalizationResult* result) const {
     Stopwatch stage;
-    const std::vector<OrientedMatch> matches = FindMatches(features, scope.guide);
+    const std::vector<OrientedMatch> matches = FindMatches(frame.features, scope.guide);
     result->timing.match_ms += stage.LapMs();
-    const std::vector<VerifiedPose> verified = VerifyCandidates(features, matches, scope);
-    Conclude(verified, result);
+    std::vector<VerifiedPose> verified = VerifyCandidates(frame.features, matches, scope);
+    const PoseDecision decision = Decide(frame, &verified);
+    Conclude(frame, verified, decision, result);
     result->timing.register_ms += stage.LapMs();
   }
 
-  void Conclude(const std::vector<VerifiedPose>& verified, LocalizationResult* result) const {
-    PoseDecision decision = DecidePose(verified, verifier.max_distance(), options.registration);
+  // The best pose is laid over the mosaic; so are its rivals when the keypoints do not tell them apart.
+  PoseDecision Decide(const FrameView& frame, std::vector<VerifiedPose>* poses) const {
+    PoseDecision decision = DecidePose(*poses, verifier.max_distance(), options.registration);
+    if (!raster || decision.best < 0) {
+      return decision;
+    }
+    const PhotometricAligner aligner(*raster);
+    const auto lay = [&](VerifiedPose* pose) {
+      pose->photo = aligner.Align(frame.samples, frame.camera_center, pose->candidate.target_from_source);
+    };
+    if (decision.p_wrong <= kClearPWrong) {
+      lay(&(*poses)[static_cast<std::size_t>(decision.best)]);
+      return decision;
+    }
+    std::for_each(poses->begin(), poses->end(), [&](VerifiedPose& pose) { lay(&pose); });
+    return DecidePose(*poses, verifier.max_distance(), options.registration);
+  }
+
+  void Conclude(const FrameView& frame, const std::vector<VerifiedPose>& verified, const PoseDecision& decision,
+                LocalizationResult* result) const {
     result->status = StatusOf(decision.status);
     result->reason = ReasonOf(decision.status);
     result->p_wrong = decision.p_wrong;
-    result->alternatives = std::move(decision.alternatives);
+    result->alternatives = decision.alternatives;
     if (decision.best < 0) {
       return;
     }
@@ -184,19 +234,19 @@ struct Localizer::Impl {
     result->rms_m = RmsResidual(best.matches, best.candidate.inliers, pose);
     const double noise_m = KeypointNoise(result->rms_m, result->inliers, options.registration);
     result->covariance = PoseCovariance(best.matches, best.candidate.inliers, pose, noise_m);
+    double systematic_m = std::hypot(options.systematic_m, options.systematic_share * result->rms_m);
+    if (best.photo && Agrees(*best.photo)) {
+      result->map_from_base = best.photo->map_from_base;
+      result->covariance = best.photo->covariance;
+      systematic_m = options.systematic_m;
+    }
+    result->covariance += SystematicCovariance(result->map_from_base, frame.samples.center(), systematic_m);
   }
 
-  // What keypoints alone do not show: errors of map and mounting, which turn and shift the region of interest as a
-  // whole about its middle.
-  void AddSystematicErrors(const Eigen::Vector2d& roi_center, LocalizationResult* result) const {
-    const Eigen::Vector2d arm = -(result->map_from_base.rotation() * roi_center);
-    Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-    jacobian(0, 2) = -arm.y();
-    jacobian(1, 2) = arm.x();
-    const double t = std::hypot(options.systematic_m, options.systematic_share * result->rms_m);
-    const double r = t / kSystematicLeverM;
-    const Eigen::Vector3d variance(t * t, t * t, r * r);
-    result->covariance += jacobian * variance.asDiagonal() * jacobian.transpose();
+  // True when the picture fits, and where the keypoints say: a fit can slide off.
+  bool Agrees(const PhotometricFit& photo) const {
+    return photo.MeanCorrelation() >= kMinCorrelation &&
+           photo.moved_m <= kMaxCorrection * options.registration.inlier_radius_m;
   }
 };
 
@@ -238,9 +288,9 @@ const char* ToString(NotLocalizedReason reason) {
   return "unknown";
 }
 
-Localizer::Localizer(FloorMap map, const LocalizerOptions& options) {
+Localizer::Localizer(FloorMap map, const LocalizerOptions& options, MosaicTileSource tiles) {
   options.Check();
-  impl_ = std::make_unique<Impl>(std::move(map), options);
+  impl_ = std::make_unique<Impl>(std::move(map), std::move(tiles), options);
 }
 
 Localizer::~Localizer() = default;
@@ -256,9 +306,11 @@ LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat
   const GroundImage image = rectifier.Rectify(raw);
   result.timing.rectify_ms = stage.LapMs();
 
-  const Features features = impl_->extractor->Extract(image);
+  const cv::Mat prepared = impl_->extractor->Prepare(image);
+  const FrameView frame{impl_->extractor->Extract(image, prepared), FrameSamples(image, prepared),
+                        rectifier.camera().CameraCenter()};
   result.timing.features_ms = stage.LapMs();
-  result.keypoints = static_cast<int>(features.keypoints.size());
+  result.keypoints = static_cast<int>(frame.features.keypoints.size());
   if (result.keypoints < impl_->options.registration.min_inliers) {
     result.reason = NotLocalizedReason::kTooFewKeypoints;
     result.timing.total_ms = total.LapMs();
@@ -269,12 +321,11 @@ LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat
   if (prior) {
     scope.guide = GuideOf(*prior, rectifier.camera().floor.roi);
   }
-  impl_->Search(features, scope, &result);
+  impl_->Search(frame, scope, &result);
   if (prior && result.status != LocalizationStatus::kLocalized) {
     scope.guide->stride = kFullStride;
-    impl_->Search(features, scope, &result);
+    impl_->Search(frame, scope, &result);
   }
-  impl_->AddSystematicErrors(rectifier.camera().floor.roi.Center(), &result);
   result.timing.total_ms = total.LapMs();
   return result;
 }

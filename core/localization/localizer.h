@@ -10,6 +10,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/map/floor_map.h"
+#include "core/map/mosaic_raster.h"
 #include "core/registration/registration.h"
 #include "core/vision/descriptor_index.h"
 #include "core/vision/rectifier.h"
@@ -28,9 +29,9 @@ struct LocalizerOptions {
   float max_ratio_float = 0.85F;   ///< ratio test, float descriptors
   float max_ratio_binary = 0.90F;  ///< ratio test, binary descriptors
   RegistrationOptions registration;
-  /// Errors of map and mounting that a frame's residuals do not show: a constant and a share of their RMS.
-  double systematic_m = 3e-4;
-  double systematic_share = 1.0;
+  double systematic_m = 2e-4;     ///< error of the map that a frame's residuals do not show
+  double systematic_share = 1.0;  ///< the same as a share of their RMS, where the mosaic was not compared
+  std::size_t mosaic_memory_bytes = std::size_t{128} << 20;  ///< of the decoded mosaic that is kept
 
   void Check() const;
 };
@@ -72,8 +73,9 @@ struct LocalizationResult {
 /// same answer for the same input.
 class Localizer {
  public:
-  /// Builds the search structures. Throws std::invalid_argument on bad options.
-  Localizer(FloorMap map, const LocalizerOptions& options);
+  /// Builds the search structures. tiles: the map's mosaic; without it keypoints alone decide, less finely. Throws
+  /// std::invalid_argument on bad options.
+  Localizer(FloorMap map, const LocalizerOptions& options, MosaicTileSource tiles = nullptr);
   ~Localizer();
   Localizer(const Localizer&) = delete;
   Localizer& operator=(const Localizer&) = delete;

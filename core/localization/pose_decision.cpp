@@ -3,41 +3,123 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
+#include <vector>
 
 namespace floorloc {
 namespace {
 
-// A pose with more expected false alarms than this is no rival: chance always offers some.
+// A pose that its keypoints do not lift above chance by this is no rival: chance always offers some.
 constexpr double kMinSignificance = -1.0;
+
+// Floors repeat themselves more than independent points would: what looks like a chance of p happens with p^this.
+constexpr double kStructureExponent = 0.5;
 
 // How well a keypoint fits a pose: 0 where the pose has nothing alike for it.
 double Score(float distance, float max_distance) { return std::max(0.0, static_cast<double>(max_distance - distance)); }
 
-// Lead of the first pose in standard deviations, from two witnesses. Were the poses equally right, the differences of
-// the scores, keypoint by keypoint, would be as often negative as positive (paired z test); and so would the votes of
-// distinctive matches, each of which went to one pose only (sign test).
-double LeadSigma(const VerifiedPose& first, const VerifiedPose& second, float max_distance) {
-  double sum = 0.0;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < first.distance.size(); ++i) {
-    const double lead = Score(first.distance[i], max_distance) - Score(second.distance[i], max_distance);
-    sum += lead;
-    squares += lead * lead;
+// Were two poses equally right, the differences of what they explain, witness by witness, would be as often negative as
+// positive (paired z test).
+class PairedTest {
+ public:
+  void Add(double lead) {
+    sum_ += lead;
+    squares_ += lead * lead;
   }
-  const double by_score = squares > 0.0 ? sum / std::sqrt(squares) : 0.0;
-  const double by_votes = (first.votes - second.votes) / std::sqrt(std::max(1, first.votes + second.votes));
-  return (by_score + by_votes) / std::numbers::sqrt2;  // Stouffer's sum
+  double Sigma() const { return squares_ > 0.0 ? sum_ / std::sqrt(squares_) : 0.0; }
+
+ private:
+  double sum_ = 0.0;
+  double squares_ = 0.0;
+};
+
+double LeadByKeypoints(const VerifiedPose& first, const VerifiedPose& second, float max_distance) {
+  PairedTest test;
+  for (std::size_t i = 0; i < first.distance.size(); ++i) {
+    test.Add(Score(first.distance[i], max_distance) - Score(second.distance[i], max_distance));
+  }
+  return test.Sigma();
 }
 
+// Distinctive matches went to one pose only (sign test).
+double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second) {
+  return (first.votes - second.votes) / std::sqrt(std::max(1, first.votes + second.votes));
+}
+
+// Correlations spread evenly only after Fisher's transformation.
+double FisherZ(float correlation) { return std::atanh(std::clamp(static_cast<double>(correlation), -0.98, 0.98)); }
+
+double LeadByPicture(const PhotometricFit& first, const PhotometricFit& second) {
+  PairedTest test;
+  for (std::size_t c = 0; c < first.cell_correlation.size(); ++c) {
+    test.Add(FisherZ(first.cell_correlation[c]) - FisherZ(second.cell_correlation[c]));
+  }
+  return test.Sigma();
+}
+
+double UpperTail(double sigma) { return std::max(0.5 * std::erfc(sigma / std::numbers::sqrt2), 1e-100); }
+
+// Joint p value of independent tests (Fisher 1925): the chi-square tail of -2 sum(ln p), 2k degrees of freedom.
+double FisherP(std::span<const double> p_values) {
+  double x = 0.0;
+  for (const double p : p_values) {
+    x -= std::log(p);
+  }
+  double term = 1.0;
+  double sum = 1.0;
+  for (std::size_t k = 1; k < p_values.size(); ++k) {
+    term *= x / static_cast<double>(k);
+    sum += term;
+  }
+  return std::exp(-x) * sum;
+}
+
+// Probability that the second of two poses is the right one. A witness that can't tell them apart does not weaken
+// another that can; one that contradicts does.
 double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, float max_distance) {
-  return 0.5 * std::erfc(LeadSigma(first, second, max_distance) / std::numbers::sqrt2);
+  std::vector<double> leads{LeadByKeypoints(first, second, max_distance), LeadByVotes(first, second)};
+  if (first.photo && second.photo) {
+    leads.push_back(LeadByPicture(*first.photo, *second.photo));
+  }
+  std::vector<double> for_first;
+  std::vector<double> for_second;
+  for (const double lead : leads) {
+    for_first.push_back(UpperTail(lead));
+    for_second.push_back(UpperTail(-lead));
+  }
+  const double p_first = FisherP(for_first);
+  return p_first / (p_first + FisherP(for_second));
+}
+
+// log10 of the chance that a picture leads those of all the other poses as it does; 0 where too few were compared.
+double LogChanceOfPicture(const std::vector<VerifiedPose>& poses, std::size_t pose) {
+  constexpr int kMinCompared = 3;
+  if (!poses[pose].photo) {
+    return 0.0;
+  }
+  int compared = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (i != pose && poses[i].photo) {
+      ++compared;
+      least = std::min(least, LeadByPicture(*poses[pose].photo, *poses[i].photo));
+    }
+  }
+  return compared >= kMinCompared && least > 0.0 ? kStructureExponent * std::log10(UpperTail(least)) : 0.0;
+}
+
+double LogChance(const std::vector<VerifiedPose>& poses, std::size_t pose) {
+  const double distinctive =
+      std::min(kStructureExponent * poses[pose].log_chance_votes, LogChanceOfPicture(poses, pose));
+  return std::max(poses[pose].candidate.log_false_alarms, distinctive);
 }
 
 std::size_t FindBest(const std::vector<VerifiedPose>& poses, float max_distance) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (LeadSigma(poses[i], poses[best], max_distance) > 0.0) {
+    if (RivalProbability(poses[best], poses[i], max_distance) > 0.5) {
       best = i;
     }
   }
@@ -69,7 +151,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distan
       p_rival += rival[i];
     }
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, poses[best].candidate.log_false_alarms));
+  const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses, best)));
   decision.p_wrong = std::min(1.0, p_chance + p_rival / (1.0 + p_rival));
   const double sum = 1.0 + p_rival;
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "core/localization/photometric_aligner.h"
 #include "core/map/floor_map.h"
 #include "core/registration/registration.h"
 #include "core/vision/features.h"
@@ -12,10 +14,12 @@ namespace floorloc {
 
 /// A pose hypothesis after all keypoints of the frame were looked for where it predicts them.
 struct VerifiedPose {
-  PoseCandidate candidate;             ///< refined; its inliers index `matches`
-  std::vector<OrientedMatch> matches;  ///< one per keypoint that resembles a map point near its predicted place
-  int votes = 0;                       ///< distinctive matches of the first look that agree with the pose
-  std::vector<float> distance;         ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
+  PoseCandidate candidate;              ///< refined; its inliers index `matches`; its chance is that of all keypoints
+  std::vector<OrientedMatch> matches;   ///< one per keypoint that resembles a map point near its predicted place
+  int votes = 0;                        ///< distinctive matches of the first look that agree with the pose
+  double log_chance_votes = 0.0;        ///< log10 of how many poses as good as this one chance gives, by the votes
+  std::vector<float> distance;          ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
+  std::optional<PhotometricFit> photo;  ///< where the frame was laid over the mosaic
 };
 
 /// Verifies poses against a map: what a wrong pose would find by chance is measured on the map itself.

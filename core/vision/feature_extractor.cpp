@@ -145,11 +145,17 @@ class OpenCvExtractor final : public FeatureExtractor {
  public:
   explicit OpenCvExtractor(const ExtractorOptions& options) : options_(options), detector_(CreateDetector(options)) {}
 
-  Features Extract(const GroundImage& image) const override {
+  cv::Mat Prepare(const GroundImage& image) const override {
+    if (options_.normalize_radius_px == 0) {
+      return image.gray;
+    }
+    return NormalizeContrast(image.gray, image.mask, {options_.normalize_radius_px, options_.smooth_sigma_px});
+  }
+
+  Features Extract(const GroundImage& image, const cv::Mat& picture) const override {
     if (!FitsPyramid(options_, image.gray.size())) {
       return {};
     }
-    const cv::Mat picture = Prepare(image);
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
     if (DescribesWhileDetecting()) {
@@ -178,13 +184,6 @@ class OpenCvExtractor final : public FeatureExtractor {
   // SIFT and AKAZE build an expensive scale space that detection and description share.
   bool DescribesWhileDetecting() const {
     return options_.type == ExtractorType::kSift || options_.type == ExtractorType::kAkaze;
-  }
-
-  cv::Mat Prepare(const GroundImage& image) const {
-    if (options_.normalize_radius_px == 0) {
-      return image.gray;
-    }
-    return NormalizeContrast(image.gray, image.mask, {options_.normalize_radius_px, options_.smooth_sigma_px});
   }
 
   void Select(const GroundImage& image, std::vector<cv::KeyPoint>* keypoints, cv::Mat* descriptors) const {

@@ -37,7 +37,11 @@ class FeatureExtractor {
  public:
   virtual ~FeatureExtractor() = default;
   /// Keypoints in the base frame. The same picture gives the same features.
-  virtual Features Extract(const GroundImage& image) const = 0;
+  Features Extract(const GroundImage& image) const { return Extract(image, Prepare(image)); }
+  /// The picture that keypoints are sought in, for callers that use it too: contrast-normalised, CV_8UC1.
+  virtual cv::Mat Prepare(const GroundImage& image) const = 0;
+  /// prepared: Prepare(image).
+  virtual Features Extract(const GroundImage& image, const cv::Mat& prepared) const = 0;
   virtual DescriptorType descriptor_type() const = 0;
   virtual int descriptor_length() const = 0;  ///< bytes (binary) or numbers (float) per descriptor
 };

@@ -56,7 +56,9 @@ void Run(Arguments& a) {
   localizer_options.index.seed = a.seed;
   localizer_options.registration.seed = a.seed;
   const Survey survey = ReadSurvey(a.frames);
-  const Localizer localizer(MapDatabase(a.map).ReadMap(), localizer_options);
+  const MapDatabase database(a.map);
+  const Localizer localizer(database.ReadMap(), localizer_options,
+                            [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
   const std::vector<LocalizedFrame> frames = LocalizeFrames(localizer, survey, a.options);
   WriteFileAtomically(a.out, FormatTum(ToTrajectory(frames)));
   if (!a.results.empty()) {
@@ -82,7 +84,7 @@ void AddLocalizeCommand(CLI::App& app) {
       ->check(CLI::IsMember({"none", "odometry", "truth"}))
       ->capture_default_str();
   command->add_option("--matcher", a->matcher, "Global search")
-      ->check(CLI::IsMember({"auto", "mih", "flann", "brute_force"}))
+      ->check(CLI::IsMember({"auto", "hash", "flann", "brute_force"}))
       ->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace floorloc {
+
+/// Motion of the frame about its middle (x, y: map frame, m; yaw), then the camera's MountingError (rotation, height
+/// share).
+using MountingVector = Eigen::Matrix<double, 7, 1>;
+using MountingMatrix = Eigen::Matrix<double, 7, 7>;
+
+/// Normal equations of a frame's fit, linear about the present unknowns.
+struct MountingProblem {
+  MountingMatrix information = MountingMatrix::Zero();  ///< J^T W J of the residuals
+  MountingVector gradient = MountingVector::Zero();     ///< J^T W r
+  MountingMatrix scatter = MountingMatrix::Zero();      ///< sum of g g^T, g: gradient of one cell of the frame
+  double variance = 1.0;                                ///< of a residual
+};
+
+struct MountingEstimate {
+  MountingVector mean = MountingVector::Zero();
+  MountingMatrix covariance = MountingMatrix::Identity();
+};
+
+/// One Gauss-Newton step, the mounting held by its loosest prior.
+MountingVector MountingStep(const MountingProblem& problem, const MountingVector& unknowns);
+
+/// Posterior of the unknowns. How much a camera shakes is not known: levels of vibration are averaged by how well each
+/// explains the frame (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line can't be told
+/// from a turn of the robot; its uncertainty follows the level.
+MountingEstimate AverageOverMountings(const MountingProblem& problem, const MountingVector& unknowns);
+
+}  // namespace floorloc

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/photometric_aligner.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/localization/mounting_average.h"
+
+namespace floorloc {
+namespace {
+
+// Of a normalised picture.
+constexpr float kMiddle = 128.0F;
+
+constexpr int kSampleStridePx = 6;
+constexpr int kCellPx = 48;
+constexpr std::size_t kMinCellSamples = 16;
+constexpr int kMaxIterations = 6;
+constexpr double kConvergedPx = 0.03;
+
+// How far beyond the frame the cut-out of the mosaic reaches, for the fit to move.
+constexpr double kMarginPx = 8.0;
+
+// One row of eight floats per pixel, so that compilers keep it in one register; the eighth is padding.
+constexpr int kRow = 8;
+using Row = std::array<float, kRow>;
+
+// Sums over the pixels of a cell.
+struct CellSums {
+  float n = 0.0F, f = 0.0F, m = 0.0F, ff = 0.0F, mm = 0.0F, fm = 0.0F;
+  std::array<Row, kRow> information{};  // of row row^T
+  Row frame_pull{};                     // of row * frame
+  Row mosaic_pull{};                    // of row * mosaic
+
+  void Add(float frame, float mosaic, const Row& row) {
+    n += 1.0F;
+    f += frame;
+    m += mosaic;
+    ff += frame * frame;
+    mm += mosaic * mosaic;
+    fm += frame * mosaic;
+    for (std::size_t i = 0; i < kRow; ++i) {
+      for (std::size_t j = 0; j < kRow; ++j) {
+        information[i][j] += row[i] * row[j];
+      }
+      frame_pull[i] += row[i] * frame;
+      mosaic_pull[i] += row[i] * mosaic;
+    }
+  }
+  float Correlation() const {
+    const float variance_f = ff - f * f / n;
+    const float variance_m = mm - m * m / n;
+    return variance_f > 0.0F && variance_m > 0.0F ? (fm - f * m / n) / std::sqrt(variance_f * variance_m) : 0.0F;
+  }
+};
+
+// The motion that is sought, as numbers for the inner loop: a pixel of the frame -> a pixel of the mosaic.
+struct Warp {
+  float cos_yaw, sin_yaw;
+  float camera_x, camera_y, height;  // base frame
+  float center_x, center_y;          // base frame, about which the frame turns
+  float middle_u, middle_v;          // where the centre comes to lie, px
+  float per_m;                       // px per metre
+  float rotation_x, rotation_y, rotation_z, height_share;
+
+  struct Point {
+    float u, v;
+    float arm_x, arm_y;                                          // rotated, m
+    float dx_rx, dx_ry, dy_rx, dy_ry, dx_rz, dy_rz, dx_h, dy_h;  // of the floor point to the mounting, map frame
+  };
+
+  Point At(const FrameSamples::Sample& s) const {
+    const float x = s.x_m - camera_x;
+    const float y = s.y_m - camera_y;
+    const float inverse = 1.0F / height;
+    // Columns of MountingJacobian().
+    const float ax = x * y * inverse, ay = height + y * y * inverse;
+    const float bx = -(height + x * x * inverse), by = -x * y * inverse;
+    const float px = s.x_m - center_x + ax * rotation_x + bx * rotation_y - y * rotation_z + x * height_share;
+    const float py = s.y_m - center_y + ay * rotation_x + by * rotation_y + x * rotation_z + y * height_share;
+    Point p{};
+    p.arm_x = cos_yaw * px - sin_yaw * py;
+    p.arm_y = sin_yaw * px + cos_yaw * py;
+    p.u = middle_u + p.arm_x * per_m;
+    p.v = middle_v - p.arm_y * per_m;
+    p.dx_rx = cos_yaw * ax - sin_yaw * ay;
+    p.dy_rx = sin_yaw * ax + cos_yaw * ay;
+    p.dx_ry = cos_yaw * bx - sin_yaw * by;
+    p.dy_ry = sin_yaw * bx + cos_yaw * by;
+    p.dx_h = cos_yaw * x - sin_yaw * y;
+    p.dy_h = sin_yaw * x + cos_yaw * y;
+    p.dx_rz = -p.dy_h;
+    p.dy_rz = p.dx_h;
+    return p;
+  }
+};
+
+// Adds the pixels of a cell that lie on surveyed floor. Derivatives are of metres of map and radians of mounting.
+void AddCell(std::span<const FrameSamples::Sample> samples, const Warp& warp, const cv::Mat& gray, CellSums* sums) {
+  for (const FrameSamples::Sample& s : samples) {
+    const Warp::Point p = warp.At(s);
+    if (!(p.u >= 0.0F && p.v >= 0.0F && p.u < static_cast<float>(gray.cols - 1) &&
+          p.v < static_cast<float>(gray.rows - 1))) {
+      continue;
+    }
+    const int column = static_cast<int>(p.u);
+    const int row = static_cast<int>(p.v);
+    const std::uint8_t* upper = gray.ptr<std::uint8_t>(row) + column;
+    const std::uint8_t* lower = upper + gray.step[0];
+    if (upper[0] == 0 || upper[1] == 0 || lower[0] == 0 || lower[1] == 0) {
+      continue;
+    }
+    const float a = p.u - static_cast<float>(column);
+    const float b = p.v - static_cast<float>(row);
+    const auto upper_slope = static_cast<float>(upper[1] - upper[0]);
+    const auto lower_slope = static_cast<float>(lower[1] - lower[0]);
+    const float top = static_cast<float>(upper[0]) + a * upper_slope;
+    const float bottom = static_cast<float>(lower[0]) + a * lower_slope;
+    // Rows run against y.
+    const float gx = (upper_slope + b * (lower_slope - upper_slope)) * warp.per_m;
+    const float gy = (top - bottom) * warp.per_m;
+    sums->Add(s.value, top + b * (bottom - top) - kMiddle,
+              {gx, gy, gy * p.arm_x - gx * p.arm_y, gx * p.dx_rx + gy * p.dy_rx, gx * p.dx_ry + gy * p.dy_ry,
+               gx * p.dx_rz + gy * p.dy_rz, gx * p.dx_h + gy * p.dy_h, 0.0F});
+  }
+}
+
+MountingVector ToVector(const Row& row) {
+  MountingVector v;
+  for (int i = 0; i < v.size(); ++i) {
+    v(i) = static_cast<double>(row[static_cast<std::size_t>(i)]);
+  }
+  return v;
+}
+
+MountingMatrix ToMatrix(const std::array<Row, kRow>& rows) {
+  MountingMatrix m;
+  for (int i = 0; i < m.rows(); ++i) {
+    m.row(i) = ToVector(rows[static_cast<std::size_t>(i)]).transpose();
+  }
+  return m;
+}
+
+// One fit of a frame to a patch of the mosaic.
+class Fit {
+ public:
+  Fit(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const RasterPatch& patch, const Pose2& start)
+      : frame_(frame), camera_center_(camera_center), patch_(patch), start_(start) {}
+
+  PhotometricFit Run() {
+    Compare();
+    for (int iteration = 0; iteration < kMaxIterations && gain_ > 0.0; ++iteration) {
+      const MountingVector step = MountingStep(problem_, unknowns_);
+      unknowns_ += step;
+      Compare();
+      const double moved_m = step.head<2>().norm() + std::abs(step(2)) * frame_.radius_m();
+      if (!(moved_m >= kConvergedPx * patch_.resolution_m)) {
+        break;
+      }
+    }
+    return Conclude();
+  }
+
+ private:
+  Warp MakeWarp() const {
+    const double yaw = start_.yaw() + unknowns_(2);
+    const Eigen::Vector2d middle = patch_.PixelFromMap(start_ * frame_.center() + unknowns_.head<2>());
+    const Eigen::Matrix<float, 14, 1> n =
+        (Eigen::Matrix<double, 14, 1>() << std::cos(yaw), std::sin(yaw), camera_center_, frame_.center(), middle,
+         1.0 / patch_.resolution_m, unknowns_.tail<4>())
+            .finished()
+            .cast<float>();
+    return {n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), n(11), n(12), n(13)};
+  }
+
+  // Correlations and normal equations under the present unknowns, residuals frame - gain * mosaic. A cell weighs what
+  // it correlates: changed floor says nothing.
+  void Compare() {
+    const Warp warp = MakeWarp();
+    sums_.assign(static_cast<std::size_t>(frame_.cells()), CellSums());
+    double covariance = 0.0;
+    double variance = 0.0;
+    for (int c = 0; c < frame_.cells(); ++c) {
+      CellSums& cell = sums_[static_cast<std::size_t>(c)];
+      AddCell(frame_.cell(c), warp, patch_.gray, &cell);
+      covariance += Weight(cell) * static_cast<double>(cell.fm);
+      variance += Weight(cell) * static_cast<double>(cell.mm);
+    }
+    gain_ = variance > 0.0 ? covariance / variance : 0.0;
+    Assemble();
+  }
+
+  static bool Compares(const CellSums& cell) { return cell.n >= static_cast<float>(kMinCellSamples); }
+  static double Weight(const CellSums& cell) {
+    return Compares(cell) ? std::max(0.0, static_cast<double>(cell.Correlation())) : 0.0;
+  }
+
+  void Assemble() {
+    problem_ = MountingProblem();
+    double squares = 0.0;
+    double count = 0.0;
+    for (const CellSums& cell : sums_) {
+      const double weight = Weight(cell);
+      if (weight <= 0.0) {
+        continue;
+      }
+      const MountingVector pull = weight * gain_ * (ToVector(cell.frame_pull) - gain_ * ToVector(cell.mosaic_pull));
+      problem_.information += weight * gain_ * gain_ * ToMatrix(cell.information);
+      problem_.gradient += pull;
+      problem_.scatter += pull * pull.transpose();
+      squares += weight * (static_cast<double>(cell.ff) - 2.0 * gain_ * static_cast<double>(cell.fm) +
+                           gain_ * gain_ * static_cast<double>(cell.mm));
+      count += weight * static_cast<double>(cell.n);
+    }
+    problem_.variance = count > 0.0 ? std::max(squares / count, 1.0) : 1.0;
+  }
+
+  PhotometricFit Conclude() const {
+    PhotometricFit fit;
+    for (const CellSums& cell : sums_) {
+      fit.cell_correlation.push_back(Compares(cell) ? cell.Correlation() : 0.0F);
+      fit.cell_samples.push_back(Compares(cell) ? static_cast<int>(cell.n) : 0);
+    }
+    const Eigen::Vector2d bent = MountingJacobian(camera_center_, frame_.center()) * unknowns_.tail<4>();
+    fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
+    const MountingEstimate estimate = AverageOverMountings(problem_, unknowns_);
+    // From the motion about the frame's middle to the base frame's pose.
+    const double yaw = start_.yaw() + estimate.mean(2);
+    const Eigen::Vector2d arm = Pose2(0.0, 0.0, yaw) * frame_.center();
+    const Eigen::Vector2d t = start_ * frame_.center() + estimate.mean.head<2>() - arm;
+    fit.map_from_base = Pose2(t.x(), t.y(), yaw);
+    Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+    jacobian(0, 2) = arm.y();
+    jacobian(1, 2) = -arm.x();
+    fit.covariance = jacobian * estimate.covariance.topLeftCorner<3, 3>() * jacobian.transpose();
+    fit.mounting = {estimate.mean.segment<3>(3), estimate.mean(6)};
+    return fit;
+  }
+
+  const FrameSamples& frame_;
+  const Eigen::Vector3d camera_center_;
+  const RasterPatch& patch_;
+  const Pose2 start_;
+  MountingVector unknowns_ = MountingVector::Zero();
+  std::vector<CellSums> sums_;
+  double gain_ = 0.0;
+  MountingProblem problem_;
+};
+
+}  // namespace
+
+double PhotometricFit::MeanCorrelation() const {
+  double sum = 0.0;
+  int cells = 0;
+  for (std::size_t c = 0; c < cell_correlation.size(); ++c) {
+    if (cell_samples[c] > 0) {
+      sum += static_cast<double>(cell_correlation[c]);
+      ++cells;
+    }
+  }
+  return cells > 0 ? sum / cells : 0.0;
+}
+
+FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) {
+  const GroundGrid& grid = image.grid;
+  center_ = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));
+  radius_m_ = 0.5 * grid.resolution_m * std::hypot(grid.width_px, grid.height_px);
+  for (int top = 0; top < grid.height_px; top += kCellPx) {
+    for (int left = 0; left < grid.width_px; left += kCellPx) {
+      for (int v = top + kSampleStridePx / 2; v < std::min(top + kCellPx, grid.height_px); v += kSampleStridePx) {
+        for (int u = left + kSampleStridePx / 2; u < std::min(left + kCellPx, grid.width_px); u += kSampleStridePx) {
+          if (image.mask.at<std::uint8_t>(v, u) != 0) {
+            const Eigen::Vector2f p = grid.BaseFromPixel(u, v).cast<float>();
+            samples_.push_back({p.x(), p.y(), static_cast<float>(normalized.at<std::uint8_t>(v, u)) - kMiddle});
+          }
+        }
+      }
+      cell_start_.push_back(static_cast<int>(samples_.size()));
+    }
+  }
+}
+
+PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Eigen::Vector3d& camera_center,
+                                         const Pose2& start) const {
+  const Eigen::Vector2d middle = start * frame.center();
+  const double reach = frame.radius_m() + kMarginPx * raster_.resolution_m();
+  const RasterPatch patch =
+      raster_.Cut({middle.x() - reach, middle.x() + reach, middle.y() - reach, middle.y() + reach});
+  return Fit(frame, camera_center, patch, start).Run();
+}
+
+}  // namespace floorloc

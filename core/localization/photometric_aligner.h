@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <span>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "core/geometry/mounting.h"
+#include "core/geometry/pose2.h"
+#include "core/map/mosaic_raster.h"
+#include "core/vision/ground_image.h"
+
+namespace floorloc {
+
+/// A frame laid over the mosaic.
+struct PhotometricFit {
+  Pose2 map_from_base;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
+  MountingError mounting;                                ///< what the camera deviates from its calibration
+  double moved_m = 0.0;                                  ///< how far the middle of the picture moved over the mosaic
+  std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0 where nothing compares
+  std::vector<int> cell_samples;                         ///< pixels compared per cell
+
+  /// Over the cells that compare; 0 when there are none.
+  double MeanCorrelation() const;
+};
+
+/// The pixels of a frame that are compared, its picture contrast-normalised as the mosaic's. The picture is laid out in
+/// square cells, so that changed floor spoils its cells only.
+class FrameSamples {
+ public:
+  /// normalized: CV_8UC1 of the image's grid, 128 in the mean.
+  FrameSamples(const GroundImage& image, const cv::Mat& normalized);
+
+  struct Sample {
+    float x_m, y_m;  // base frame
+    float value;     // normalised grey level, 0 in the mean
+  };
+  int cells() const { return static_cast<int>(cell_start_.size()) - 1; }
+  std::span<const Sample> cell(int c) const {
+    const auto i = static_cast<std::size_t>(c);
+    return {samples_.data() + cell_start_[i], samples_.data() + cell_start_[i + 1]};
+  }
+  /// Middle of what the camera sees, base frame.
+  const Eigen::Vector2d& center() const { return center_; }
+  double radius_m() const { return radius_m_; }
+
+ private:
+  std::vector<Sample> samples_;  // cell by cell
+  std::vector<int> cell_start_{0};
+  Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
+  double radius_m_ = 0.0;  // of the circle about the centre that holds all samples
+};
+
+/// Aligns frames to the mosaic by their grey levels (Lucas & Kanade 1981, forward additive), with the camera's mounting
+/// among the unknowns: its deviation is told from a motion by how it bends the picture.
+class PhotometricAligner {
+ public:
+  /// Refers to the raster, which must outlive it.
+  explicit PhotometricAligner(const MosaicRaster& raster) : raster_(raster) {}
+
+  /// start: map_from_base, a few pixels from the truth at most. camera_center: base frame.
+  PhotometricFit Align(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const Pose2& start) const;
+
+ private:
+  const MosaicRaster& raster_;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/map/mosaic_raster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+namespace floorloc {
+namespace {
+
+// JPEG leaves traces of the floor's edge where there is none.
+constexpr double kMinSeenGray = 6.0;
+constexpr int kEdgePx = 5;
+
+std::uint64_t KeyOf(int x, int y) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(y);
+}
+
+cv::Mat SeenMask(const cv::Mat& gray) {
+  cv::Mat seen = gray >= kMinSeenGray;
+  if (cv::countNonZero(seen) < gray.rows * gray.cols) {
+    cv::erode(seen, seen, cv::Mat::ones(kEdgePx, kEdgePx, CV_8U));
+  }
+  return seen;
+}
+
+}  // namespace
+
+MosaicRaster::MosaicRaster(MosaicTileSource source, const MosaicLayout& layout, const ContrastOptions& contrast,
+                           std::size_t memory_bytes)
+    : source_(std::move(source)),
+      layout_(layout),
+      contrast_(contrast),
+      max_tiles_(std::max<std::size_t>(
+          64, memory_bytes / (static_cast<std::size_t>(layout.tile_px) * static_cast<std::size_t>(layout.tile_px)))) {}
+
+cv::Mat MosaicRaster::Load(int x, int y) const {
+  const auto jpeg = source_({layout_.max_zoom, x, y});
+  if (!jpeg) {
+    return {};
+  }
+  const cv::Mat gray = cv::imdecode(*jpeg, cv::IMREAD_GRAYSCALE);
+  if (gray.rows != layout_.tile_px || gray.cols != layout_.tile_px) {
+    return {};
+  }
+  const cv::Mat seen = SeenMask(gray);
+  cv::Mat normalized = cv::max(NormalizeContrast(gray, seen, contrast_), 1);
+  normalized.setTo(0, seen == 0);
+  return normalized;
+}
+
+MosaicRaster::Tile MosaicRaster::Get(int x, int y) const {
+  const std::uint64_t key = KeyOf(x, y);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto it = cache_.find(key); it != cache_.end()) {
+      recent_.splice(recent_.begin(), recent_, it->second.place);
+      return it->second.tile;
+    }
+  }
+  // Decoded outside the lock: two threads may do it twice, none waits.
+  auto tile = std::make_shared<const cv::Mat>(Load(x, y));
+  const std::scoped_lock lock(mutex_);
+  if (!cache_.contains(key)) {
+    recent_.push_front(key);
+    cache_[key] = {tile, recent_.begin()};
+    if (cache_.size() > max_tiles_) {
+      cache_.erase(recent_.back());
+      recent_.pop_back();
+    }
+  }
+  return tile;
+}
+
+RasterPatch MosaicRaster::Cut(const RectM& rect) const {
+  const double resolution = layout_.resolution_m;
+  const double side = layout_.tile_px;
+  // A wild pose sees no floor; pixels are counted in ints.
+  constexpr double kMaxPx = 1e9;
+  if (!(std::abs(rect.x_min) < kMaxPx * resolution && std::abs(rect.x_max) < kMaxPx * resolution &&
+        std::abs(rect.y_min) < kMaxPx * resolution && std::abs(rect.y_max) < kMaxPx * resolution)) {
+    return {cv::Mat::zeros(1, 1, CV_8UC1), 0.0, 0.0, resolution};
+  }
+  // Pixel columns of the whole level count from the map frame's origin, rows upwards.
+  const auto first_column = static_cast<int>(std::floor(rect.x_min / resolution));
+  const auto last_column = static_cast<int>(std::floor(rect.x_max / resolution));
+  const auto first_row = static_cast<int>(std::floor(rect.y_min / resolution));
+  const auto last_row = static_cast<int>(std::floor(rect.y_max / resolution));
+  RasterPatch patch{cv::Mat::zeros(last_row - first_row + 1, last_column - first_column + 1, CV_8UC1),
+                    (first_column + 0.5) * resolution, (last_row + 0.5) * resolution, resolution};
+  const cv::Rect whole(0, 0, patch.gray.cols, patch.gray.rows);
+  for (int y = static_cast<int>(std::floor(first_row / side)); y <= static_cast<int>(std::floor(last_row / side));
+       ++y) {
+    for (int x = static_cast<int>(std::floor(first_column / side));
+         x <= static_cast<int>(std::floor(last_column / side)); ++x) {
+      const Tile tile = Get(x, y);
+      if (tile->empty()) {
+        continue;
+      }
+      const cv::Rect place(x * layout_.tile_px - first_column, last_row + 1 - (y + 1) * layout_.tile_px,
+                           layout_.tile_px, layout_.tile_px);
+      const cv::Rect inside = place & whole;
+      (*tile)(inside - place.tl()).copyTo(patch.gray(inside));
+    }
+  }
+  return patch;
+}
+
+}  // namespace floorloc
