@@ -20,7 +20,7 @@ void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* ke
   }
 }
 
-void DropNearEdge(const cv::Size& picture, float (*reach_px)(const cv::KeyPoint&),
+void DropNearEdge(const cv::Size& picture, const std::function<float(const cv::KeyPoint&)>& reach_px,
                   std::vector<cv::KeyPoint>* keypoints) {
   std::erase_if(*keypoints, [&](const cv::KeyPoint& k) {
     const float reach = reach_px(k);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 #include <vector>
@@ -12,7 +13,7 @@ namespace floorloc {
 void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* keypoints);
 
 /// Drops keypoints whose reach (px, from the keypoint) leaves the picture.
-void DropNearEdge(const cv::Size& picture, float (*reach_px)(const cv::KeyPoint&),
+void DropNearEdge(const cv::Size& picture, const std::function<float(const cv::KeyPoint&)>& reach_px,
                   std::vector<cv::KeyPoint>* keypoints);
 
 }  // namespace floorloc

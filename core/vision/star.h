@@ -10,7 +10,7 @@ namespace floorloc {
 /// Which keypoints STAR finds.
 struct StarOptions {
   double threshold = 8.0;    ///< least difference between the means of a star's inside and outside, grey levels
-  int max_size_px = 45;      ///< largest star, tip to tip, px; 9 to 129
+  int max_size_px = 47;      ///< largest star, tip to tip, px; 17 to 129
   double line_ratio = 10.0;  ///< keypoints whose ratio of principal curvatures is greater lie on lines: dropped
   int max_keypoints = 0;     ///< the strongest are kept; 0: all
 

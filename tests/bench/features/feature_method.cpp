@@ -24,8 +24,7 @@ FeatureMethod SurfMethod(const std::string& name, SurfOptions options, int max_k
           }};
 }
 
-[[maybe_unused]] FeatureMethod StarFreakMethod(int max_keypoints) {
-  return {"x", nullptr};
+FeatureMethod StarFreakMethod(int max_keypoints) {
   return {"star+freak",
           [star = Star({.threshold = 2.0, .max_keypoints = max_keypoints}), freak = Freak({})](const cv::Mat& gray) {
             PictureFeatures features;
@@ -50,7 +49,7 @@ std::vector<FeatureMethod> ComparedMethods(int max_keypoints) {
           {"dlib surf", [=](const cv::Mat& gray) { return DlibSurf(gray, kSurfThreshold, max_keypoints); }},
           SurfMethod("surf", {}, max_keypoints),
           SurfMethod("surf upright", {.upright = true}, max_keypoints),
-          //          StarFreakMethod(max_keypoints),
+          StarFreakMethod(max_keypoints),
           OpenCvMethod("cv sift", cv::SIFT::create(max_keypoints, 3, 0.01)),
           OpenCvMethod("cv orb", cv::ORB::create(max_keypoints, 1.2F, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, 5))};
 }

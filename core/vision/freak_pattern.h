@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <opencv2/core/types.hpp>
+
+#include "core/vision/box_sampler.h"
+
+namespace floorloc {
+
+constexpr int kFreakRings = 7;
+constexpr int kFreakRingFields = 6;
+constexpr int kFreakFields = kFreakRings * kFreakRingFields + 1;
+
+/// Mean grey levels of the receptive fields: from the outermost ring to the innermost, clockwise in each; last the
+/// middle.
+using FreakFields = std::array<float, kFreakFields>;
+
+/// Where the retina's pattern lies in a picture. Its rings shrink by a quarter from one to the next, each turned by 30
+/// degrees against the one outside it. A field is a square (upright in the picture) whose side is its ring's radius: it
+/// touches its neighbours on the ring and overlaps the next rings.
+struct FreakPlace {
+  cv::Point2f middle;      ///< px
+  float reach_px = 0.0F;   ///< from the middle to the outermost fields' far sides
+  float angle_deg = 0.0F;  ///< clockwise from the picture's right
+};
+
+FreakFields SampleFreakFields(const FreakPlace& place, BoxSampler* picture);
+
+/// The direction in which brightness rises, from 45 pairs of fields (every second and every opposite one on the five
+/// outer rings), degrees clockwise from the picture's right. The fields must have been sampled at the angle 0.
+float FreakOrientation(const FreakFields& fields);
+
+}  // namespace floorloc

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/vision/integral_image.h"
+
+namespace floorloc {
+
+/// Sums over triangles of a picture, from which those over tilted squares come in four reads.
+class TriangleSums {
+ public:
+  /// gray: CV_8UC1, not empty.
+  explicit TriangleSums(const cv::Mat& gray);
+
+  /// Row y, -1 to height - 1: entry x is the sum over the triangle that opens upwards from the pixel (x, y) at 45
+  /// degrees to both sides.
+  const std::uint32_t* odd(int y) const { return Row(odd_, y) + 1; }
+  /// The same from the two pixels (x, y) and (x + 1, y); x from -1.
+  const std::uint32_t* even(int y) const { return Row(even_, y) + 1; }
+
+ private:
+  static const std::uint32_t* Row(const cv::Mat& sums, int y) {
+    return reinterpret_cast<const std::uint32_t*>(sums.ptr<int>(y + 2));
+  }
+
+  cv::Mat odd_;   // CV_32SC1; two rows of zeros and one column on each side more than the picture
+  cv::Mat even_;  // likewise
+};
+
+/// A star: the square of 2 square + 1 px on the square of 2 tip + 1 px from tip to tip that is tilted by 45 degrees.
+struct StarShape {
+  int square = 0;
+  int tip = 0;
+
+  float area() const { return static_cast<float>((2 * square + 1) * (2 * square + 1) + 2 * tip * (tip + 1) + 1); }
+};
+
+/// One scale: the difference between the means outside and inside of the inner star, within the outer one.
+struct StarScale {
+  StarShape inner;
+  StarShape outer;
+
+  int size_px() const { return 2 * outer.tip + 1; }
+};
+
+/// From 9 px tip to tip, each about 1.4 times the one before, up to the given size.
+std::vector<StarScale> StarScales(int max_size_px);
+
+/// Positive on dark blobs, grey levels; CV_32F, 0 where the outer star does not fit.
+cv::Mat StarResponse(const IntegralImage& squares, const TriangleSums& triangles, const StarScale& scale);
+
+}  // namespace floorloc
