@@ -24,12 +24,10 @@ FLOORLOC_WIDE_VECTORS void SmoothRow(const std::uint32_t* __restrict top, const 
   }
 }
 
-cv::Mat Smooth(const IntegralImage& picture, int box) {
-  cv::Mat means(picture.height() - box + 1, picture.width() - box + 1, CV_32SC1);
-  for (int y = 0; y < means.rows; ++y) {
-    SmoothRow(picture.row(y), picture.row(y + box), box, means.cols, reinterpret_cast<std::uint32_t*>(means.ptr(y)));
+void Smooth(const IntegralImage& picture, int box, cv::Mat* means) {
+  for (int y = 0; y < means->rows; ++y) {
+    SmoothRow(picture.row(y), picture.row(y + box), box, means->cols, reinterpret_cast<std::uint32_t*>(means->ptr(y)));
   }
-  return means;
 }
 
 // Pattern, place and picture in one.
@@ -98,6 +96,19 @@ SamplePattern SquareGrid(int side) {
   return grid;
 }
 
+cv::Mat BoxSampler::SmoothedRows(int box) {
+  cv::Mat& smoothed = smoothed_[static_cast<std::size_t>(box)];
+  if (smoothed.empty()) {
+    if (block_.empty()) {
+      block_.create(kWidestSmoothed * picture_.height(), picture_.width(), CV_32SC1);
+    }
+    const int first = (box - 1) * picture_.height();
+    smoothed = block_(cv::Rect(0, first, picture_.width() - box + 1, picture_.height() - box + 1));
+    Smooth(picture_, box, &smoothed);
+  }
+  return smoothed;
+}
+
 void BoxSampler::Sample(const SamplePattern& pattern, const SamplePlace& place, float* means) {
   const int widest = std::min(picture_.width(), picture_.height()) - 1;
   if (widest < 1) {
@@ -120,12 +131,9 @@ void BoxSampler::Sample(const SamplePattern& pattern, const SamplePlace& place, 
     SampleRounded(sampling, means);
     return;
   }
-  cv::Mat& smoothed = smoothed_[static_cast<std::size_t>(box)];
-  if (smoothed.empty()) {
-    smoothed = Smooth(picture_, box);
-  }
+  const cv::Mat smoothed = SmoothedRows(box);
   sampling.data = reinterpret_cast<const std::uint32_t*>(smoothed.ptr());
-  sampling.stride = smoothed.cols;
+  sampling.stride = static_cast<int>(smoothed.step1());
   --sampling.last_x;
   --sampling.last_y;
   SampleSmoothed(sampling, means);

@@ -39,8 +39,12 @@ class BoxSampler {
   // Rounding to whole pixels does no harm to wider squares.
   static constexpr int kWidestSmoothed = 8;
 
+  cv::Mat SmoothedRows(int box);
+
   const IntegralImage& picture_;
-  std::array<cv::Mat, kWidestSmoothed + 1> smoothed_;  // by side of the square; empty until needed
+  cv::Mat
+      block_;  // the smoothed pictures, one below the other: large blocks would else go back to the system each time
+  std::array<cv::Mat, kWidestSmoothed + 1> smoothed_;  // parts of the block by side of the square; empty until needed
 };
 
 }  // namespace floorloc

@@ -87,13 +87,8 @@ FLOORLOC_WIDE_VECTORS void RespondRow(const RowJob& job, const RowBuffers& buffe
   }
 }
 
-ResponseLayer EmptyLayer(const IntegralImage& picture, int filter_px, int step_px) {
-  ResponseLayer layer;
-  layer.filter_px = filter_px;
-  layer.step_px = step_px;
-  layer.margin = (filter_px / 2 + step_px - 1) / step_px;
-  layer.response.create((picture.height() - 1) / step_px + 1, (picture.width() - 1) / step_px + 1, CV_32FC1);
-  return layer;
+ResponseLayer EmptyLayer(int filter_px, int step_px, const cv::Mat& response) {
+  return {filter_px, step_px, (filter_px / 2 + step_px - 1) / step_px, response};
 }
 
 // Samples from the margin to the last where the filter of this half side fits.
@@ -101,33 +96,36 @@ int FittingSamples(int side_px, int half_px, const ResponseLayer& layer) {
   return (side_px - 1 - half_px) / layer.step_px - layer.margin + 1;
 }
 
-ResponseLayer ComputeLayer(const IntegralImage& picture, int filter_px, int step_px) {
-  ResponseLayer layer = EmptyLayer(picture, filter_px, step_px);
+void FillLayer(const IntegralImage& picture, ResponseLayer* filled) {
+  ResponseLayer& layer = *filled;
   layer.response = 0.0F;
-  const int half = filter_px / 2;
+  const int step_px = layer.step_px;
+  const int half = layer.filter_px / 2;
   const int count = FittingSamples(picture.width(), half, layer);
   const int rows = FittingSamples(picture.height(), half, layer);
   RowBuffers buffers(picture.width() + 1);
   for (int j = layer.margin; j < layer.margin + rows && count > 0; ++j) {
-    const RowJob job{
-        picture.row(j * step_px), picture.stride(), picture.width() + 1, filter_px / 3, step_px, layer.margin, count};
+    const RowJob job{picture.row(j * step_px),
+                     picture.stride(),
+                     picture.width() + 1,
+                     layer.filter_px / 3,
+                     step_px,
+                     layer.margin,
+                     count};
     CombineRows(job, buffers.xx.data(), buffers.yy.data(), buffers.xy.data());
     RespondRow(job, buffers, layer.response.ptr<float>(j) + layer.margin);
   }
-  return layer;
 }
 
 // Every second sample of every second row.
-ResponseLayer Thin(const IntegralImage& picture, const ResponseLayer& fine) {
-  ResponseLayer layer = EmptyLayer(picture, fine.filter_px, 2 * fine.step_px);
-  for (int j = 0; j < layer.response.rows; ++j) {
+void Thin(const ResponseLayer& fine, ResponseLayer* layer) {
+  for (int j = 0; j < layer->response.rows; ++j) {
     const float* const from = fine.row(2 * j);
-    float* const to = layer.response.ptr<float>(j);
-    for (int i = 0; i < layer.response.cols; ++i) {
+    float* const to = layer->response.ptr<float>(j);
+    for (int i = 0; i < layer->response.cols; ++i) {
       to[i] = from[2 * i];
     }
   }
-  return layer;
 }
 
 }  // namespace
@@ -135,16 +133,24 @@ ResponseLayer Thin(const IntegralImage& picture, const ResponseLayer& fine) {
 ResponseOctave ComputeOctave(const IntegralImage& picture, int octave, int layers, const ResponseOctave& previous,
                              int first_step_px) {
   ResponseOctave result;
+  const int step_px = first_step_px << octave;
+  const int rows = std::max(picture.height() - 1, 0) / step_px + 1;
+  // One block for all: memory that is freed in smaller ones goes back to the system and costs time again.
+  const cv::Mat block(layers * rows, std::max(picture.width() - 1, 0) / step_px + 1, CV_32FC1);
   const int side_px = std::min(picture.width(), picture.height());
   for (int i = 1; i <= layers; ++i) {
     const int filter_px = 3 * ((2 << octave) * i + 1);
     if (filter_px > side_px) {
       break;
     }
+    result.push_back(EmptyLayer(filter_px, step_px, block.rowRange((i - 1) * rows, i * rows)));
     const auto shared = std::find_if(previous.begin(), previous.end(),
                                      [filter_px](const ResponseLayer& layer) { return layer.filter_px == filter_px; });
-    result.push_back(shared != previous.end() ? Thin(picture, *shared)
-                                              : ComputeLayer(picture, filter_px, first_step_px << octave));
+    if (shared != previous.end()) {
+      Thin(*shared, &result.back());
+    } else {
+      FillLayer(picture, &result.back());
+    }
   }
   return result;
 }
