@@ -55,8 +55,8 @@ TEST_F(GrayRendererTest, AgreesUnderLightBlurAndVibration) {
   conditions.light_gradient = {0.1, -0.1};
   conditions.lamps = {{{0.5, 0.4}, 0.2, 0.4, false}};
   conditions.shadow = {0.4, 0.2, 0.1, 0.02, 0.4};
-  conditions.motion = {0.003, 0.0, 0.002};
-  conditions.defocus_px = 0.7;
+  conditions.motion = {0.012, 0.0, 0.004};
+  conditions.defocus_px = 2.0;
   conditions.vibration = {0.004, -0.003, 0.002};
   EXPECT_LT(Difference(pose_, conditions), 1.5);
 }

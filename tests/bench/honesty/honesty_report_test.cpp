@@ -92,14 +92,17 @@ TEST(HonestyJson, HoldsTheTallies) {
 }
 
 TEST(DrawReliability, ShowsABinPerDecadeThatHasPoses) {
-  const std::string svg = DrawReliability(Summarize(SomeRecords()));
+  FloorRecords records = SomeRecords();
+  records["wood"].push_back(Frame(FramePlace::kMap, Accepted(0.001, 0.0, 5e-3)));
+  const std::string svg = DrawReliability(Summarize(records));
   EXPECT_THAT(svg, ::testing::StartsWith("<svg"));
   EXPECT_THAT(svg, ::testing::HasSubstr("1 of 2 wrong"));
+  EXPECT_THAT(svg, ::testing::HasSubstr("0 of 1 wrong"));
   std::size_t circles = 0;
   for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) {
     ++circles;
   }
-  EXPECT_EQ(circles, 3U);
+  EXPECT_EQ(circles, 4U);
 }
 
 }  // namespace

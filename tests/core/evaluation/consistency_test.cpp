@@ -60,7 +60,10 @@ TEST(SummarizeNees, TellsHonestFromOverconfidentAndTimid) {
   EXPECT_LT(SummarizeNees(timid).mean, SummarizeNees(timid).lower);
 }
 
-TEST(SummarizeNees, OfNothingIsNothing) { EXPECT_EQ(SummarizeNees({}).count, 0U); }
+TEST(SummarizeNees, OfNothingIsNothing) {
+  EXPECT_EQ(SummarizeNees({}).count, 0U);
+  EXPECT_EQ(SummarizeNees({}).mean, 0.0) << "no division by nothing";
+}
 
 TEST(EstimateRate, HasWilsonsInterval) {
   // Newcombe (1998), table 1: 81 of 263 gives 0.2553 to 0.3662, 15 of 148 gives 0.0624 to 0.1605.
