@@ -7,6 +7,8 @@
 
 namespace floorloc {
 
+bool SurfAvailable() { return false; }
+
 Surf::Surf(const SurfOptions& /*options*/) {
   throw std::invalid_argument(
       "this build has no SURF; choose another extractor, or build floorloc with -DFLOORLOC_WITH_SURF=ON");
@@ -18,6 +20,8 @@ std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& /*picture*/, const cv:
 }
 
 void Surf::Orient(const IntegralImage& /*picture*/, std::vector<cv::KeyPoint>* /*keypoints*/) const { assert(false); }
+
+void Surf::Orient(BoxSampler* /*sampler*/, std::vector<cv::KeyPoint>* /*keypoints*/) const { assert(false); }
 
 cv::Mat Surf::Describe(const IntegralImage& /*picture*/, std::vector<cv::KeyPoint>* /*keypoints*/) const {
   assert(false);

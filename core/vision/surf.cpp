@@ -12,6 +12,8 @@
 
 namespace floorloc {
 
+bool SurfAvailable() { return true; }
+
 Surf::Surf(const SurfOptions& options) : options_(options) { options_.Check(); }
 
 std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& picture, const cv::Mat& mask) const {

@@ -10,14 +10,17 @@
 
 namespace floorloc {
 
+/// Whether this build has SURF (FLOORLOC_WITH_SURF).
+bool SurfAvailable();
+
 /// Which keypoints SURF finds and how it describes them.
 struct SurfOptions {
-  double threshold = 30.0;  ///< least determinant of the Hessian, (grey levels)^2, filters normalised by their area
-  int octaves = 2;          ///< each octave doubles the range of scales; 1 to 8
-  int layers = 2;           ///< scales per octave at which keypoints are looked for; 1 to 8
-  int first_step_px = 1;    ///< between the samples of the first octave, 1 or 2; doubled from octave to octave
-  int max_keypoints = 0;    ///< the strongest are kept; 0: all
-  bool upright = false;     ///< no orientation (angle 0): faster, for pictures that all look the same way
+  double threshold = 3.0;  ///< least determinant of the Hessian, (grey levels)^2, filters normalised by their area
+  int octaves = 2;         ///< each octave doubles the range of scales; 1 to 8
+  int layers = 2;          ///< scales per octave at which keypoints are looked for; 1 to 8
+  int first_step_px = 1;   ///< between the samples of the first octave, 1 or 2; doubled from octave to octave
+  int max_keypoints = 0;   ///< the strongest are kept; 0: all
+  bool upright = false;    ///< no orientation (angle 0): faster, for pictures that all look the same way
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;
