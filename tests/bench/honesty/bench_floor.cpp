@@ -11,7 +11,6 @@
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
-#include "core/map/map_database.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/camera_renderer.h"
 #include "mapbuilder/floor_wear.h"
@@ -128,11 +127,14 @@ GrayFloor ReadGrayFloor(const FloorFiles& files, double wear) {
 }
 
 BenchFloor ReadBenchFloor(const FloorFiles& files, const std::vector<ConditionCase>& conditions) {
-  const MapDatabase database(files.Map());
   const Trajectory truth = ReadTum(files.Survey() / "groundtruth.tum");
-  const std::vector<MapFrame> frames = database.ReadFrames();
   BenchFloor floor;
-  floor.localizer = std::make_unique<Localizer>(database.ReadMap(), LocalizerOptions());
+  floor.database = std::make_unique<MapDatabase>(files.Map());
+  const MapDatabase& database = *floor.database;
+  const std::vector<MapFrame> frames = database.ReadFrames();
+  floor.localizer =
+      std::make_unique<Localizer>(database.ReadMap(), LocalizerOptions(),
+                                  [&database](const TileId& tile) { return database.ReadMosaicTile(tile); });
   floor.map_from_truth = AlignMapToTruth(frames, truth).Inverse();
   floor.map_rms_m = RmsError(frames, truth, floor.map_from_truth);
   std::map<double, GrayFloor> by_wear;

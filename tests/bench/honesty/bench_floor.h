@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/localization/localizer.h"
+#include "core/map/map_database.h"
 #include "mapbuilder/progress.h"
 #include "tests/bench/honesty/cases.h"
 #include "tests/bench/honesty/gray_renderer.h"
@@ -32,6 +33,7 @@ GrayFloor ReadGrayFloor(const FloorFiles& files, double wear);
 
 /// A floor with its map.
 struct BenchFloor {
+  std::unique_ptr<MapDatabase> database;  ///< of the mosaic, which the localizer reads
   std::unique_ptr<Localizer> localizer;
   Pose2 map_from_truth;          ///< by the map's own frames
   double map_rms_m = 0.0;        ///< position error of the map's own frames after that
