@@ -10,6 +10,7 @@
 
 #include "core/vision/contrast.h"
 #include "core/vision/spread.h"
+#include "core/vision/surf_feature.h"
 
 namespace floorloc {
 namespace {
@@ -30,6 +31,8 @@ double DefaultThreshold(ExtractorType type) {
       return 0.0005;  // determinant of the Hessian
     case ExtractorType::kBrisk:
       return 20.0;  // AGAST, grey levels
+    case ExtractorType::kSurf:
+      return 30.0;  // determinant of the Hessian
   }
   return 0.0;
 }
@@ -49,6 +52,8 @@ cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
                                cv::KAZE::DIFF_PM_G2);
     case ExtractorType::kBrisk:
       return cv::BRISK::create(static_cast<int>(threshold), o.levels);
+    case ExtractorType::kSurf:
+      return CreateSurfFeature({.threshold = threshold, .octaves = o.levels});
   }
   throw std::invalid_argument("unknown extractor");
 }
@@ -97,6 +102,9 @@ Eigen::Vector2d TruePixel(const ExtractorOptions& o, const cv::Size& picture, co
   if (o.type == ExtractorType::kSift) {
     return reported.array() - 0.25;
   }
+  if (o.type == ExtractorType::kSurf) {
+    return reported;  // no pyramid: every octave looks at the picture itself
+  }
   const double factor = NominalFactor(o, k.octave);
   const cv::Size level = LevelSize(o, picture, k.octave);
   const Eigen::Vector2d from_edge = o.type == ExtractorType::kOrb ? Eigen::Vector2d(reported.array() / factor + 0.5)
@@ -114,6 +122,8 @@ float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
       return 2.0F * keypoint.size;
     case ExtractorType::kBrisk:
       return keypoint.size;
+    case ExtractorType::kSurf:
+      return SurfReachPx(keypoint);
   }
   return keypoint.size;
 }
@@ -176,7 +186,7 @@ class OpenCvExtractor final : public FeatureExtractor {
   }
 
   DescriptorType descriptor_type() const override {
-    return options_.type == ExtractorType::kSift ? DescriptorType::kFloat : DescriptorType::kBinary;
+    return detector_->descriptorType() == CV_32F ? DescriptorType::kFloat : DescriptorType::kBinary;
   }
   int descriptor_length() const override { return detector_->descriptorSize(); }
 
@@ -222,15 +232,26 @@ const char* ToString(ExtractorType type) {
       return "akaze";
     case ExtractorType::kBrisk:
       return "brisk";
+    case ExtractorType::kSurf:
+      return "surf";
   }
   return "unknown";
 }
 
 std::vector<ExtractorType> AllExtractorTypes() {
-  return {ExtractorType::kOrb, ExtractorType::kSift, ExtractorType::kAkaze, ExtractorType::kBrisk};
+  std::vector<ExtractorType> types{ExtractorType::kOrb, ExtractorType::kSift, ExtractorType::kAkaze,
+                                   ExtractorType::kBrisk};
+  if (SurfAvailable()) {
+    types.push_back(ExtractorType::kSurf);
+  }
+  return types;
 }
 
 ExtractorType ParseExtractorType(const std::string& name) {
+  // Also in builds without it: they say why they cannot extract it, and can show maps that were built with it.
+  if (name == ToString(ExtractorType::kSurf)) {
+    return ExtractorType::kSurf;
+  }
   std::string known;
   for (const ExtractorType type : AllExtractorTypes()) {
     if (name == ToString(type)) {

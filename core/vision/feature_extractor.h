@@ -10,11 +10,12 @@
 
 namespace floorloc {
 
-enum class ExtractorType { kOrb, kSift, kAkaze, kBrisk };
+enum class ExtractorType { kOrb, kSift, kAkaze, kBrisk, kSurf };
 
 const char* ToString(ExtractorType type);
 /// Throws std::invalid_argument that lists the known names.
 ExtractorType ParseExtractorType(const std::string& name);
+/// Those that this build has.
 std::vector<ExtractorType> AllExtractorTypes();
 
 /// Everything that decides which features a picture yields. A map stores all of it and the server uses it from there.
@@ -22,7 +23,7 @@ struct ExtractorOptions {
   ExtractorType type = ExtractorType::kOrb;
   int max_keypoints = 700;       ///< strongest kept per picture, spread evenly
   int cell_px = 32;              ///< side of the cells that keypoints are spread over
-  int levels = 2;                ///< pyramid levels (octaves for SIFT and AKAZE): the floor's scale is known
+  int levels = 2;                ///< pyramid levels (octaves for SIFT, AKAZE and SURF): the floor's scale is known
   double scale_factor = 1.4;     ///< between the levels of ORB's pyramid
   double threshold = 0.0;        ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
   int normalize_radius_px = 15;  ///< half side of the window of the local contrast normalisation; 0: none
@@ -46,7 +47,7 @@ class FeatureExtractor {
   virtual int descriptor_length() const = 0;  ///< bytes (binary) or numbers (float) per descriptor
 };
 
-/// Throws std::invalid_argument when the options do not pass Check().
+/// Throws std::invalid_argument when the options do not pass Check(), or for SURF in a build without it.
 std::unique_ptr<FeatureExtractor> CreateFeatureExtractor(const ExtractorOptions& options);
 
 }  // namespace floorloc

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/features2d.hpp>
+
+#include "core/vision/surf.h"
+
+namespace floorloc {
+
+/// SURF as one of OpenCV's features: detect() gives no angles and only keypoints that compute() can describe. Throws
+/// as Surf does.
+cv::Ptr<cv::Feature2D> CreateSurfFeature(const SurfOptions& options);
+
+}  // namespace floorloc
