@@ -18,15 +18,18 @@ class NearestList {
       : count_(static_cast<std::size_t>(search.count)), max_distance_(search.max_distance) {}
 
   void Consider(int index, float distance) {
-    if (distance > max_distance_ || (list_.size() == count_ && distance >= list_.back().distance)) {
+    if (distance > max_distance_) {
       return;
-    }
-    if (list_.size() == count_) {
-      list_.pop_back();
     }
     const auto place = std::upper_bound(list_.begin(), list_.end(), distance,
                                         [](float d, const Neighbour& n) { return d < n.distance; });
+    if (place == list_.end() && list_.size() >= count_) {
+      return;
+    }
     list_.insert(place, {index, distance});
+    if (list_.size() > count_) {
+      list_.pop_back();
+    }
   }
   std::vector<Neighbour>& list() { return list_; }
 
