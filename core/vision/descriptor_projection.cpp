@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace floorloc {
 namespace {
@@ -66,17 +67,20 @@ DescriptorProjection::DescriptorProjection(const PackedDescriptors& descriptors)
 }
 
 DescriptorProjection::Values DescriptorProjection::Project(const std::uint64_t* words) const {
-  Values total{};
+  // The compiler keeps these in as few registers as the processor has for them.
+  using Lanes [[gnu::vector_size(sizeof(Values))]] = std::int16_t;
+  Lanes total{};
   const Values* sums = sums_.data();
   for (int word = 0; word < bytes_ / 8; ++word) {
     for (int shift = 0; shift < 64; shift += 4, sums += kHalfByteValues) {
-      const Values& part = sums[words[word] >> shift & 15];
-      for (std::size_t d = 0; d < kDimensions; ++d) {
-        total[d] = static_cast<std::int16_t>(total[d] + part[d]);
-      }
+      Lanes part;
+      std::memcpy(&part, sums[words[word] >> shift & 15].data(), sizeof(part));
+      total += part;
     }
   }
-  return total;
+  Values values;
+  std::memcpy(values.data(), &total, sizeof(values));
+  return values;
 }
 
 }  // namespace floorloc

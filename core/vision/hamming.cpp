@@ -27,9 +27,11 @@ void Consider(int index, int distance, TwoNearest* best) {
   }
 }
 
+// Rows one after the other, in whole words. (OpenCV calls no matrix beyond 2 GiB continuous.)
 bool CanShare(const cv::Mat& m) {
   constexpr std::size_t kWord = sizeof(std::uint64_t);
-  return m.u != nullptr && m.isContinuous() && m.type() == CV_8UC1 && static_cast<std::size_t>(m.cols) % kWord == 0 &&
+  const auto row_bytes = static_cast<std::size_t>(m.cols);
+  return m.u != nullptr && m.type() == CV_8UC1 && m.step[0] == row_bytes && row_bytes % kWord == 0 &&
          reinterpret_cast<std::uintptr_t>(m.data) % kWord == 0;
 }
 
