@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/laboratory/experiment.h"
+
+#include <algorithm>
+#include <map>
+
+#include "core/evaluation/matching_statistics.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+namespace {
+
+struct Place {
+  int bag = 0;
+  int frame = 0;
+};
+
+std::vector<Place> AllFrames(const std::vector<FrameBag>& bags) {
+  std::vector<Place> places;
+  for (std::size_t bag = 0; bag < bags.size(); ++bag) {
+    for (std::size_t frame = 0; frame < bags[bag].frames.size(); ++frame) {
+      places.push_back({static_cast<int>(bag), static_cast<int>(frame)});
+    }
+  }
+  return places;
+}
+
+// What a detector finds, in the map and in every frame.
+struct DetectedAll {
+  DetectedPicture map;
+  std::vector<DetectedPicture> frames;
+};
+
+// One frame on its way through a pair's matchers.
+struct FrameMatches {
+  double detect_ms = 0.0;
+  DescribedPicture described;
+  double repeatability = 0.0;
+  std::vector<Match> neighbours;
+  double match_ms = 0.0;
+};
+
+FrameOutcome LocalizeFrame(const Features& map, const FrameMatches& matches, const TestFrame& frame, MatchFilter filter,
+                           const PoseFromMatchesOptions& options) {
+  const Features& features = matches.described.features;
+  const double start_ms = ThreadMilliseconds();
+  const MatchedPose matched = ComputePose(matches.neighbours, features, map, filter, options);
+  FrameOutcome outcome;
+  outcome.ms = {matches.detect_ms, matches.described.describe_ms, matches.match_ms, ThreadMilliseconds() - start_ms};
+  outcome.keypoints = static_cast<int>(features.keypoints.size());
+  outcome.matches = static_cast<int>(matched.matches.size());
+  outcome.inliers = matched.inliers;
+  outcome.repeatability = matches.repeatability;
+  const std::vector<bool> right = FindRightMatches(matched.matches, features.keypoints, map.keypoints,
+                                                   frame.truth_from_base, options.inlier_radius_m);
+  outcome.right_matches = static_cast<int>(std::count(right.begin(), right.end(), true));
+  outcome.map_from_base = matched.map_from_base;
+  return outcome;
+}
+
+class Experiment {
+ public:
+  Experiment(const FloorPicture& map, const std::vector<FrameBag>& bags, const CombinationPlan& plan,
+             const ExperimentOptions& options)
+      : map_(map), bags_(bags), plan_(plan), options_(options), places_(AllFrames(bags)) {}
+
+  std::vector<CombinationRun> Run() {
+    Detect();
+    std::vector<std::vector<CombinationRun>> of_pair(plan_.pairs.size());
+    ProgressBar progress("match", static_cast<std::int64_t>(plan_.pairs.size()), options_.progress);
+    ParallelFor(static_cast<int>(plan_.pairs.size()), options_.threads, [&](int i) {
+      const auto pair = static_cast<std::size_t>(i);
+      of_pair[pair] = RunPair(plan_.pairs[pair]);
+      progress.Advance();
+    });
+    std::vector<CombinationRun> runs;
+    for (std::vector<CombinationRun>& some : of_pair) {
+      std::move(some.begin(), some.end(), std::back_inserter(runs));
+    }
+    return runs;
+  }
+
+ private:
+  const TestFrame& FrameAt(std::size_t place) const {
+    const Place& p = places_[place];
+    return bags_[static_cast<std::size_t>(p.bag)].frames[static_cast<std::size_t>(p.frame)];
+  }
+
+  void Detect() {
+    for (const auto& [detector, descriptor] : plan_.pairs) {
+      if (WhyNot(detector, descriptor).empty()) {
+        detected_[detector] = {};
+      }
+    }
+    std::vector<DetectorKind> kinds;
+    for (const auto& entry : detected_) {
+      kinds.push_back(entry.first);
+    }
+    ProgressBar progress("detect", static_cast<std::int64_t>(kinds.size()), options_.progress);
+    ParallelFor(static_cast<int>(kinds.size()), options_.threads, [&](int i) {
+      const DetectorKind kind = kinds[static_cast<std::size_t>(i)];
+      const auto detector = CreateDetector(kind, options_.detection.settings);
+      DetectedAll& detected = detected_.at(kind);
+      detected.map = DetectKeypoints(map_, *detector, options_.detection);
+      for (std::size_t place = 0; place < places_.size(); ++place) {
+        detected.frames.push_back(DetectKeypoints(FrameAt(place).picture, *detector, options_.detection));
+      }
+      progress.Advance();
+    });
+  }
+
+  std::vector<CombinationRun> RunPair(const DetectorDescriptor& pair) const {
+    const std::string why_not = WhyNot(pair.first, pair.second);
+    std::vector<CombinationRun> runs;
+    if (!why_not.empty()) {
+      CombinationRun impossible;
+      impossible.combination.detector = pair.first;
+      impossible.combination.descriptor = pair.second;
+      impossible.why_not = why_not;
+      return {impossible};
+    }
+    const DetectedAll& detected = detected_.at(pair.first);
+    const auto describer = CreateDescriber(pair.first, pair.second, options_.detection.settings);
+    const DescribedPicture map = DescribeKeypoints(map_, detected.map, *describer);
+    std::vector<FrameMatches> frames = DescribeFrames(detected, *describer, map.features);
+    for (const MatcherKind matcher : plan_.matchers) {
+      MatchFrames(map.features, matcher, &frames);
+      for (const FilterChoice& filter : plan_.filters) {
+        CombinationRun run;
+        run.combination = {pair.first, pair.second, matcher, filter.filter, filter.jump_filter};
+        run.map_keypoints = static_cast<int>(map.features.keypoints.size());
+        run.map_ms = detected.map.detect_ms + map.describe_ms;
+        run.outcomes = Localize(map.features, frames, run.combination);
+        runs.push_back(std::move(run));
+      }
+    }
+    return runs;
+  }
+
+  std::vector<FrameMatches> DescribeFrames(const DetectedAll& detected, const Describer& describer,
+                                           const Features& map) const {
+    std::vector<FrameMatches> frames(places_.size());
+    for (std::size_t place = 0; place < places_.size(); ++place) {
+      const TestFrame& frame = FrameAt(place);
+      FrameMatches& matches = frames[place];
+      matches.described = DescribeKeypoints(frame.picture, detected.frames[place], describer);
+      matches.detect_ms = detected.frames[place].detect_ms;
+      matches.repeatability = Repeatability(matches.described.features.keypoints, map.keypoints, frame.truth_from_base,
+                                            options_.repeat_radius_m);
+    }
+    return frames;
+  }
+
+  void MatchFrames(const Features& map, MatcherKind matcher, std::vector<FrameMatches>* frames) const {
+    IndexOptions index_options;
+    index_options.type = matcher == MatcherKind::kFlann ? MatcherType::kFlann : MatcherType::kBruteForce;
+    index_options.seed = options_.seed;
+    const auto index = map.keypoints.empty() ? nullptr : CreateDescriptorIndex(map.descriptors, index_options);
+    for (FrameMatches& frame : *frames) {
+      const Features& features = frame.described.features;
+      const double start_ms = ThreadMilliseconds();
+      frame.neighbours =
+          index && !features.keypoints.empty() ? FindNearest(*index, features.descriptors) : std::vector<Match>();
+      frame.match_ms = ThreadMilliseconds() - start_ms;
+    }
+  }
+
+  std::vector<FrameOutcome> Localize(const Features& map, const std::vector<FrameMatches>& frames,
+                                     const Combination& combination) const {
+    PoseFromMatchesOptions pose = options_.pose;
+    if (options_.thesis_ratios) {
+      pose.max_ratio = ThesisRatio(combination.descriptor, pose.max_ratio);
+    }
+    std::vector<FrameOutcome> outcomes;
+    JumpFilter jump(options_.jump);
+    for (std::size_t place = 0; place < places_.size(); ++place) {
+      if (places_[place].frame == 0) {
+        jump = JumpFilter(options_.jump);  // another bag begins
+      }
+      const TestFrame& frame = FrameAt(place);
+      FrameOutcome outcome = LocalizeFrame(map, frames[place], frame, combination.filter, pose);
+      outcome.bag = places_[place].bag;
+      outcome.frame = places_[place].frame;
+      outcome.accepted = outcome.map_from_base &&
+                         (!combination.jump_filter || jump.Accept(*outcome.map_from_base, frame.odom_from_base));
+      outcomes.push_back(std::move(outcome));
+    }
+    return outcomes;
+  }
+
+  const FloorPicture& map_;
+  const std::vector<FrameBag>& bags_;
+  const CombinationPlan& plan_;
+  const ExperimentOptions& options_;
+  std::vector<Place> places_;
+  std::map<DetectorKind, DetectedAll> detected_;
+};
+
+}  // namespace
+
+std::vector<CombinationRun> RunExperiment(const FloorPicture& map, const std::vector<FrameBag>& bags,
+                                          const CombinationPlan& plan, const ExperimentOptions& options) {
+  return Experiment(map, bags, plan, options).Run();
+}
+
+double ThesisRatio(DescriptorKind descriptor, double otherwise) {
+  switch (descriptor) {
+    case DescriptorKind::kSurf:
+      return 0.52;
+    case DescriptorKind::kSift:
+      return 0.72;
+    case DescriptorKind::kBrisk:
+      return 0.63;
+    default:
+      return otherwise;
+  }
+}
+
+}  // namespace floorloc

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace floorloc {
+
+/// A horizontal bar with its label on the left and its value on the right.
+struct SvgBar {
+  std::string label;
+  double value = 0.0;
+  std::string group;  ///< bars of a group have one colour
+  std::string note;   ///< stands behind the value
+};
+
+struct BarChartOptions {
+  double full_scale = 0.0;  ///< value of the longest possible bar; 0: the largest value
+  int decimals = 0;
+  std::string unit;
+  std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
+};
+
+/// An inline SVG picture.
+std::string BarChart(const std::vector<SvgBar>& bars, const BarChartOptions& options);
+
+struct SvgDot {
+  double x = 0.0;
+  double y = 0.0;
+  std::string label;  ///< shown when the pointer is on it
+  std::string group;  ///< dots of a group have one colour, named in the legend
+};
+
+struct ScatterOptions {
+  std::string x_title;
+  std::string y_title;
+  std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
+};
+
+/// An inline SVG picture with logarithmic axes; dots that are not positive have no place on it and are left out.
+std::string ScatterPlot(const std::vector<SvgDot>& dots, const ScatterOptions& options);
+
+/// Text for HTML and SVG.
+std::string EscapeHtml(const std::string& text);
+
+}  // namespace floorloc

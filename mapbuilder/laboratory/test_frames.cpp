@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/laboratory/test_frames.h"
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "core/io/survey.h"
+#include "core/vision/rectifier.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+
+FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOptions& options) {
+  const Survey survey = ReadSurvey(folder);
+  const Rectifier rectifier(survey.camera.AtResolution(options.resolution_m));
+  FrameBag bag;
+  bag.name = std::filesystem::absolute(folder / "").lexically_normal().parent_path().filename().string();
+  int with_truth = 0;
+  for (const SurveyFrame& frame : survey.frames) {
+    const std::optional<Pose2> truth = InterpolatePose(survey.ground_truth, frame.stamp_ns);
+    const bool wanted = options.max_frames == 0 || static_cast<int>(bag.frames.size()) < options.max_frames;
+    if (truth && ++with_truth > options.skip_frames && wanted) {
+      bag.frames.push_back({frame.filename, {}, *truth, InterpolatePose(survey.odometry, frame.stamp_ns)});
+    }
+  }
+  if (bag.frames.empty()) {
+    throw InputError(folder, "has no frame with a pose in groundtruth.tum" +
+                                 std::string(options.skip_frames > 0 ? " after those that are skipped" : "") +
+                                 "; the laboratory needs the truth");
+  }
+  const CameraModel& camera = survey.camera.camera;
+  ParallelFor(static_cast<int>(bag.frames.size()), options.threads, [&](int i) {
+    TestFrame& frame = bag.frames[static_cast<std::size_t>(i)];
+    const cv::Mat raw = ReadGrayImage(folder / frame.filename, camera.width_px, camera.height_px);
+    const FloorPicture picture = FloorPicture::FromGround(rectifier.Rectify(raw));
+    frame.picture = options.normalize ? Normalized(picture) : picture;
+  });
+  return bag;
+}
+
+}  // namespace floorloc

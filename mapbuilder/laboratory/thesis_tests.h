@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mapbuilder/laboratory/experiment.h"
+#include "mapbuilder/laboratory/run_summary.h"
+
+namespace floorloc {
+
+// The tests of chapter 4 of N. Napoleao's thesis on feature matching for robotic localization (University of Porto),
+// with its columns, on any floor.
+
+/// Test 1: how many features each detector finds in the map.
+ResultTable CountFeatures(const FloorPicture& map, const std::vector<DetectorKind>& detectors,
+                          const ExperimentOptions& options);
+
+/// Test 2: how many matches pass the ratio test between the map and a frame that it was made of; FLANN's are means over
+/// ten seeds.
+ResultTable CountMatches(const FloorPicture& map, const TestFrame& frame, const CombinationPlan& plan,
+                         const ExperimentOptions& options);
+
+/// Test 3: the ratio that leaves most right matches over wrong ones, for each pair (brute force). The thesis judged by
+/// eye; here the true poses judge.
+ResultTable FindBestRatios(const FloorPicture& map, const std::vector<FrameBag>& bags,
+                           const std::vector<DetectorDescriptor>& pairs, const ExperimentOptions& options);
+
+/// Test 4: the nine parameters of every combination in every bag.
+ResultTable CompareStills(const std::vector<RunSummary>& summaries);
+
+/// The detectors and descriptors of the thesis, and the pairs that it goes on with in its test 4.
+std::vector<DetectorKind> ThesisDetectors();
+std::vector<DescriptorKind> ThesisDescriptors();
+CombinationPlan ThesisStillsPlan();
+
+}  // namespace floorloc

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "core/vision/rectifier.h"
+#include "mapbuilder/laboratory/picture.h"
+#include "mapbuilder/progress.h"
+
+namespace floorloc {
+
+/// The floor that the frames are looked for on: one mosaic of the whole survey.
+struct WholeFloor {
+  FloorPicture picture;     ///< frame: that of the survey's groundtruth.tum, or the builder's
+  bool true_poses = false;  ///< the frames were placed by groundtruth.tum, not by the builder
+  int frames = 0;           ///< placed ones
+};
+
+struct WholeFloorOptions {
+  int threads = 0;
+  ProgressOutput progress;
+};
+
+/// Composes the mosaic of a survey with the builder's own stages. The frames stand where groundtruth.tum puts them; a
+/// survey without one is placed by the builder. Throws InputError, also for a floor too large for one picture.
+WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const WholeFloorOptions& options);
+
+}  // namespace floorloc
