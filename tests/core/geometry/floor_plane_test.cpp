@@ -4,11 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace floorloc {
 namespace {
@@ -26,29 +30,38 @@ CameraModel MakeCamera() {
   return camera;
 }
 
-// A camera at 0.4 m above the base's origin that looks forward and down, pitch_rad below the horizon.
-FloorCamera MakeTilted(double pitch_rad) {
-  const CameraModel camera = MakeCamera();
-  const double c = std::cos(pitch_rad);
-  const double s = std::sin(pitch_rad);
+// How a camera is mounted: where, and its optical axis, turned left by yaw_rad and pitch_rad below the horizon.
+struct Mounting {
+  const char* name;
+  Eigen::Vector3d position;
+  double yaw_rad;
+  double pitch_rad;
+};
+std::ostream& operator<<(std::ostream& out, const Mounting& mounting) { return out << mounting.name; }
+
+FloorCamera Mount(const Mounting& mounting, const CameraModel& camera) {
+  const double c = std::cos(mounting.pitch_rad);
+  const double s = std::sin(mounting.pitch_rad);
   // Columns: the camera's right, down and forward axes in the base frame (x forward, y left, z up).
   Eigen::Matrix3d base_from_camera;
   base_from_camera << 0, -s, c, -1, 0, 0, 0, -c, -s;
-  const Eigen::Vector3d position(0, 0, 0.4);
+  base_from_camera = Eigen::AngleAxisd(mounting.yaw_rad, Eigen::Vector3d::UnitZ()) * base_from_camera;
   Eigen::Matrix3d k;
   k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
   // Floor point (x, y, 0) in the camera frame: R^T (x, y, 0) - R^T position.
-  Eigen::Matrix3d camera_from_floor;
-  camera_from_floor.col(0) = base_from_camera.row(0).transpose();
-  camera_from_floor.col(1) = base_from_camera.row(1).transpose();
-  camera_from_floor.col(2) = -base_from_camera.transpose() * position;
+  Eigen::Matrix3d camera_from_floor = base_from_camera.transpose();
+  camera_from_floor.col(2) = -base_from_camera.transpose() * mounting.position;
   FloorCamera result{camera, {}};
   result.floor.base_from_pixel = (k * camera_from_floor).inverse();
-  const double center = 0.4 / std::tan(pitch_rad);
-  result.floor.roi = {center - 0.08, center + 0.08, -0.08, 0.08};
+  const Eigen::Vector3d axis = base_from_camera.col(2);
+  const Eigen::Vector2d center = (mounting.position - axis * (mounting.position.z() / axis.z())).head<2>();
+  result.floor.roi = {center.x() - 0.08, center.x() + 0.08, center.y() - 0.08, center.y() + 0.08};
   result.floor.resolution_m = 0.0005;
   return result;
 }
+
+// A camera at 0.4 m above the base's origin that looks forward and down, pitch_rad below the horizon.
+FloorCamera MakeTilted(double pitch_rad) { return Mount({"tilted", {0, 0, 0.4}, 0.0, pitch_rad}, MakeCamera()); }
 
 TEST(FloorCamera, AcceptsCamerasAboveTheFloor) {
   for (const double pitch : {0.6, 0.9, 1.2, 1.5}) {
@@ -85,6 +98,40 @@ TEST(FloorCamera, LooksWhereItShould) {
   EXPECT_GT(camera.FloorFromRawPixel({320, 100}).x(), center.x()) << "up in the picture is forward";
   EXPECT_GT(camera.FloorFromRawPixel({100, 240}).y(), 0.0) << "left in the picture is left";
 }
+
+class CameraCenterTest : public ::testing::TestWithParam<Mounting> {};
+
+TEST_P(CameraCenterTest, IsWhereTheCameraIsMounted) {
+  CameraModel camera = MakeCamera();
+  camera.fx = 612;
+  camera.fy = 587;
+  camera.cx = 301;
+  camera.cy = 255;
+  for (const std::vector<double>& distortion : {std::vector<double>{0, 0, 0, 0}, camera.distortion}) {
+    camera.distortion = distortion;
+    const FloorCamera mounted = Mount(GetParam(), camera);
+    ASSERT_NO_THROW(mounted.Check());
+    EXPECT_LT((mounted.CameraCenter() - GetParam().position).norm(), 1e-9) << mounted.CameraCenter().transpose();
+  }
+}
+
+TEST_P(CameraCenterTest, ScaleAndSignOfTheHomographyMeanNothing) {
+  for (const double scale : {-1.0, 1e-8, -1e8}) {
+    FloorCamera mounted = Mount(GetParam(), MakeCamera());
+    mounted.floor.base_from_pixel *= scale;
+    EXPECT_LT((mounted.CameraCenter() - GetParam().position).norm(), 1e-9) << "scale " << scale;
+  }
+}
+
+const Mounting kMountings[] = {
+    {"Downward", {0.2, -0.03, 0.4}, 0.0, 0.5 * std::numbers::pi},
+    {"DownwardTurned", {-0.1, 0.05, 0.15}, 2.0, 0.5 * std::numbers::pi},
+    {"ForwardAt50Degrees", {0.12, 0.0, 0.35}, 0.0, 50.0 * std::numbers::pi / 180.0},
+    {"SidewardAt50Degrees", {0.3, 0.2, 0.5}, 1.3, 50.0 * std::numbers::pi / 180.0},
+    {"BackwardHigh", {-0.4, 0.1, 1.5}, 3.0, 1.1},
+};
+INSTANTIATE_TEST_SUITE_P(Mountings, CameraCenterTest, ::testing::ValuesIn(kMountings),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 struct BrokenFloor {
   const char* name;
