@@ -65,7 +65,8 @@ void Run(const Arguments& arguments) {
   const Survey survey = ReadSurvey(arguments.survey);
   const Mosaic mosaic = Mosaic::Read(arguments.mosaic);
   const std::size_t frames = database.ReadFrames().size();
-  const Contestants all{Localizer(database.ReadMap(), LocalizerOptions()),
+  const Contestants all{Localizer(database.ReadMap(), LocalizerOptions(),
+                                  [&](const TileId& tile) { return database.ReadMosaicTile(tile); }),
                         Baseline(mosaic, BaselineMatcher::kBruteForce, BaselineOptions()),
                         Baseline(mosaic, BaselineMatcher::kFlann, BaselineOptions()),
                         AlignMapToTruth(database.ReadFrames(), survey.ground_truth)};
