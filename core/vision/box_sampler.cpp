@@ -14,10 +14,10 @@ constexpr float kUnit = 256.0F;  // of the smoothed pictures: 8 bits before the 
 // Means of the squares whose upper left pixels are x and, in the upper half of the word, x + 1.
 FLOORLOC_WIDE_VECTORS void SmoothRow(const std::uint32_t* __restrict top, const std::uint32_t* __restrict bottom,
                                      int box, int count, std::uint32_t* __restrict means) {
-  const float factor = (kUnit - 1.0F / 256.0F) / static_cast<float>(box * box);
+  const float factor = kUnit / static_cast<float>(box * box);
   for (int x = 0; x < count; ++x) {
     const std::uint32_t sum = bottom[x + box] - bottom[x] - top[x + box] + top[x];
-    means[x] = static_cast<std::uint32_t>(static_cast<std::int32_t>(static_cast<float>(sum) * factor + 0.5F));
+    means[x] = static_cast<std::uint32_t>(static_cast<std::int32_t>(static_cast<float>(sum) * factor));
   }
   for (int x = 0; x + 1 < count; ++x) {
     means[x] |= means[x + 1] << 16;
