@@ -18,6 +18,15 @@ std::uint64_t KeyOf(int x, int y) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(y);
 }
 
+// Empty when the bytes are no picture.
+cv::Mat DecodeGray(const std::vector<std::uint8_t>& bytes) {
+  try {
+    return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception&) {  // no bytes, or a header that promises too many pixels
+    return {};
+  }
+}
+
 cv::Mat SeenMask(const cv::Mat& gray) {
   cv::Mat seen = gray >= kMinSeenGray;
   if (cv::countNonZero(seen) < gray.rows * gray.cols) {
@@ -41,7 +50,7 @@ cv::Mat MosaicRaster::Load(int x, int y) const {
   if (!jpeg) {
     return {};
   }
-  const cv::Mat gray = cv::imdecode(*jpeg, cv::IMREAD_GRAYSCALE);
+  const cv::Mat gray = DecodeGray(*jpeg);
   if (gray.rows != layout_.tile_px || gray.cols != layout_.tile_px) {
     return {};
   }
