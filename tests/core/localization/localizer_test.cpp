@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -29,23 +31,38 @@ const SyntheticFloor& Floor() {
   return floor;
 }
 
-// The map of the synthetic floor, in the floor's own frame.
-FloorMap BuildFloorMap() {
-  const TemporaryFolder folder;
-  Floor().WriteSurvey(folder.path() / "survey");
-  BuildOptions options;
-  options.surveys = {folder.path() / "survey"};
-  options.out = folder.path() / "floor.floormap";
-  options.poses = ReadTum(folder.path() / "survey" / "groundtruth.tum");
-  options.mosaic.resolution_m = 0.0028;  // coarse is fast
-  options.placement.prior_sigma_m = 1e-3;
-  options.placement.prior_sigma_rad = 1e-3;
-  BuildMap(options);
-  return MapDatabase(options.out).ReadMap();
+// The map file of the synthetic floor, in the floor's own frame.
+class FloorMapFile {
+ public:
+  explicit FloorMapFile(double mosaic_resolution_m) {
+    Floor().WriteSurvey(folder_.path() / "survey");
+    BuildOptions options;
+    options.surveys = {folder_.path() / "survey"};
+    options.out = folder_.path() / "floor.floormap";
+    options.poses = ReadTum(folder_.path() / "survey" / "groundtruth.tum");
+    options.mosaic.resolution_m = mosaic_resolution_m;
+    options.placement.prior_sigma_m = 1e-3;
+    options.placement.prior_sigma_rad = 1e-3;
+    BuildMap(options);
+    database_ = std::make_unique<MapDatabase>(options.out);
+  }
+  FloorMap Read() const { return database_->ReadMap(); }
+  MosaicTileSource Tiles() const {
+    return [this](const TileId& tile) { return database_->ReadMosaicTile(tile); };
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::unique_ptr<MapDatabase> database_;
+};
+
+const FloorMapFile& TheFile() {
+  static const FloorMapFile file(Floor().camera().floor.resolution_m);
+  return file;
 }
 
 const FloorMap& TheMap() {
-  static const FloorMap map = BuildFloorMap();
+  static const FloorMap map = TheFile().Read();
   return map;
 }
 
@@ -81,11 +98,14 @@ void ExpectNear(const LocalizationResult& result, const Pose2& truth) {
   EXPECT_LT(std::abs(WrapAngle(result.map_from_base.yaw() - truth.yaw())), kMaxErrorRad) << truth;
 }
 
-class LocalizerTest : public ::testing::Test {
+// Every promise holds with the mosaic and without it.
+class LocalizerTest : public ::testing::TestWithParam<bool> {
  protected:
+  static MosaicTileSource Tiles() { return GetParam() ? TheFile().Tiles() : nullptr; }
   static const Localizer& TheLocalizer() {
-    static const Localizer localizer(TheMap(), LocalizerOptions{});
-    return localizer;
+    static const Localizer by_keypoints(TheMap(), LocalizerOptions{});
+    static const Localizer by_mosaic(TheMap(), LocalizerOptions{}, TheFile().Tiles());
+    return GetParam() ? by_mosaic : by_keypoints;
   }
   LocalizationResult Localize(const cv::Mat& gray, const std::optional<PosePrior>& prior = std::nullopt) const {
     return TheLocalizer().Localize(rectifier_, gray, prior);
@@ -93,8 +113,10 @@ class LocalizerTest : public ::testing::Test {
 
   Rectifier rectifier_{Floor().camera()};
 };
+INSTANTIATE_TEST_SUITE_P(Mosaic, LocalizerTest, ::testing::Bool(),
+                         [](const auto& test) { return test.param ? "WithMosaic" : "KeypointsOnly"; });
 
-TEST_F(LocalizerTest, FindsAnyViewOnTheWholeMap) {
+TEST_P(LocalizerTest, FindsAnyViewOnTheWholeMap) {
   for (const Pose2& truth : RandomPoses(40, 1)) {
     const LocalizationResult result = Localize(GrayView(Floor(), truth, 1));
     ExpectNear(result, truth);
@@ -104,7 +126,7 @@ TEST_F(LocalizerTest, FindsAnyViewOnTheWholeMap) {
   }
 }
 
-TEST_F(LocalizerTest, FindsAnyViewNearAPrior) {
+TEST_P(LocalizerTest, FindsAnyViewNearAPrior) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const Pose2& truth : RandomPoses(40, 2)) {
@@ -116,7 +138,7 @@ TEST_F(LocalizerTest, FindsAnyViewNearAPrior) {
   }
 }
 
-TEST_F(LocalizerTest, CovarianceIsFiniteAndPositive) {
+TEST_P(LocalizerTest, CovarianceIsFiniteAndPositive) {
   for (const Pose2& truth : RandomPoses(10, 3)) {
     const LocalizationResult result = Localize(GrayView(Floor(), truth, 3));
     ASSERT_EQ(result.status, LocalizationStatus::kLocalized);
@@ -129,7 +151,7 @@ TEST_F(LocalizerTest, CovarianceIsFiniteAndPositive) {
   }
 }
 
-TEST_F(LocalizerTest, AnotherFloorIsNotThisFloor) {
+TEST_P(LocalizerTest, AnotherFloorIsNotThisFloor) {
   const SyntheticFloor other(77);
   for (const Pose2& pose : RandomPoses(20, 4)) {
     const cv::Mat view = GrayView(other, pose, 4);
@@ -138,14 +160,14 @@ TEST_F(LocalizerTest, AnotherFloorIsNotThisFloor) {
   }
 }
 
-TEST_F(LocalizerTest, ABlackPictureHasTooFewKeypoints) {
+TEST_P(LocalizerTest, ABlackPictureHasTooFewKeypoints) {
   const LocalizationResult result = Localize(cv::Mat::zeros(480, 640, CV_8UC1));
   EXPECT_EQ(result.status, LocalizationStatus::kNotLocalized);
   EXPECT_EQ(result.reason, NotLocalizedReason::kTooFewKeypoints);
   EXPECT_EQ(result.keypoints, 0);
 }
 
-TEST_F(LocalizerTest, AWrongPriorFindsNothing) {
+TEST_P(LocalizerTest, AWrongPriorFindsNothing) {
   const Pose2 truth = Floor().BaseForView(0.4, 0.4, 0.3);
   const cv::Mat view = GrayView(Floor(), truth, 5);
   ExpectNear(Localize(view, PosePrior{truth}), truth);
@@ -156,7 +178,7 @@ TEST_F(LocalizerTest, AWrongPriorFindsNothing) {
   }
 }
 
-TEST_F(LocalizerTest, PictureOfAnotherSizeIsRefused) {
+TEST_P(LocalizerTest, PictureOfAnotherSizeIsRefused) {
   EXPECT_THROW(Localize(cv::Mat::zeros(479, 640, CV_8UC1)), std::invalid_argument);
 }
 
@@ -170,14 +192,14 @@ void ExpectSame(const LocalizationResult& a, const LocalizationResult& b) {
   EXPECT_EQ(a.p_wrong, b.p_wrong);
 }
 
-TEST_F(LocalizerTest, SameInputSameAnswer) {
+TEST_P(LocalizerTest, SameInputSameAnswer) {
   const cv::Mat view = GrayView(Floor(), Floor().BaseForView(0.5, 0.4, -2.0), 6);
-  const Localizer another(TheMap(), LocalizerOptions{});
+  const Localizer another(TheMap(), LocalizerOptions{}, Tiles());
   ExpectSame(Localize(view), Localize(view));
   ExpectSame(Localize(view), another.Localize(rectifier_, view, std::nullopt));
 }
 
-TEST_F(LocalizerTest, EveryThreadGetsTheAnswerOfOne) {
+TEST_P(LocalizerTest, EveryThreadGetsTheAnswerOfOne) {
   const std::vector<Pose2> poses = RandomPoses(8, 7);
   std::vector<cv::Mat> views;
   std::vector<LocalizationResult> alone;
@@ -197,35 +219,98 @@ TEST_F(LocalizerTest, EveryThreadGetsTheAnswerOfOne) {
   }
 }
 
-TEST_F(LocalizerTest, EveryMatcherFindsTheView) {
+TEST_P(LocalizerTest, EveryMatcherFindsTheView) {
   const Pose2 truth = Floor().BaseForView(0.6, 0.45, 2.5);
   const cv::Mat view = GrayView(Floor(), truth, 8);
   for (const MatcherType type : {MatcherType::kBruteForce, MatcherType::kHash, MatcherType::kFlann}) {
     LocalizerOptions options;
     options.index.type = type;
-    ExpectNear(Localizer(TheMap(), options).Localize(rectifier_, view, std::nullopt), truth);
+    ExpectNear(Localizer(TheMap(), options, Tiles()).Localize(rectifier_, view, std::nullopt), truth);
   }
 }
 
-TEST_F(LocalizerTest, AnEmptyMapLocalizesNothing) {
+TEST_P(LocalizerTest, AnEmptyMapLocalizesNothing) {
   FloorMap empty = TheMap();
   empty.keypoints.keypoints.clear();
   empty.keypoints.observations.clear();
   empty.keypoints.descriptors = cv::Mat(0, TheMap().keypoints.descriptors.cols, CV_8U);
-  const Localizer localizer(empty, LocalizerOptions{});
+  const Localizer localizer(empty, LocalizerOptions{}, Tiles());
   const Pose2 pose = Floor().BaseForView(0.6, 0.45, 0.0);
   const cv::Mat view = GrayView(Floor(), pose, 9);
   EXPECT_EQ(localizer.Localize(rectifier_, view, std::nullopt).status, LocalizationStatus::kNotLocalized);
   EXPECT_EQ(localizer.Localize(rectifier_, view, PosePrior{pose}).status, LocalizationStatus::kNotLocalized);
 }
 
-TEST_F(LocalizerTest, RefusesBadOptions) {
+TEST_P(LocalizerTest, RefusesBadOptions) {
   LocalizerOptions options;
   options.max_ratio_binary = 1.5F;
-  EXPECT_THROW(Localizer(TheMap(), options), std::invalid_argument);
+  EXPECT_THROW(Localizer(TheMap(), options, Tiles()), std::invalid_argument);
   options = {};
   options.registration.min_inliers = 0;
-  EXPECT_THROW(Localizer(TheMap(), options), std::invalid_argument);
+  EXPECT_THROW(Localizer(TheMap(), options, Tiles()), std::invalid_argument);
+}
+
+// Median error of the view's middle over views of a camera that hard conditions shake.
+double MedianErrorWhenShaken(const Localizer& localizer) {
+  const Rectifier rectifier(Floor().camera());
+  const Eigen::Vector2d center = Floor().camera().floor.roi.Center();
+  std::mt19937 random(31);
+  std::normal_distribution<double> normal;
+  std::vector<double> errors;
+  for (const Pose2& truth : RandomPoses(21, 31)) {
+    RenderConditions conditions;
+    conditions.read_noise = 2.0;
+    conditions.vibration = {5e-3 * normal(random), 3.5e-3 * normal(random), 2e-3 * normal(random)};
+    cv::Mat gray;
+    cv::cvtColor(Floor().View(truth, conditions), gray, cv::COLOR_BGR2GRAY);
+    const LocalizationResult result = localizer.Localize(rectifier, gray, PosePrior{truth});
+    EXPECT_EQ(result.status, LocalizationStatus::kLocalized) << truth;
+    errors.push_back((result.map_from_base * center - truth * center).norm());
+  }
+  std::nth_element(errors.begin(), errors.begin() + 10, errors.end());
+  return errors[10];
+}
+
+TEST(LocalizerMosaicTest, AbsorbsVibration) {
+  const double by_keypoints = MedianErrorWhenShaken(Localizer(TheMap(), LocalizerOptions{}));
+  const double by_mosaic = MedianErrorWhenShaken(Localizer(TheMap(), LocalizerOptions{}, TheFile().Tiles()));
+  EXPECT_GT(by_keypoints, 1e-3) << "the vibration is strong enough to matter";
+  EXPECT_LT(by_mosaic, 0.4 * by_keypoints);
+}
+
+TEST(LocalizerMosaicTest, RefinesAStillCamera) {
+  const Localizer localizer(TheMap(), LocalizerOptions{}, TheFile().Tiles());
+  const Rectifier rectifier(Floor().camera());
+  const Eigen::Vector2d center = Floor().camera().floor.roi.Center();
+  for (const Pose2& truth : RandomPoses(10, 32)) {
+    const LocalizationResult result = localizer.Localize(rectifier, GrayView(Floor(), truth, 32), std::nullopt);
+    ASSERT_EQ(result.status, LocalizationStatus::kLocalized);
+    EXPECT_LT((result.map_from_base * center - truth * center).norm(), 7e-4) << truth;
+  }
+}
+
+TEST(LocalizerMosaicTest, AMosaicThatShowsNothingLeavesThePoseToTheKeypoints) {
+  const Localizer by_keypoints(TheMap(), LocalizerOptions{});
+  const Rectifier rectifier(Floor().camera());
+  const cv::Mat view = GrayView(Floor(), Floor().BaseForView(0.5, 0.4, -2.0), 33);
+  const LocalizationResult expected = by_keypoints.Localize(rectifier, view, std::nullopt);
+  const std::optional<std::vector<std::uint8_t>> no_picture = std::vector<std::uint8_t>(100, 7);
+  for (const auto& bytes : {std::optional<std::vector<std::uint8_t>>(), no_picture}) {
+    const Localizer localizer(TheMap(), LocalizerOptions{}, [&](const TileId&) { return bytes; });
+    const LocalizationResult result = localizer.Localize(rectifier, view, std::nullopt);
+    ASSERT_EQ(result.status, LocalizationStatus::kLocalized);
+    EXPECT_EQ(result.map_from_base.Between(expected.map_from_base).Log().norm(), 0.0);
+    EXPECT_EQ(result.covariance, expected.covariance);
+  }
+}
+
+TEST(LocalizerMosaicTest, AMosaicCoarserThanTheFramesDoesNoHarm) {
+  const FloorMapFile coarse(4.0 * Floor().camera().floor.resolution_m);
+  const Localizer localizer(coarse.Read(), LocalizerOptions{}, coarse.Tiles());
+  const Rectifier rectifier(Floor().camera());
+  for (const Pose2& truth : RandomPoses(10, 34)) {
+    ExpectNear(localizer.Localize(rectifier, GrayView(Floor(), truth, 34), std::nullopt), truth);
+  }
 }
 
 TEST(LocalizationNamesTest, AreTheContracts) {

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/pose_decision.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+#include <random>
+
+namespace floorloc {
+namespace {
+
+constexpr float kMaxDistance = 60.0F;
+constexpr int kKeypoints = 120;
+constexpr int kCells = kKeypoints / 2;  // witnesses as many as keypoints with an inlier
+constexpr double kStrongVotes = -30.0;
+
+// Poses of one frame, `x` apart. By default each is far beyond chance by its keypoints, has votes, and explains every
+// other keypoint equally well.
+class PoseDecisionTest : public ::testing::Test {
+ protected:
+  VerifiedPose MakePose(double x) {
+    VerifiedPose pose;
+    pose.candidate.target_from_source = Pose2(x, 0.0, 0.0);
+    pose.candidate.inliers.resize(kKeypoints / 2);
+    std::iota(pose.candidate.inliers.begin(), pose.candidate.inliers.end(), 0);
+    pose.candidate.log_false_alarms = -40.0;
+    pose.votes = 20;
+    pose.log_chance_votes = kStrongVotes;
+    for (int i = 0; i < kKeypoints; ++i) {
+      pose.distance.push_back(i % 2 == 0 ? Uniform(20.0F, 40.0F) : std::numeric_limits<float>::infinity());
+    }
+    return pose;
+  }
+  static VerifiedPose WithoutVotes(VerifiedPose pose) {
+    pose.votes = 0;
+    pose.log_chance_votes = 0.0;
+    return pose;
+  }
+  // Its keypoints resemble the map's more.
+  static VerifiedPose WithNearerKeypoints(VerifiedPose pose, float nearer) {
+    for (float& distance : pose.distance) {
+      distance -= nearer;
+    }
+    return pose;
+  }
+  VerifiedPose WithPicture(VerifiedPose pose, float correlation) {
+    PhotometricFit fit;
+    for (int c = 0; c < kCells; ++c) {
+      fit.cell_correlation.push_back(correlation + Uniform(-0.1F, 0.1F));
+      fit.cell_samples.push_back(64);
+    }
+    pose.photo = fit;
+    return pose;
+  }
+  static PoseDecision Decide(const std::vector<VerifiedPose>& poses) {
+    return DecidePose(poses, kMaxDistance, RegistrationOptions());
+  }
+
+ private:
+  float Uniform(float low, float high) { return std::uniform_real_distribution<float>(low, high)(rng_); }
+  std::mt19937 rng_{13};
+};
+
+void ExpectAccepted(const PoseDecision& decision, int best) {
+  EXPECT_EQ(decision.status, RegistrationStatus::kRegistered);
+  EXPECT_EQ(decision.best, best);
+  EXPECT_LT(decision.p_wrong, RegistrationOptions().max_p_wrong);
+  EXPECT_TRUE(decision.alternatives.empty());
+}
+
+// Weights are those of all hypotheses together, the best one first.
+void ExpectAmbiguous(const PoseDecision& decision, std::size_t alternatives) {
+  EXPECT_EQ(decision.status, RegistrationStatus::kAmbiguous);
+  ASSERT_EQ(decision.alternatives.size(), alternatives);
+  double sum = 0.0;
+  for (const PoseHypothesis& hypothesis : decision.alternatives) {
+    EXPECT_LE(hypothesis.weight, decision.alternatives.front().weight);
+    EXPECT_EQ(hypothesis.inliers, kKeypoints / 2);
+    sum += hypothesis.weight;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-3);
+  EXPECT_NEAR(decision.p_wrong, 1.0 - decision.alternatives.front().weight, 1e-3);
+}
+
+TEST_F(PoseDecisionTest, WithoutPosesThereIsNoBest) {
+  const PoseDecision decision = Decide({});
+  EXPECT_EQ(decision.status, RegistrationStatus::kTooFewInliers);
+  EXPECT_EQ(decision.best, -1);
+  EXPECT_EQ(decision.p_wrong, 1.0);
+}
+
+TEST_F(PoseDecisionTest, ALonePoseBeyondChanceIsAccepted) { ExpectAccepted(Decide({MakePose(0.0)}), 0); }
+
+TEST_F(PoseDecisionTest, TooFewInliersAreNoPose) {
+  VerifiedPose pose = MakePose(0.0);
+  pose.candidate.inliers.resize(static_cast<std::size_t>(RegistrationOptions().min_inliers) - 1);
+  const PoseDecision decision = Decide({pose});
+  EXPECT_EQ(decision.status, RegistrationStatus::kTooFewInliers);
+  EXPECT_EQ(decision.best, -1);
+}
+
+TEST_F(PoseDecisionTest, KeypointsThatChanceExplainsAreNotSignificant) {
+  VerifiedPose pose = WithPicture(MakePose(0.0), 0.9F);
+  pose.candidate.log_false_alarms = -2.0;
+  const PoseDecision decision = Decide({pose});
+  EXPECT_EQ(decision.status, RegistrationStatus::kNotSignificant);
+  EXPECT_EQ(decision.best, 0);
+  EXPECT_NEAR(decision.p_wrong, 0.01, 1e-6);
+}
+
+TEST_F(PoseDecisionTest, EqualPosesAreAmbiguous) {
+  ExpectAmbiguous(Decide({MakePose(0.0), MakePose(1.0)}), 2);
+  ExpectAmbiguous(Decide({MakePose(0.0), MakePose(1.0), MakePose(2.0)}), 3);
+}
+
+TEST_F(PoseDecisionTest, APoseThatChanceOffersIsNoRival) {
+  VerifiedPose chance = MakePose(1.0);
+  chance.candidate.log_false_alarms = -0.5;
+  ExpectAccepted(Decide({MakePose(0.0), chance}), 0);
+}
+
+TEST_F(PoseDecisionTest, NearerKeypointsDecide) {
+  const VerifiedPose pose = MakePose(0.0);
+  const VerifiedPose nearer = WithNearerKeypoints(MakePose(1.0), 15.0F);
+  ExpectAccepted(Decide({pose, nearer}), 1);
+  ExpectAccepted(Decide({nearer, pose}), 0);
+}
+
+TEST_F(PoseDecisionTest, ALeadingPictureDecidesBetweenEqualKeypoints) {
+  const VerifiedPose right = WithPicture(MakePose(0.0), 0.6F);
+  const VerifiedPose wrong = WithPicture(MakePose(1.0), 0.2F);
+  ExpectAccepted(Decide({right, wrong}), 0);
+  ExpectAccepted(Decide({wrong, right}), 1);
+}
+
+TEST_F(PoseDecisionTest, EqualPicturesLeaveItOpen) {
+  ExpectAmbiguous(Decide({WithPicture(MakePose(0.0), 0.5F), WithPicture(MakePose(1.0), 0.5F)}), 2);
+}
+
+TEST_F(PoseDecisionTest, APictureThatCannotTellDoesNotWeakenTheKeypoints) {
+  const VerifiedPose pose = WithPicture(MakePose(0.0), 0.5F);
+  VerifiedPose nearer = WithNearerKeypoints(MakePose(1.0), 15.0F);
+  nearer.photo = pose.photo;
+  ExpectAccepted(Decide({pose, nearer}), 1);
+}
+
+TEST_F(PoseDecisionTest, ContradictingWitnessesAreAmbiguous) {
+  const VerifiedPose pose = WithPicture(MakePose(0.0), 0.2F);
+  VerifiedPose by_picture = WithPicture(pose, 0.6F);
+  by_picture.candidate.target_from_source = Pose2(1.0, 0.0, 0.0);
+  const VerifiedPose by_keypoints = WithNearerKeypoints(pose, 15.0F);
+  ExpectAccepted(Decide({pose, by_picture}), 1);
+  ExpectAccepted(Decide({pose, by_keypoints}), 1);
+  ExpectAmbiguous(Decide({by_picture, by_keypoints}), 2);
+  ExpectAmbiguous(Decide({by_keypoints, by_picture}), 2);
+}
+
+TEST_F(PoseDecisionTest, OnePictureAloneComparesNothing) {
+  ExpectAmbiguous(Decide({WithPicture(MakePose(0.0), 0.9F), MakePose(1.0)}), 2);
+}
+
+TEST_F(PoseDecisionTest, WithoutVotesAPictureThatLeadsThreeOthersIsDistinctive) {
+  std::vector<VerifiedPose> poses;
+  for (const double x : {0.0, 1.0, 2.0}) {
+    poses.push_back(WithPicture(WithoutVotes(MakePose(x)), 0.1F));
+  }
+  poses.push_back(WithPicture(WithoutVotes(MakePose(3.0)), 0.6F));
+  ExpectAccepted(Decide(poses), 3);
+}
+
+TEST_F(PoseDecisionTest, WithoutVotesAPictureThatLeadsTwoOthersIsNot) {
+  const PoseDecision decision =
+      Decide({WithPicture(WithoutVotes(MakePose(0.0)), 0.1F), WithPicture(WithoutVotes(MakePose(1.0)), 0.6F),
+              WithPicture(WithoutVotes(MakePose(2.0)), 0.1F)});
+  EXPECT_EQ(decision.status, RegistrationStatus::kNotSignificant);
+  EXPECT_EQ(decision.best, 1);
+  EXPECT_EQ(decision.p_wrong, 1.0);
+}
+
+TEST_F(PoseDecisionTest, WithoutVotesAPictureMustLeadAllOthers) {
+  std::vector<VerifiedPose> poses{WithPicture(WithoutVotes(MakePose(0.0)), 0.6F)};
+  for (const double x : {1.0, 2.0, 3.0}) {
+    poses.push_back(WithPicture(WithoutVotes(MakePose(x)), 0.1F));
+  }
+  poses.push_back(poses.front());
+  poses.back().candidate.target_from_source = Pose2(4.0, 0.0, 0.0);
+  EXPECT_EQ(Decide(poses).status, RegistrationStatus::kNotSignificant);
+}
+
+TEST_F(PoseDecisionTest, WithoutVotesOrPicturesNothingIsDistinctive) {
+  EXPECT_EQ(Decide({WithoutVotes(MakePose(0.0))}).status, RegistrationStatus::kNotSignificant);
+}
+
+}  // namespace
+}  // namespace floorloc
