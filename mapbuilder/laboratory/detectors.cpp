@@ -18,6 +18,14 @@ constexpr int kAll = 1'000'000;  // OpenCV's "as many as there are"
 // A corner has no size of its own; descriptors need one, px.
 constexpr float kCornerSizePx = 9.0F;
 
+// MSER fits ellipses to its regions: some are points, some without bound. With sizes near 0 px OpenCV 4.6's SIFT writes
+// beyond its memory.
+bool HasUsableSize(const cv::KeyPoint& k) {
+  constexpr float kSmallestPx = 3.0F;
+  constexpr float kLargestPx = 150.0F;
+  return k.size >= kSmallestPx && k.size <= kLargestPx;
+}
+
 // Direction from the keypoint to the centre of brightness of the disc around it (Rosin 1999), degrees clockwise.
 float CentroidAngle(const cv::Mat& gray, const cv::Point2f& place) {
   constexpr int kRadius = 12;
@@ -44,6 +52,7 @@ class OpenCvDetector final : public Detector {
   std::vector<cv::KeyPoint> Detect(const cv::Mat& gray, const cv::Mat& mask) const override {
     std::vector<cv::KeyPoint> keypoints;
     feature_->detect(gray, keypoints, mask);
+    std::erase_if(keypoints, [](const cv::KeyPoint& k) { return !HasUsableSize(k); });
     for (cv::KeyPoint& k : keypoints) {
       if (kind_ == DetectorKind::kHarris || kind_ == DetectorKind::kShiTomasi || kind_ == DetectorKind::kFast) {
         k.size = kCornerSizePx;

@@ -152,10 +152,7 @@ class Experiment {
   }
 
   void MatchFrames(const Features& map, MatcherKind matcher, std::vector<FrameMatches>* frames) const {
-    IndexOptions index_options;
-    index_options.type = matcher == MatcherKind::kFlann ? MatcherType::kFlann : MatcherType::kBruteForce;
-    index_options.seed = options_.seed;
-    const auto index = map.keypoints.empty() ? nullptr : CreateDescriptorIndex(map.descriptors, index_options);
+    const auto index = map.keypoints.empty() ? nullptr : CreateIndex(map, matcher, options_.seed);
     for (FrameMatches& frame : *frames) {
       const Features& features = frame.described.features;
       const double start_ms = ThreadMilliseconds();
@@ -197,6 +194,16 @@ class Experiment {
 };
 
 }  // namespace
+
+std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed) {
+  // With fewer descriptors than leaves to look at, kd-trees save nothing, and OpenCV 4.6's may find too few and throw.
+  constexpr std::size_t kFewest = 200;
+  const bool flann = matcher == MatcherKind::kFlann && map.keypoints.size() >= kFewest;
+  IndexOptions options;
+  options.type = flann ? MatcherType::kFlann : MatcherType::kBruteForce;
+  options.seed = seed;
+  return CreateDescriptorIndex(map.descriptors, options);
+}
 
 std::vector<CombinationRun> RunExperiment(const FloorPicture& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -64,6 +64,9 @@ struct CombinationRun {
 /// matches by filters. The map and the frames have the same resolution, and the truth is in the map's frame.
 std::vector<CombinationRun> RunExperiment(const FloorPicture& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options);
+
+/// The map's descriptors, ready to be searched; a map of very few is searched by brute force anyway.
+std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed);
 
 /// The ratio of the thesis's test 3 for a descriptor; `otherwise` where it has none.
 double ThesisRatio(DescriptorKind descriptor, double otherwise);

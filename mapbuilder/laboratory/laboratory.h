@@ -31,7 +31,7 @@ struct LaboratoryOptions {
   std::optional<PoseFit> fit;
   double inlier_radius_m = 0.003;
   int skip_frames = 0;
-  int max_frames = 30;  ///< of each folder; 0: all
+  int max_frames = 10;  ///< of each folder; 0: all
   Tolerance tolerance;
   JumpFilterOptions jump;
   std::uint32_t seed = 1;

@@ -42,10 +42,7 @@ double MeanMatches(const Features& map, const Features& frame, MatcherKind match
   const int attempts = matcher == MatcherKind::kFlann ? kFlannAttempts : 1;
   double sum = 0.0;
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    IndexOptions options;
-    options.type = matcher == MatcherKind::kFlann ? MatcherType::kFlann : MatcherType::kBruteForce;
-    options.seed = static_cast<std::uint32_t>(attempt + 1);
-    const auto index = CreateDescriptorIndex(map.descriptors, options);
+    const auto index = CreateIndex(map, matcher, static_cast<std::uint32_t>(attempt + 1));
     sum += static_cast<double>(
         FilterByRatio(FindNearest(*index, frame.descriptors), static_cast<float>(max_ratio)).size());
   }
@@ -107,9 +104,7 @@ std::vector<JudgedMatch> JudgeMatches(const FloorPicture& map, const std::vector
   if (in_map.keypoints.empty()) {
     return judged;
   }
-  IndexOptions index_options;
-  index_options.type = MatcherType::kBruteForce;
-  const auto index = CreateDescriptorIndex(in_map.descriptors, index_options);
+  const auto index = CreateIndex(in_map, MatcherKind::kBruteForce, options.seed);
   for (const FrameBag& bag : bags) {
     for (const TestFrame& frame : bag.frames) {
       const DetectedPicture detected = DetectKeypoints(frame.picture, *detector, options.detection);
