@@ -13,8 +13,8 @@ namespace floorloc {
 /// How a frame is looked for in the whole floor.
 struct GlobalSearchOptions {
   std::vector<int> efforts = {16, 128, 1024};  ///< probes per keypoint, until a pose is beyond chance
-  int neighbours = 4;                          ///< per keypoint; each of them votes
-  float max_distance = 72.0F;                  ///< bits
+  int neighbours = 2;                          ///< per keypoint; each of them votes
+  float max_distance = 64.0F;                  ///< bits
   double max_log_chance = -6.0;                ///< log10 of the poses that chance would give
   RegistrationOptions registration;
 };
