@@ -196,9 +196,12 @@ class Experiment {
 }  // namespace
 
 std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed) {
-  // With fewer descriptors than leaves to look at, kd-trees save nothing, and OpenCV 4.6's may find too few and throw.
+  // OpenCV 4.6's kd-trees may find fewer than two neighbours, and then throw: among very few descriptors, and among Hu
+  // moments, many of which are equal. Brute force is as fast there.
   constexpr std::size_t kFewest = 200;
-  const bool flann = matcher == MatcherKind::kFlann && map.keypoints.size() >= kFewest;
+  constexpr int kHuLength = 7;
+  const bool flann =
+      matcher == MatcherKind::kFlann && map.keypoints.size() >= kFewest && map.descriptors.cols > kHuLength;
   IndexOptions options;
   options.type = flann ? MatcherType::kFlann : MatcherType::kBruteForce;
   options.seed = seed;

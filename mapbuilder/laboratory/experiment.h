@@ -65,7 +65,7 @@ struct CombinationRun {
 std::vector<CombinationRun> RunExperiment(const FloorPicture& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options);
 
-/// The map's descriptors, ready to be searched; a map of very few is searched by brute force anyway.
+/// The map's descriptors, ready to be searched; very few, and Hu moments, by brute force anyway.
 std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed);
 
 /// The ratio of the thesis's test 3 for a descriptor; `otherwise` where it has none.

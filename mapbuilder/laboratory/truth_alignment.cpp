@@ -23,8 +23,9 @@ std::vector<TruthAndFix> LocalizeFrames(const FloorPicture& map, const std::vect
                                         const ExperimentOptions& options) {
   const CombinationPlan plan{
       {{DetectorKind::kSift, DescriptorKind::kSift}}, {MatcherKind::kFlann}, {{MatchFilter::kRatioRansac, false}}};
+  const std::vector<CombinationRun> runs = RunExperiment(map, bags, plan, options);
   std::vector<TruthAndFix> found;
-  for (const FrameOutcome& outcome : RunExperiment(map, bags, plan, options).front().outcomes) {
+  for (const FrameOutcome& outcome : runs.front().outcomes) {
     constexpr int kMinInliers = 10;
     if (outcome.accepted && outcome.inliers >= kMinInliers) {
       const TestFrame& frame =
