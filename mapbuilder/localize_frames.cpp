@@ -27,17 +27,18 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
 
 bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
-// The ground truth's frame is the surveyor's, the map's its own: a few frames that are localized on the whole map tell
-// how they lie to each other. Each proposes a motion; the one that most others agree with is taken.
+// The ground truth's frame is the surveyor's, the map's its own: some frames that are sought on the whole map tell how
+// they lie to each other. Each proposes a motion, be it an accepted fix or not; the one that most others agree with is
+// taken.
 Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey) {
-  constexpr std::size_t kFrames = 15;
+  constexpr std::size_t kFrames = 30;
   constexpr double kAgreeM = 0.05;
   std::vector<std::pair<Pose2, Pose2>> truth_and_fix;
   const std::size_t step = std::max<std::size_t>(1, survey.frames.size() / kFrames);
   for (std::size_t i = 0; i < survey.frames.size(); i += step) {
     const auto truth = InterpolatePose(survey.ground_truth, survey.frames[i].stamp_ns);
     const LocalizedFrame fix = LocalizeOne(localizer, rectifier, survey, survey.frames[i], std::nullopt);
-    if (truth && Found(fix)) {
+    if (truth && fix.result.inliers > 0) {
       truth_and_fix.emplace_back(*truth, fix.result.map_from_base);
     }
   }

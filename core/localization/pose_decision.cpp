@@ -93,27 +93,9 @@ double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, f
   return p_first / (p_first + FisherP(for_second));
 }
 
-// log10 of the chance that a picture leads those of all the other poses as it does; 0 where too few were compared.
-double LogChanceOfPicture(const std::vector<VerifiedPose>& poses, std::size_t pose) {
-  constexpr int kMinCompared = 3;
-  if (!poses[pose].photo) {
-    return 0.0;
-  }
-  int compared = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i != pose && poses[i].photo) {
-      ++compared;
-      least = std::min(least, LeadByPicture(*poses[pose].photo, *poses[i].photo));
-    }
-  }
-  return compared >= kMinCompared && least > 0.0 ? kStructureExponent * std::log10(UpperTail(least)) : 0.0;
-}
-
-double LogChance(const std::vector<VerifiedPose>& poses, std::size_t pose) {
-  const double distinctive =
-      std::min(kStructureExponent * poses[pose].log_chance_votes, LogChanceOfPicture(poses, pose));
-  return std::max(poses[pose].candidate.log_false_alarms, distinctive);
+// Beyond chance by all its keypoints, and by the distinctive ones.
+double LogChance(const VerifiedPose& pose) {
+  return std::max(pose.candidate.log_false_alarms, kStructureExponent * pose.log_chance_votes);
 }
 
 std::size_t FindBest(const std::vector<VerifiedPose>& poses, float max_distance) {
@@ -151,7 +133,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distan
       p_rival += rival[i];
     }
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses, best)));
+  const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses[best])));
   decision.p_wrong = std::min(1.0, p_chance + p_rival / (1.0 + p_rival));
   const double sum = 1.0 + p_rival;
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -16,10 +16,10 @@ struct PoseDecision {
   std::vector<PoseHypothesis> alternatives;  ///< when ambiguous, the best one first
 };
 
-/// A pose must be beyond chance by all its keypoints, and by what is distinctive about its place: the matches that went
-/// there and nowhere else, or the picture, which fits there clearly better than at every other place. Rivals are
-/// compared keypoint by keypoint and cell by cell of the picture: on self-similar floors much fits several places, and
-/// only by how much better it fits one of them says which. max_distance: at which descriptors still count as alike.
+/// A pose must be beyond chance by all its keypoints, and by the distinctive matches that went there and nowhere else.
+/// Rivals are compared keypoint by keypoint and cell by cell of the picture: on self-similar floors much fits several
+/// places, and only by how much better it fits one of them says which.
+/// max_distance: at which descriptors still count as alike.
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distance, const RegistrationOptions& options);
 
 }  // namespace floorloc

@@ -3,7 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/vision/gaussian.h"
+#include "core/vision/mirror.h"
+#include "core/vision/multiversion.h"
 
 namespace floorloc {
 namespace {
@@ -13,37 +19,131 @@ constexpr float kGain = 40.0F;
 // Deviations below the noise of a camera are not amplified to full contrast.
 constexpr float kMinDeviation = 1.0F;
 
-cv::Mat Smooth(const cv::Mat& gray, double sigma_px) {
-  cv::Mat smooth;
-  gray.convertTo(smooth, CV_32F);
-  if (sigma_px > 0.0) {
-    cv::GaussianBlur(smooth, smooth, cv::Size(), sigma_px, sigma_px, cv::BORDER_REFLECT);
+using Row = std::vector<float>;
+
+FLOORLOC_WIDE_VECTORS
+void AddShifted(const float* __restrict in, int shift, int width, float* __restrict sum) {
+  for (int u = 0; u < width; ++u) {
+    sum[u] += in[u + shift];
   }
-  return smooth;
+}
+
+FLOORLOC_WIDE_VECTORS
+void Double(const float* __restrict in, int shift, int width, float* __restrict out) {
+  for (int u = 0; u < width; ++u) {
+    out[u] = in[u] + in[u + shift];
+  }
+}
+
+FLOORLOC_WIDE_VECTORS
+void Square(const float* __restrict in, int width, float* __restrict out) {
+  for (int u = 0; u < width; ++u) {
+    out[u] = in[u] * in[u];
+  }
+}
+
+FLOORLOC_WIDE_VECTORS
+void AddDifference(const float* __restrict add, const float* __restrict subtract, int width, float* __restrict sum) {
+  for (int u = 0; u < width; ++u) {
+    sum[u] += add[u] - subtract[u];
+  }
+}
+
+FLOORLOC_WIDE_VECTORS
+void NormalizeRow(const float* __restrict in, const float* __restrict sum, const float* __restrict squares,
+                  float per_pixel, int width, std::uint8_t* __restrict out) {
+  for (int u = 0; u < width; ++u) {
+    const float mean = sum[u] * per_pixel;
+    const float variance = std::max(squares[u] * per_pixel - mean * mean, kMinDeviation * kMinDeviation);
+    const float value = kMiddle + 0.5F + kGain * (in[u] - mean) / std::sqrt(variance);
+    out[u] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0F), 255.0F)));
+  }
+}
+
+// Sums over windows of a row, for every pixel, by doubling: no pixel waits for its neighbour. The row has a margin of
+// the window's length; powers keeps the partial sums.
+class WindowSum {
+ public:
+  WindowSum(int width, int window) : width_(width), window_(window) {
+    powers_.assign(2, Row(static_cast<std::size_t>(width + window)));
+  }
+
+  // out[u] = in[u] + ... + in[u + window - 1]
+  void Compute(const float* in, float* out) {
+    std::fill_n(out, width_, 0.0F);
+    const float* sum = in;  // over `length` pixels
+    int done = 0;
+    int target = 0;
+    for (int length = 1; length <= window_; length *= 2) {
+      if ((window_ & length) != 0) {
+        AddShifted(sum, done, width_, out);
+        done += length;
+      }
+      if (2 * length <= window_) {
+        float* next = powers_[static_cast<std::size_t>(target)].data();
+        Double(sum, length, width_ + window_ - 2 * length, next);
+        sum = next;
+        target = 1 - target;
+      }
+    }
+  }
+
+ private:
+  int width_;
+  int window_;
+  std::vector<Row> powers_;
+};
+
+// Sums of grey levels and of their squares over the rows' windows.
+void SumRows(const cv::Mat& levels, int radius, cv::Mat* sums, cv::Mat* squares) {
+  const int width = levels.cols;
+  const int window = 2 * radius + 1;
+  WindowSum window_sum(width, window);
+  Row padded(static_cast<std::size_t>(width + window));
+  Row padded_squares(padded.size());
+  for (int v = 0; v < levels.rows; ++v) {
+    const float* in = levels.ptr<float>(v);
+    std::copy(in, in + width, padded.begin() + radius);
+    for (int k = 1; k <= radius; ++k) {
+      padded[static_cast<std::size_t>(radius - k)] = in[Mirror(-k, width)];
+      padded[static_cast<std::size_t>(radius + width - 1 + k)] = in[Mirror(width - 1 + k, width)];
+    }
+    Square(padded.data(), static_cast<int>(padded.size()), padded_squares.data());
+    window_sum.Compute(padded.data(), sums->ptr<float>(v));
+    window_sum.Compute(padded_squares.data(), squares->ptr<float>(v));
+  }
 }
 
 }  // namespace
 
 cv::Mat NormalizeContrast(const cv::Mat& gray, const cv::Mat& mask, const ContrastOptions& options) {
-  const cv::Mat smooth = Smooth(gray, options.smooth_sigma_px);
-  const cv::Size window(2 * options.radius_px + 1, 2 * options.radius_px + 1);
-  cv::Mat mean;
-  cv::Mat mean_square;
-  cv::boxFilter(smooth, mean, CV_32F, window, cv::Point(-1, -1), true, cv::BORDER_REFLECT);
-  cv::sqrBoxFilter(smooth, mean_square, CV_32F, window, cv::Point(-1, -1), true, cv::BORDER_REFLECT);
   cv::Mat normalized(gray.size(), CV_8UC1);
-  for (int v = 0; v < gray.rows; ++v) {
-    const float* in = smooth.ptr<float>(v);
-    const float* mu = mean.ptr<float>(v);
-    const float* square = mean_square.ptr<float>(v);
-    const std::uint8_t* seen = mask.ptr<std::uint8_t>(v);
-    std::uint8_t* out = normalized.ptr<std::uint8_t>(v);
-    for (int u = 0; u < gray.cols; ++u) {
-      const float variance = std::max(square[u] - mu[u] * mu[u], kMinDeviation * kMinDeviation);
-      const float value = seen[u] != 0 ? kMiddle + kGain * (in[u] - mu[u]) / std::sqrt(variance) : kMiddle;
-      out[u] = static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
-    }
+  if (gray.empty()) {
+    return normalized;
   }
+  cv::Mat levels = SmoothGaussian(gray, options.smooth_sigma_px);
+  cv::subtract(levels, cv::mean(levels), levels);  // small numbers: floats can subtract the squares of means
+  const int height = levels.rows;
+  const int width = levels.cols;
+  const int radius = options.radius_px;
+  cv::Mat row_sums(levels.size(), CV_32F);
+  cv::Mat row_squares(levels.size(), CV_32F);
+  SumRows(levels, radius, &row_sums, &row_squares);
+  Row sum(static_cast<std::size_t>(width), 0.0F);
+  Row squares(static_cast<std::size_t>(width), 0.0F);
+  for (int k = -radius; k <= radius; ++k) {
+    AddShifted(row_sums.ptr<float>(Mirror(k, height)), 0, width, sum.data());
+    AddShifted(row_squares.ptr<float>(Mirror(k, height)), 0, width, squares.data());
+  }
+  const float per_pixel = 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1));
+  for (int v = 0; v < height; ++v) {
+    NormalizeRow(levels.ptr<float>(v), sum.data(), squares.data(), per_pixel, width, normalized.ptr<std::uint8_t>(v));
+    const int enters = Mirror(v + radius + 1, height);
+    const int leaves = Mirror(v - radius, height);
+    AddDifference(row_sums.ptr<float>(enters), row_sums.ptr<float>(leaves), width, sum.data());
+    AddDifference(row_squares.ptr<float>(enters), row_squares.ptr<float>(leaves), width, squares.data());
+  }
+  normalized.setTo(kMiddle, mask == 0);
   return normalized;
 }
 

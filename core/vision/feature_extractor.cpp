@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/vision/feature_extractor.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "core/vision/contrast.h"
-#include "core/vision/spread.h"
+#include "core/vision/hessian_extractor.h"
+#include "core/vision/opencv_extractor.h"
 #include "core/vision/surf_feature.h"
 
 namespace floorloc {
@@ -21,209 +17,19 @@ void Require(bool ok, const char* message) {
   }
 }
 
-double DefaultThreshold(ExtractorType type) {
-  switch (type) {
-    case ExtractorType::kOrb:
-      return 30.0;  // FAST, grey levels
-    case ExtractorType::kSift:
-      return 0.02;  // contrast
-    case ExtractorType::kAkaze:
-      return 0.0005;  // determinant of the Hessian
-    case ExtractorType::kBrisk:
-      return 20.0;  // AGAST, grey levels
-    case ExtractorType::kSurf:
-      return 30.0;  // determinant of the Hessian
-  }
-  return 0.0;
-}
-
-cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
-  const double threshold = o.threshold > 0.0 ? o.threshold : DefaultThreshold(o.type);
-  // Detect more than is kept: the rest is for the choice that spreads them.
-  const int detected = 2 * o.max_keypoints;
-  switch (o.type) {
-    case ExtractorType::kOrb:
-      return cv::ORB::create(detected, static_cast<float>(o.scale_factor), o.levels, 19, 0, 2, cv::ORB::HARRIS_SCORE,
-                             31, static_cast<int>(threshold));
-    case ExtractorType::kSift:
-      return cv::SIFT::create(o.max_keypoints, 3, threshold, 10.0, 1.6);
-    case ExtractorType::kAkaze:
-      return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, static_cast<float>(threshold), o.levels, 4,
-                               cv::KAZE::DIFF_PM_G2);
-    case ExtractorType::kBrisk:
-      return cv::BRISK::create(static_cast<int>(threshold), o.levels);
-    case ExtractorType::kSurf:
-      return CreateSurfFeature({.threshold = threshold, .octaves = o.levels});
-  }
-  throw std::invalid_argument("unknown extractor");
-}
-
-// Size of a pyramid level as OpenCV 4.6 makes it: sides are rounded or cut off to whole pixels.
-cv::Size LevelSize(const ExtractorOptions& o, const cv::Size& picture, int level) {
-  if (o.type == ExtractorType::kOrb) {
-    const double factor = std::pow(o.scale_factor, level);
-    return {cvRound(picture.width / factor), cvRound(picture.height / factor)};
-  }
-  if (o.type == ExtractorType::kBrisk) {  // layers alternate: the picture or two thirds of it, each halved repeatedly
-    const bool thirds = level % 2 == 1;
-    const cv::Size first = thirds ? cv::Size(picture.width / 3 * 2, picture.height / 3 * 2) : picture;
-    return {first.width >> (level / 2), first.height >> (level / 2)};
-  }
-  return {picture.width >> level, picture.height >> level};
-}
-
-// OpenCV throws on pictures that leave nothing of the smallest level.
-bool FitsPyramid(const ExtractorOptions& o, const cv::Size& picture) {
-  constexpr int kMinSidePx = 8;
-  const int smallest = o.type == ExtractorType::kOrb     ? o.levels - 1
-                       : o.type == ExtractorType::kBrisk ? 2 * o.levels - 1
-                                                         : 0;
-  const cv::Size size = LevelSize(o, picture, smallest);
-  return std::min(size.width, size.height) >= kMinSidePx;
-}
-
-// How many times smaller OpenCV takes a level to be when it scales its keypoints up.
-double NominalFactor(const ExtractorOptions& o, int level) {
-  if (o.type == ExtractorType::kOrb) {
-    return std::pow(o.scale_factor, level);
-  }
-  if (o.type == ExtractorType::kBrisk) {
-    return (level % 2 == 1 ? 1.5 : 1.0) * (1 << (level / 2));
-  }
-  return 1 << level;
-}
-
-// Where a keypoint really is, px. OpenCV 4.6 scales the coordinates of a pyramid's keypoints by the nominal factor of
-// the level, not by the ratio of the sizes, which errs by half a pixel and more; ORB also scales them as if pixels were
-// points. SIFT is off by a constant. Found by matching pictures with themselves turned by 180 degrees
-// (tests/core/vision).
-Eigen::Vector2d TruePixel(const ExtractorOptions& o, const cv::Size& picture, const cv::KeyPoint& k) {
-  const Eigen::Vector2d reported(k.pt.x, k.pt.y);
-  if (o.type == ExtractorType::kSift) {
-    return reported.array() - 0.25;
-  }
-  if (o.type == ExtractorType::kSurf) {
-    return reported;  // no pyramid: every octave looks at the picture itself
-  }
-  const double factor = NominalFactor(o, k.octave);
-  const cv::Size level = LevelSize(o, picture, k.octave);
-  const Eigen::Vector2d from_edge = o.type == ExtractorType::kOrb ? Eigen::Vector2d(reported.array() / factor + 0.5)
-                                                                  : Eigen::Vector2d((reported.array() + 0.5) / factor);
-  return {from_edge.x() * picture.width / level.width - 0.5, from_edge.y() * picture.height / level.height - 0.5};
-}
-
-// Radius of the picture that orientation and descriptor look at: keypoints nearer to unseen floor are dropped.
-float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
-  switch (type) {
-    case ExtractorType::kOrb:
-      return 0.5F * keypoint.size;
-    case ExtractorType::kSift:
-    case ExtractorType::kAkaze:
-      return 2.0F * keypoint.size;
-    case ExtractorType::kBrisk:
-      return keypoint.size;
-    case ExtractorType::kSurf:
-      return SurfReachPx(keypoint);
-  }
-  return keypoint.size;
-}
-
-// The camera's edge, not the picture's: only where the mask ends inside the picture do pixels turn from floor to grey.
-std::vector<cv::KeyPoint> DropNearUnseen(ExtractorType type, const cv::Mat& mask, std::vector<cv::KeyPoint> keypoints) {
-  if (cv::countNonZero(mask) == mask.rows * mask.cols) {
-    return keypoints;
-  }
-  cv::Mat distance;
-  cv::distanceTransform(mask, distance, cv::DIST_L2, 3);
-  std::erase_if(keypoints, [&](const cv::KeyPoint& k) {
-    return distance.at<float>(static_cast<int>(k.pt.y), static_cast<int>(k.pt.x)) < SupportRadius(type, k);
-  });
-  return keypoints;
-}
-
-Keypoint ToFloor(const ExtractorOptions& options, const GroundGrid& grid, const cv::KeyPoint& k) {
-  const Eigen::Vector2d pixel = TruePixel(options, {grid.width_px, grid.height_px}, k);
-  const Eigen::Vector2d p = grid.BaseFromPixel(pixel.x(), pixel.y());
-  // OpenCV's angle runs clockwise from the picture's right, which is the base frame's -y.
-  const double angle_px = static_cast<double>(k.angle) * std::numbers::pi / 180.0;
-  const double angle = std::atan2(-std::cos(angle_px), -std::sin(angle_px));
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(angle),
-          static_cast<float>(k.size * grid.resolution_m), k.response};
-}
-
-class OpenCvExtractor final : public FeatureExtractor {
- public:
-  explicit OpenCvExtractor(const ExtractorOptions& options) : options_(options), detector_(CreateDetector(options)) {}
-
-  cv::Mat Prepare(const GroundImage& image) const override {
-    if (options_.normalize_radius_px == 0) {
-      return image.gray;
-    }
-    return NormalizeContrast(image.gray, image.mask, {options_.normalize_radius_px, options_.smooth_sigma_px});
-  }
-
-  Features Extract(const GroundImage& image, const cv::Mat& picture) const override {
-    if (!FitsPyramid(options_, image.gray.size())) {
-      return {};
-    }
-    std::vector<cv::KeyPoint> keypoints;
-    cv::Mat descriptors;
-    if (DescribesWhileDetecting()) {
-      detector_->detectAndCompute(picture, cv::noArray(), keypoints, descriptors);
-      Select(image, &keypoints, &descriptors);
-    } else {
-      detector_->detect(picture, keypoints);
-      Select(image, &keypoints, nullptr);
-      detector_->compute(picture, keypoints, descriptors);
-    }
-    Features features;
-    features.keypoints.reserve(keypoints.size());
-    for (const cv::KeyPoint& k : keypoints) {
-      features.keypoints.push_back(ToFloor(options_, image.grid, k));
-    }
-    features.descriptors = descriptors;
-    return features;
-  }
-
-  DescriptorType descriptor_type() const override {
-    return detector_->descriptorType() == CV_32F ? DescriptorType::kFloat : DescriptorType::kBinary;
-  }
-  int descriptor_length() const override { return detector_->descriptorSize(); }
-
- private:
-  // SIFT and AKAZE build an expensive scale space that detection and description share.
-  bool DescribesWhileDetecting() const {
-    return options_.type == ExtractorType::kSift || options_.type == ExtractorType::kAkaze;
-  }
-
-  void Select(const GroundImage& image, std::vector<cv::KeyPoint>* keypoints, cv::Mat* descriptors) const {
-    std::vector<cv::KeyPoint> numbered = *keypoints;
-    for (std::size_t i = 0; i < numbered.size(); ++i) {
-      numbered[i].class_id = static_cast<int>(i);
-    }
-    numbered = DropNearUnseen(options_.type, image.mask, std::move(numbered));
-    std::vector<cv::KeyPoint> selected;
-    cv::Mat selected_descriptors;
-    for (const int i : SpreadEvenly(numbered, options_.cell_px, options_.max_keypoints)) {
-      selected.push_back(numbered[static_cast<std::size_t>(i)]);
-      if (descriptors != nullptr) {
-        selected_descriptors.push_back(descriptors->row(selected.back().class_id));
-      }
-    }
-    *keypoints = std::move(selected);
-    if (descriptors != nullptr) {
-      *descriptors = selected_descriptors;
-    }
-  }
-
-  ExtractorOptions options_;
-  cv::Ptr<cv::Feature2D> detector_;  // its detect and compute keep no state between calls
-};
-
 }  // namespace
+
+cv::Mat FeatureExtractor::Prepare(const GroundImage& image) const {
+  if (options_.normalize_radius_px == 0) {
+    return image.gray;
+  }
+  return NormalizeContrast(image.gray, image.mask, {options_.normalize_radius_px, options_.smooth_sigma_px});
+}
 
 const char* ToString(ExtractorType type) {
   switch (type) {
+    case ExtractorType::kHessian:
+      return "hessian";
     case ExtractorType::kOrb:
       return "orb";
     case ExtractorType::kSift:
@@ -239,8 +45,8 @@ const char* ToString(ExtractorType type) {
 }
 
 std::vector<ExtractorType> AllExtractorTypes() {
-  std::vector<ExtractorType> types{ExtractorType::kOrb, ExtractorType::kSift, ExtractorType::kAkaze,
-                                   ExtractorType::kBrisk};
+  std::vector<ExtractorType> types{ExtractorType::kHessian, ExtractorType::kOrb, ExtractorType::kSift,
+                                   ExtractorType::kAkaze, ExtractorType::kBrisk};
   if (SurfAvailable()) {
     types.push_back(ExtractorType::kSurf);
   }
@@ -274,7 +80,7 @@ void ExtractorOptions::Check() const {
 
 std::unique_ptr<FeatureExtractor> CreateFeatureExtractor(const ExtractorOptions& options) {
   options.Check();
-  return std::make_unique<OpenCvExtractor>(options);
+  return options.type == ExtractorType::kHessian ? CreateHessianExtractor(options) : CreateOpenCvExtractor(options);
 }
 
 }  // namespace floorloc

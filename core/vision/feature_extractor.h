@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-enum class ExtractorType { kOrb, kSift, kAkaze, kBrisk, kSurf };
+enum class ExtractorType { kHessian, kOrb, kSift, kAkaze, kBrisk, kSurf };
 
 const char* ToString(ExtractorType type);
 /// Throws std::invalid_argument that lists the known names.
@@ -20,9 +20,9 @@ std::vector<ExtractorType> AllExtractorTypes();
 
 /// Everything that decides which features a picture yields. A map stores all of it and the server uses it from there.
 struct ExtractorOptions {
-  ExtractorType type = ExtractorType::kOrb;
+  ExtractorType type = ExtractorType::kHessian;
   int max_keypoints = 700;       ///< strongest kept per picture, spread evenly
-  int cell_px = 32;              ///< side of the cells that keypoints are spread over
+  int cell_px = 48;              ///< side of the cells that keypoints are spread over
   int levels = 2;                ///< pyramid levels (octaves for SIFT, AKAZE and SURF): the floor's scale is known
   double scale_factor = 1.4;     ///< between the levels of ORB's pyramid
   double threshold = 0.0;        ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
@@ -40,11 +40,18 @@ class FeatureExtractor {
   /// Keypoints in the base frame. The same picture gives the same features.
   Features Extract(const GroundImage& image) const { return Extract(image, Prepare(image)); }
   /// The picture that keypoints are sought in, for callers that use it too: contrast-normalised, CV_8UC1.
-  virtual cv::Mat Prepare(const GroundImage& image) const = 0;
+  cv::Mat Prepare(const GroundImage& image) const;
   /// prepared: Prepare(image).
   virtual Features Extract(const GroundImage& image, const cv::Mat& prepared) const = 0;
   virtual DescriptorType descriptor_type() const = 0;
   virtual int descriptor_length() const = 0;  ///< bytes (binary) or numbers (float) per descriptor
+  const ExtractorOptions& options() const { return options_; }
+
+ protected:
+  explicit FeatureExtractor(const ExtractorOptions& options) : options_(options) {}
+
+ private:
+  ExtractorOptions options_;
 };
 
 /// Throws std::invalid_argument when the options do not pass Check(), or for SURF in a build without it.

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/vision/gaussian.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/vision/mirror.h"
+#include "core/vision/multiversion.h"
+
+namespace floorloc {
+namespace {
+
+// weights[k] belongs to the pixels k away on either side.
+std::vector<float> HalfKernel(double sigma_px) {
+  const int radius = static_cast<int>(std::ceil(3.0 * sigma_px));
+  std::vector<double> kernel;
+  double sum = 0.0;
+  for (int k = 0; k <= radius; ++k) {
+    kernel.push_back(std::exp(-0.5 * k * k / (sigma_px * sigma_px)));
+    sum += k == 0 ? kernel.back() : 2.0 * kernel.back();
+  }
+  std::vector<float> weights;
+  for (const double w : kernel) {
+    weights.push_back(static_cast<float>(w / sum));
+  }
+  return weights;
+}
+
+FLOORLOC_WIDE_VECTORS
+void Scale(const float* __restrict in, float weight, int width, float* __restrict out) {
+  for (int u = 0; u < width; ++u) {
+    out[u] = weight * in[u];
+  }
+}
+
+FLOORLOC_WIDE_VECTORS
+void AddPair(const float* __restrict before, const float* __restrict after, float weight, int width,
+             float* __restrict out) {
+  for (int u = 0; u < width; ++u) {
+    out[u] += weight * (before[u] + after[u]);
+  }
+}
+
+}  // namespace
+
+cv::Mat SmoothGaussian(const cv::Mat& picture, double sigma_px) {
+  cv::Mat levels;
+  picture.convertTo(levels, CV_32F);
+  if (sigma_px <= 0.0 || picture.empty()) {
+    return levels;
+  }
+  const std::vector<float> weights = HalfKernel(sigma_px);
+  const int radius = static_cast<int>(weights.size()) - 1;
+  const int width = levels.cols;
+  cv::Mat smooth(levels.size(), CV_32F);
+  // A column pass into a row with margins, then the row pass.
+  std::vector<float> row(static_cast<std::size_t>(width + 2 * radius));
+  float* middle = row.data() + radius;
+  for (int v = 0; v < levels.rows; ++v) {
+    Scale(levels.ptr<float>(v), weights[0], width, middle);
+    for (int k = 1; k <= radius; ++k) {
+      AddPair(levels.ptr<float>(Mirror(v - k, levels.rows)), levels.ptr<float>(Mirror(v + k, levels.rows)),
+              weights[static_cast<std::size_t>(k)], width, middle);
+    }
+    for (int k = 1; k <= radius; ++k) {
+      middle[-k] = middle[Mirror(-k, width)];
+      middle[width - 1 + k] = middle[Mirror(width - 1 + k, width)];
+    }
+    float* out = smooth.ptr<float>(v);
+    Scale(middle, weights[0], width, out);
+    for (int k = 1; k <= radius; ++k) {
+      AddPair(middle - k, middle + k, weights[static_cast<std::size_t>(k)], width, out);
+    }
+  }
+  return smooth;
+}
+
+}  // namespace floorloc

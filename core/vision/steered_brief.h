@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+namespace floorloc {
+
+/// Bytes of a descriptor.
+constexpr int kBriefBytes = 32;
+/// How far orientation and descriptor look, px: keypoints must lie at least this far from the edge.
+constexpr int kBriefReachPx = 17;
+
+/// Gives every keypoint the direction, in degrees clockwise from the picture's right, from its pixel to the centroid of
+/// the grey levels about it (Rosin 1999). picture: CV_8UC1.
+void OrientByCentroid(const cv::Mat& picture, std::vector<cv::KeyPoint>* keypoints);
+
+/// BRIEF (Calonder, Lepetit, Strecha & Fua 2010): 256 comparisons of two pixels about the keypoint, turned by its angle
+/// (Rublee, Rabaud, Konolige & Bradski 2011). smooth: CV_16SC1. Rows of kBriefBytes, CV_8U. The pairs are drawn from
+/// the isotropic Gaussian of BRIEF's test design G II, with a fixed seed.
+cv::Mat DescribeBrief(const cv::Mat& smooth, const std::vector<cv::KeyPoint>& keypoints);
+
+}  // namespace floorloc
