@@ -2,6 +2,7 @@
 #include "core/localization/localizer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -12,6 +13,7 @@
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/pose_verifier.h"
+#include "core/localization/self_similarity.h"
 #include "core/registration/least_squares.h"
 #include "core/vision/feature_extractor.h"
 #include "core/vision/guided_matcher.h"
@@ -24,9 +26,19 @@ constexpr double kGridCellPx = 70.0;
 // Spread of a keypoint's own angle between two views.
 constexpr double kKeypointAngleNoiseRad = 0.35;
 
-// With a prior, every third keypoint usually finds the pose (all of them verify it); all look when it does not.
-constexpr int kSparseStride = 3;
-constexpr int kFullStride = 1;
+// With a prior, every eighth keypoint usually finds the pose (all of them verify it); more look when it does not.
+constexpr std::array<int, 3> kStrides{8, 3, 1};
+
+// How often a prior does not hold, as far as the localizer is concerned.
+constexpr double kPriorFails = 1e-3;
+
+// Candidates with a smaller share of the best one's matches are no rivals on a floor that does not repeat itself, when
+// the best one is beyond chance by so many decades.
+constexpr double kMinRivalShare = 0.25;
+constexpr double kClearLogChance = -20.0;
+
+// Without, few buckets of the index usually hold enough of the true neighbours.
+constexpr int kFewProbes = 96;
 
 // Above this risk of being wrong the keypoints alone do not decide: all poses are laid over the mosaic.
 constexpr double kClearPWrong = 1e-6;
@@ -85,6 +97,12 @@ LocalizationStatus StatusOf(RegistrationStatus status) {
   }
 }
 
+// Distinctive matches of a frame, twice: matches[i] and oriented[i] are the same.
+struct FrameMatches {
+  std::vector<Match> matches;
+  std::vector<OrientedMatch> oriented;
+};
+
 // A frame, as the stages need it.
 struct FrameView {
   Features features;
@@ -96,6 +114,7 @@ struct FrameView {
 struct SearchScope {
   std::optional<PosePrior> prior;
   std::optional<MatchGuide> guide;  // follows from the prior
+  int probes = 0;                   // of the index, without a prior
 
   bool Contains(const Pose2& map_from_base) const {
     if (!prior) {
@@ -110,7 +129,12 @@ struct SearchScope {
 MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
   const double lever = std::max(std::hypot(roi.x_min, roi.y_min), std::hypot(roi.x_max, roi.y_max));
   return {prior.map_from_base, prior.radius_m + prior.yaw_radius_rad * lever,
-          prior.yaw_radius_rad + kKeypointAngleNoiseRad, kSparseStride};
+          prior.yaw_radius_rad + kKeypointAngleNoiseRad, 1};
+}
+
+MatchGuide WithStride(MatchGuide guide, int stride) {
+  guide.stride = stride;
+  return guide;
 }
 
 // What a frame alone does not show: errors of the map, which turn and shift the floor in view as a whole about its
@@ -134,7 +158,8 @@ struct Localizer::Impl {
         extractor(CreateFeatureExtractor(map.info.extractor)),
         index(CreateDescriptorIndex(map.keypoints.descriptors, o.index)),
         guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera.floor.resolution_m),
-        verifier(map.keypoints, guided, map.info.area_m2, options.registration) {
+        verifier(map.keypoints, guided, map.info.area_m2, options.registration),
+        repeats(RepeatsItself(map.keypoints, *index, options.registration.seed)) {
     if (tiles) {
       const ExtractorOptions& e = map.info.extractor;
       raster.emplace(std::move(tiles), map.mosaic,
@@ -150,38 +175,96 @@ struct Localizer::Impl {
   std::unique_ptr<DescriptorIndex> index;
   GuidedMatcher guided;
   PoseVerifier verifier;
+  bool repeats;  // the floor looks alike in several places
   std::optional<MosaicRaster> raster;
 
   float MaxRatio() const {
     return extractor->descriptor_type() == DescriptorType::kBinary ? options.max_ratio_binary : options.max_ratio_float;
   }
 
-  // First look: distinctive matches. With a prior a part of the keypoints is enough.
-  std::vector<OrientedMatch> FindMatches(const Features& features, const std::optional<MatchGuide>& guide) const {
-    const std::vector<Match> matches =
-        guide ? guided.FindNearest(features, *guide) : FindNearest(*index, features.descriptors);
-    return ToOrientedMatches(FilterByRatio(matches, MaxRatio()), features.keypoints, map.keypoints.keypoints);
+  // First look: distinctive matches. With a guide a part of the keypoints is enough.
+  FrameMatches FindMatches(const Features& features, const SearchScope& scope) const {
+    const std::vector<Match> nearest = scope.guide ? guided.FindNearest(features, *scope.guide)
+                                                   : FindNearest(*index, features.descriptors, scope.probes);
+    FrameMatches found{FilterByRatio(nearest, MaxRatio()), {}};
+    found.oriented = ToOrientedMatches(found.matches, features.keypoints, map.keypoints.keypoints);
+    return found;
+  }
+
+  std::vector<int> Voters(const FrameMatches& matches, const VerifiedPose& pose) const {
+    std::vector<int> voters;
+    for (const int i :
+         FindInliers(matches.oriented, pose.candidate.target_from_source, options.registration.inlier_radius_m)) {
+      voters.push_back(matches.matches[static_cast<std::size_t>(i)].query);
+    }
+    return voters;
+  }
+
+  bool Knows(const std::vector<VerifiedPose>& poses, const Pose2& pose) const {
+    return std::any_of(poses.begin(), poses.end(), [&](const VerifiedPose& v) {
+      return SamePose(v.candidate.target_from_source, pose, options.registration);
+    });
   }
 
   // Second look: all keypoints where each pose that the matches vote for predicts them. Poses that meet are one.
-  std::vector<VerifiedPose> VerifyCandidates(const Features& features, const std::vector<OrientedMatch>& matches,
+  std::vector<VerifiedPose> VerifyCandidates(const Features& features, const FrameMatches& matches,
                                              const SearchScope& scope) const {
     const SearchRegion region = RegionOf(scope.guide);
     std::vector<VerifiedPose> verified;
-    for (const PoseCandidate& candidate : FindPoseCandidates(matches, options.registration)) {
+    for (const PoseCandidate& candidate : FindPoseCandidates(matches.oriented, options.registration)) {
+      if (IsNoRival(candidate, verified)) {
+        continue;
+      }
       VerifiedPose pose = verifier.Verify(features, candidate.target_from_source);
       const Pose2& refined = pose.candidate.target_from_source;
-      const bool known = std::any_of(verified.begin(), verified.end(), [&](const VerifiedPose& v) {
-        return SamePose(v.candidate.target_from_source, refined, options.registration);
-      });
-      if (!known && scope.Contains(refined)) {
-        pose.votes = static_cast<int>(FindInliers(matches, refined, options.registration.inlier_radius_m).size());
-        pose.log_chance_votes =
-            LogChancePoses(static_cast<int>(matches.size()), pose.votes, region, options.registration);
+      if (!Knows(verified, refined) && scope.Contains(refined)) {
+        pose.voters = Voters(matches, pose);
+        pose.log_chance_votes = LogChancePoses(static_cast<int>(matches.matches.size()),
+                                               static_cast<int>(pose.voters.size()), region, options.registration);
         verified.push_back(std::move(pose));
       }
     }
     return verified;
+  }
+
+  bool IsNoRival(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const {
+    return !repeats && !verified.empty() && verified.front().candidate.log_false_alarms < kClearLogChance &&
+           static_cast<double>(candidate.inliers.size()) <
+               kMinRivalShare * static_cast<double>(verified.front().voters.size());
+  }
+
+  // On a floor that repeats itself a wrong prior would be confirmed by whatever looks alike there: places outside it
+  // compete, and all are judged by what is distinctive on the whole map.
+  void AddRivalsElsewhere(const Features& features, std::vector<VerifiedPose>* poses) const {
+    const SearchScope whole;
+    const FrameMatches matches = FindMatches(features, whole);
+    for (VerifiedPose& pose : *poses) {
+      pose.voters = Voters(matches, pose);
+    }
+    for (VerifiedPose& pose : VerifyCandidates(features, matches, whole)) {
+      if (!Knows(*poses, pose.candidate.target_from_source)) {
+        pose.elsewhere = true;
+        pose.prior_weight = kPriorFails;
+        poses->push_back(std::move(pose));
+      }
+    }
+  }
+
+  // What is tried in turn until a pose is accepted: little effort finds most. A floor that repeats itself gets all at
+  // once, for the rivals.
+  std::vector<SearchScope> Scopes(const std::optional<PosePrior>& prior, const RectM& roi) const {
+    if (prior) {
+      const MatchGuide guide = GuideOf(*prior, roi);
+      std::vector<SearchScope> scopes;
+      for (const int stride : kStrides) {
+        scopes.push_back({prior, WithStride(guide, stride)});
+      }
+      return scopes;
+    }
+    if (repeats) {
+      return {{}};
+    }
+    return {{std::nullopt, std::nullopt, kFewProbes}, {}};
   }
 
   SearchRegion RegionOf(const std::optional<MatchGuide>& guide) const {
@@ -191,9 +274,12 @@ struct Localizer::Impl {
   // Matches, verifies and decides; adds its times to the result's.
   void Search(const FrameView& frame, const SearchScope& scope, LocalizationResult* result) const {
     Stopwatch stage;
-    const std::vector<OrientedMatch> matches = FindMatches(frame.features, scope.guide);
+    const FrameMatches matches = FindMatches(frame.features, scope);
     result->timing.match_ms += stage.LapMs();
     std::vector<VerifiedPose> verified = VerifyCandidates(frame.features, matches, scope);
+    if (scope.prior && repeats && !verified.empty()) {
+      AddRivalsElsewhere(frame.features, &verified);
+    }
     const PoseDecision decision = Decide(frame, &verified);
     Conclude(frame, verified, decision, result);
     result->timing.register_ms += stage.LapMs();
@@ -201,7 +287,8 @@ struct Localizer::Impl {
 
   // The best pose is laid over the mosaic; so are its rivals when the keypoints do not tell them apart.
   PoseDecision Decide(const FrameView& frame, std::vector<VerifiedPose>* poses) const {
-    PoseDecision decision = DecidePose(*poses, verifier.max_distance(), options.registration);
+    const PoseEvidence evidence{verifier.max_distance(), CellsOf(frame), repeats};
+    PoseDecision decision = DecidePose(*poses, evidence, options.registration);
     if (!raster || decision.best < 0) {
       return decision;
     }
@@ -214,7 +301,16 @@ struct Localizer::Impl {
       return decision;
     }
     std::for_each(poses->begin(), poses->end(), [&](VerifiedPose& pose) { lay(&pose); });
-    return DecidePose(*poses, verifier.max_distance(), options.registration);
+    return DecidePose(*poses, evidence, options.registration);
+  }
+
+  static std::vector<int> CellsOf(const FrameView& frame) {
+    std::vector<int> cells;
+    cells.reserve(frame.features.keypoints.size());
+    for (const Keypoint& k : frame.features.keypoints) {
+      cells.push_back(frame.samples.CellAt(k.Position()));
+    }
+    return cells;
   }
 
   void Conclude(const FrameView& frame, const std::vector<VerifiedPose>& verified, const PoseDecision& decision,
@@ -227,6 +323,12 @@ struct Localizer::Impl {
       return;
     }
     const VerifiedPose& best = verified[static_cast<std::size_t>(decision.best)];
+    if (best.elsewhere) {
+      result->status = LocalizationStatus::kNotLocalized;
+      result->reason = NotLocalizedReason::kContradictsPrior;
+      result->p_wrong = 1.0;
+      return;
+    }
     const Pose2& pose = best.candidate.target_from_source;
     result->map_from_base = pose;
     result->matches = static_cast<int>(best.matches.size());
@@ -284,6 +386,8 @@ const char* ToString(NotLocalizedReason reason) {
       return "too_few_inliers";
     case NotLocalizedReason::kNotSignificant:
       return "not_significant";
+    case NotLocalizedReason::kContradictsPrior:
+      return "contradicts_prior";
   }
   return "unknown";
 }
@@ -317,14 +421,11 @@ LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat
     return result;
   }
 
-  SearchScope scope{prior, std::nullopt};
-  if (prior) {
-    scope.guide = GuideOf(*prior, rectifier.camera().floor.roi);
-  }
-  impl_->Search(frame, scope, &result);
-  if (prior && result.status != LocalizationStatus::kLocalized) {
-    scope.guide->stride = kFullStride;
+  for (const SearchScope& scope : impl_->Scopes(prior, rectifier.camera().floor.roi)) {
     impl_->Search(frame, scope, &result);
+    if (result.status == LocalizationStatus::kLocalized) {
+      break;
+    }
   }
   result.timing.total_ms = total.LapMs();
   return result;

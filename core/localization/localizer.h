@@ -41,8 +41,15 @@ enum class LocalizationStatus { kLocalized, kAmbiguous, kNotLocalized };
 const char* ToString(LocalizationStatus status);
 
 /// Why a frame was not localized.
-enum class NotLocalizedReason { kNone, kTooFewKeypoints, kTooFewMatches, kTooFewInliers, kNotSignificant };
-/// "", "too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant"
+enum class NotLocalizedReason {
+  kNone,
+  kTooFewKeypoints,
+  kTooFewMatches,
+  kTooFewInliers,
+  kNotSignificant,
+  kContradictsPrior,  ///< the frame fits better outside the prior
+};
+/// "", "too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant", "contradicts_prior"
 const char* ToString(NotLocalizedReason reason);
 
 /// Milliseconds of wall time.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/localization/mounting_average.h"
 
@@ -250,21 +251,34 @@ class Fit {
   MountingProblem problem_;
 };
 
-}  // namespace
-
-double PhotometricFit::MeanCorrelation() const {
-  double sum = 0.0;
-  int cells = 0;
-  for (std::size_t c = 0; c < cell_correlation.size(); ++c) {
-    if (cell_samples[c] > 0) {
-      sum += static_cast<double>(cell_correlation[c]);
-      ++cells;
+std::vector<float> ComparedCells(const PhotometricFit& fit) {
+  std::vector<float> cells;
+  for (std::size_t c = 0; c < fit.cell_correlation.size(); ++c) {
+    if (fit.cell_samples[c] > 0) {
+      cells.push_back(fit.cell_correlation[c]);
     }
   }
-  return cells > 0 ? sum / cells : 0.0;
+  return cells;
 }
 
-FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) {
+// Of the first `share` of the values.
+double MeanOf(const std::vector<float>& values, double share) {
+  const auto count = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
+  return count > 0 ? std::accumulate(values.begin(), values.begin() + count, 0.0) / static_cast<double>(count) : 0.0;
+}
+
+}  // namespace
+
+double PhotometricFit::MeanCorrelation() const { return MeanOf(ComparedCells(*this), 1.0); }
+
+double PhotometricFit::TrimmedCorrelation() const {
+  constexpr double kShare = 0.75;
+  std::vector<float> cells = ComparedCells(*this);
+  std::sort(cells.begin(), cells.end());
+  return MeanOf(cells, kShare);
+}
+
+FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) : grid_(image.grid) {
   const GroundGrid& grid = image.grid;
   center_ = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));
   radius_m_ = 0.5 * grid.resolution_m * std::hypot(grid.width_px, grid.height_px);
@@ -281,6 +295,17 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) 
       cell_start_.push_back(static_cast<int>(samples_.size()));
     }
   }
+}
+
+int FrameSamples::CellAt(const Eigen::Vector2d& point_in_base) const {
+  const Eigen::Vector2d pixel = grid_.PixelFromBase(point_in_base);
+  const auto u = static_cast<int>(std::lround(pixel.x()));
+  const auto v = static_cast<int>(std::lround(pixel.y()));
+  if (u < 0 || v < 0 || u >= grid_.width_px || v >= grid_.height_px) {
+    return -1;
+  }
+  const int columns = (grid_.width_px + kCellPx - 1) / kCellPx;
+  return v / kCellPx * columns + u / kCellPx;
 }
 
 PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Eigen::Vector3d& camera_center,

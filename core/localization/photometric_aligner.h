@@ -25,6 +25,8 @@ struct PhotometricFit {
 
   /// Over the cells that compare; 0 when there are none.
   double MeanCorrelation() const;
+  /// Over the lower three quarters of them: a few lines that cross the whole floor do not raise it.
+  double TrimmedCorrelation() const;
 };
 
 /// The pixels of a frame that are compared, its picture contrast-normalised as the mosaic's. The picture is laid out in
@@ -43,6 +45,8 @@ class FrameSamples {
     const auto i = static_cast<std::size_t>(c);
     return {samples_.data() + cell_start_[i], samples_.data() + cell_start_[i + 1]};
   }
+  /// Cell of a point of the base frame; -1 outside the picture.
+  int CellAt(const Eigen::Vector2d& point_in_base) const;
   /// Middle of what the camera sees, base frame.
   const Eigen::Vector2d& center() const { return center_; }
   double radius_m() const { return radius_m_; }
@@ -50,6 +54,7 @@ class FrameSamples {
  private:
   std::vector<Sample> samples_;  // cell by cell
   std::vector<int> cell_start_{0};
+  GroundGrid grid_;
   Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;  // of the circle about the centre that holds all samples
 };

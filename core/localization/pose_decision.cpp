@@ -35,26 +35,57 @@ class PairedTest {
   double squares_ = 0.0;
 };
 
-double LeadByKeypoints(const VerifiedPose& first, const VerifiedPose& second, float max_distance) {
+// The part of the picture by which two poses can be compared.
+class CommonFloor {
+ public:
+  CommonFloor(const VerifiedPose& first, const VerifiedPose& second, const std::vector<int>& cell_of_keypoint)
+      : cell_of_keypoint_(cell_of_keypoint) {
+    if (first.photo && second.photo) {
+      for (std::size_t c = 0; c < first.photo->cell_samples.size(); ++c) {
+        cells_.push_back(first.photo->cell_samples[c] > 0 && second.photo->cell_samples[c] > 0);
+      }
+    }
+  }
+  bool HasCell(int cell) const { return cells_.empty() || (cell >= 0 && cells_[static_cast<std::size_t>(cell)]); }
+  bool HasKeypoint(std::size_t keypoint) const { return cells_.empty() || HasCell(cell_of_keypoint_[keypoint]); }
+
+ private:
+  const std::vector<int>& cell_of_keypoint_;
+  std::vector<bool> cells_;  // empty: all of it
+};
+
+double LeadByKeypoints(const VerifiedPose& first, const VerifiedPose& second, const CommonFloor& common,
+                       float max_distance) {
   PairedTest test;
   for (std::size_t i = 0; i < first.distance.size(); ++i) {
-    test.Add(Score(first.distance[i], max_distance) - Score(second.distance[i], max_distance));
+    if (common.HasKeypoint(i)) {
+      test.Add(Score(first.distance[i], max_distance) - Score(second.distance[i], max_distance));
+    }
   }
   return test.Sigma();
 }
 
 // Distinctive matches went to one pose only (sign test).
-double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second) {
-  return (first.votes - second.votes) / std::sqrt(std::max(1, first.votes + second.votes));
+double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second, const CommonFloor& common) {
+  const auto votes = [&](const VerifiedPose& pose) {
+    return static_cast<double>(std::count_if(pose.voters.begin(), pose.voters.end(), [&](int keypoint) {
+      return common.HasKeypoint(static_cast<std::size_t>(keypoint));
+    }));
+  };
+  const double for_first = votes(first);
+  const double for_second = votes(second);
+  return (for_first - for_second) / std::sqrt(std::max(1.0, for_first + for_second));
 }
 
 // Correlations spread evenly only after Fisher's transformation.
 double FisherZ(float correlation) { return std::atanh(std::clamp(static_cast<double>(correlation), -0.98, 0.98)); }
 
-double LeadByPicture(const PhotometricFit& first, const PhotometricFit& second) {
+double LeadByPicture(const PhotometricFit& first, const PhotometricFit& second, const CommonFloor& common) {
   PairedTest test;
   for (std::size_t c = 0; c < first.cell_correlation.size(); ++c) {
-    test.Add(FisherZ(first.cell_correlation[c]) - FisherZ(second.cell_correlation[c]));
+    if (common.HasCell(static_cast<int>(c))) {
+      test.Add(FisherZ(first.cell_correlation[c]) - FisherZ(second.cell_correlation[c]));
+    }
   }
   return test.Sigma();
 }
@@ -78,10 +109,12 @@ double FisherP(std::span<const double> p_values) {
 
 // Probability that the second of two poses is the right one. A witness that can't tell them apart does not weaken
 // another that can; one that contradicts does.
-double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, float max_distance) {
-  std::vector<double> leads{LeadByKeypoints(first, second, max_distance), LeadByVotes(first, second)};
+double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence) {
+  const CommonFloor common(first, second, evidence.cell_of_keypoint);
+  std::vector<double> leads{LeadByKeypoints(first, second, common, evidence.max_distance),
+                            LeadByVotes(first, second, common)};
   if (first.photo && second.photo) {
-    leads.push_back(LeadByPicture(*first.photo, *second.photo));
+    leads.push_back(LeadByPicture(*first.photo, *second.photo, common));
   }
   std::vector<double> for_first;
   std::vector<double> for_second;
@@ -89,19 +122,33 @@ double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, f
     for_first.push_back(UpperTail(lead));
     for_second.push_back(UpperTail(-lead));
   }
-  const double p_first = FisherP(for_first);
-  return p_first / (p_first + FisherP(for_second));
+  const double against_first = FisherP(for_first) * second.prior_weight;
+  const double against_second = FisherP(for_second) * first.prior_weight;
+  return against_first / (against_first + against_second);
 }
 
-// Beyond chance by all its keypoints, and by the distinctive ones.
-double LogChance(const VerifiedPose& pose) {
-  return std::max(pose.candidate.log_false_alarms, kStructureExponent * pose.log_chance_votes);
+// log10 of the chance that the picture agrees as well under a wrong pose.
+double LogChanceOfPicture(const PhotometricFit& photo) {
+  // Spread of a cell's correlation where frame and mosaic show different floor.
+  constexpr double kCellSigma = 0.2;
+  const auto cells = std::count_if(photo.cell_samples.begin(), photo.cell_samples.end(), [](int n) { return n > 0; });
+  const double sigma = photo.TrimmedCorrelation() / kCellSigma * std::sqrt(static_cast<double>(cells));
+  return sigma > 0.0 ? std::log10(UpperTail(sigma)) : 0.0;
 }
 
-std::size_t FindBest(const std::vector<VerifiedPose>& poses, float max_distance) {
+// Beyond chance by all its keypoints, and by what is distinctive.
+double LogChance(const VerifiedPose& pose, const PoseEvidence& evidence) {
+  double distinctive = pose.log_chance_votes;
+  if (pose.photo && !evidence.floor_repeats) {
+    distinctive = std::min(distinctive, LogChanceOfPicture(*pose.photo));
+  }
+  return std::max(pose.candidate.log_false_alarms, kStructureExponent * distinctive);
+}
+
+std::size_t FindBest(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (RivalProbability(poses[best], poses[i], max_distance) > 0.5) {
+    if (RivalProbability(poses[best], poses[i], evidence) > 0.5) {
       best = i;
     }
   }
@@ -114,13 +161,13 @@ PoseHypothesis ToHypothesis(const VerifiedPose& pose, double weight) {
 
 }  // namespace
 
-PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distance,
+PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
                         const RegistrationOptions& options) {
   PoseDecision decision;
   if (poses.empty()) {
     return decision;
   }
-  const std::size_t best = FindBest(poses, max_distance);
+  const std::size_t best = FindBest(poses, evidence);
   if (static_cast<int>(poses[best].candidate.inliers.size()) < options.min_inliers) {
     return decision;
   }
@@ -129,11 +176,11 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distan
   double p_rival = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (i != best && poses[i].candidate.log_false_alarms < kMinSignificance) {
-      rival[i] = RivalProbability(poses[best], poses[i], max_distance);
+      rival[i] = RivalProbability(poses[best], poses[i], evidence);
       p_rival += rival[i];
     }
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses[best])));
+  const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses[best], evidence)));
   decision.p_wrong = std::min(1.0, p_chance + p_rival / (1.0 + p_rival));
   const double sum = 1.0 + p_rival;
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -16,10 +16,19 @@ struct PoseDecision {
   std::vector<PoseHypothesis> alternatives;  ///< when ambiguous, the best one first
 };
 
-/// A pose must be beyond chance by all its keypoints, and by the distinctive matches that went there and nowhere else.
+/// What poses are compared by.
+struct PoseEvidence {
+  float max_distance = 0.0F;          ///< at which descriptors still count as alike
+  std::vector<int> cell_of_keypoint;  ///< cell of the picture in which a keypoint of the frame lies; -1: none
+  bool floor_repeats = false;         ///< the floor looks alike in several places
+};
+
+/// A pose must be beyond chance by all its keypoints, and by the distinctive matches that went there and nowhere else;
+/// on a floor that does not repeat itself a picture that agrees all over is as good.
 /// Rivals are compared keypoint by keypoint and cell by cell of the picture: on self-similar floors much fits several
-/// places, and only by how much better it fits one of them says which.
-/// max_distance: at which descriptors still count as alike.
-PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, float max_distance, const RegistrationOptions& options);
+/// places, and only by how much better it fits one of them says which. Where both were laid over the mosaic, only the
+/// part of the picture counts that shows surveyed floor under either pose: the map's edge speaks for nobody.
+PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
+                        const RegistrationOptions& options);
 
 }  // namespace floorloc

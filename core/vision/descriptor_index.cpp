@@ -50,10 +50,10 @@ std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptor
   return CreateHashIndex(descriptors, options);
 }
 
-std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors) {
+std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors, int probes) {
   std::vector<Match> matches;
   int query = 0;
-  for (const std::vector<Neighbour>& found : index.FindNeighbours(descriptors, 2)) {
+  for (const std::vector<Neighbour>& found : index.Search(descriptors, {.count = 2, .probes = probes})) {
     if (!found.empty()) {
       const float second = found.size() > 1 ? found[1].distance : std::numeric_limits<float>::infinity();
       matches.push_back({query, found[0].index, found[0].distance, second});

@@ -75,8 +75,9 @@ class DescriptorIndex {
 
 std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options);
 
-/// The two nearest neighbours of every row as one Match; rows without a neighbour are left out.
-std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors);
+/// The two nearest neighbours of every row as one Match; rows without a neighbour are left out. probes: as of
+/// NeighbourSearch.
+std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors, int probes = 0);
 
 /// Every neighbour of every row as a Match of its own, for votes; second_distance is infinity.
 std::vector<Match> FindAllNear(const DescriptorIndex& index, const cv::Mat& descriptors, const NeighbourSearch& search);

@@ -13,6 +13,7 @@ namespace {
 constexpr float kMaxDistance = 60.0F;
 constexpr int kKeypoints = 120;
 constexpr int kCells = kKeypoints / 2;  // witnesses as many as keypoints with an inlier
+constexpr int kVoters = 20;
 constexpr double kStrongVotes = -30.0;
 
 // Poses of one frame, `x` apart. By default each is far beyond chance by its keypoints, has votes, and explains every
@@ -25,7 +26,9 @@ class PoseDecisionTest : public ::testing::Test {
     pose.candidate.inliers.resize(kKeypoints / 2);
     std::iota(pose.candidate.inliers.begin(), pose.candidate.inliers.end(), 0);
     pose.candidate.log_false_alarms = -40.0;
-    pose.votes = 20;
+    for (int i = 0; i < kVoters; ++i) {
+      pose.voters.push_back(2 * i);
+    }
     pose.log_chance_votes = kStrongVotes;
     for (int i = 0; i < kKeypoints; ++i) {
       pose.distance.push_back(i % 2 == 0 ? Uniform(20.0F, 40.0F) : std::numeric_limits<float>::infinity());
@@ -33,7 +36,7 @@ class PoseDecisionTest : public ::testing::Test {
     return pose;
   }
   static VerifiedPose WithoutVotes(VerifiedPose pose) {
-    pose.votes = 0;
+    pose.voters.clear();
     pose.log_chance_votes = 0.0;
     return pose;
   }
@@ -53,8 +56,20 @@ class PoseDecisionTest : public ::testing::Test {
     pose.photo = fit;
     return pose;
   }
-  static PoseDecision Decide(const std::vector<VerifiedPose>& poses) {
-    return DecidePose(poses, kMaxDistance, RegistrationOptions());
+  // Without floor in some of the picture's cells, as beyond the map's edge.
+  static VerifiedPose WithoutFloorFrom(VerifiedPose pose, std::size_t first_cell) {
+    for (std::size_t c = first_cell; c < kCells; ++c) {
+      pose.photo->cell_correlation[c] = 0.0F;
+      pose.photo->cell_samples[c] = 0;
+    }
+    return pose;
+  }
+  static PoseDecision Decide(const std::vector<VerifiedPose>& poses, bool floor_repeats = true) {
+    PoseEvidence evidence{kMaxDistance, {}, floor_repeats};
+    for (int i = 0; i < kKeypoints; ++i) {
+      evidence.cell_of_keypoint.push_back(i / 2);
+    }
+    return DecidePose(poses, evidence, RegistrationOptions());
   }
 
  private:
@@ -170,6 +185,34 @@ TEST_F(PoseDecisionTest, WithoutVotesAPictureThatLeadsIsNotEnough) {
   const PoseDecision decision = Decide(poses);
   EXPECT_EQ(decision.status, RegistrationStatus::kNotSignificant);
   EXPECT_EQ(decision.best, 3);
+}
+
+TEST_F(PoseDecisionTest, OnAFloorThatDoesNotRepeatItselfAPictureThatAgreesIsDistinctive) {
+  const VerifiedPose agrees = WithPicture(WithoutVotes(MakePose(0.0)), 0.6F);
+  ExpectAccepted(Decide({agrees}, false), 0);
+  EXPECT_EQ(Decide({agrees}, true).status, RegistrationStatus::kNotSignificant);
+  EXPECT_EQ(Decide({WithPicture(WithoutVotes(MakePose(0.0)), 0.03F)}, false).status,
+            RegistrationStatus::kNotSignificant);
+}
+
+TEST_F(PoseDecisionTest, FloorBeyondTheMapsEdgeSpeaksForNobody) {
+  const VerifiedPose inside = WithPicture(MakePose(0.0), 0.5F);
+  VerifiedPose at_edge = WithPicture(MakePose(1.0), 0.5F);
+  at_edge.distance = inside.distance;
+  for (std::size_t i = kKeypoints / 2; i < kKeypoints; ++i) {
+    at_edge.distance[i] = std::numeric_limits<float>::infinity();
+  }
+  std::erase_if(at_edge.voters, [](int keypoint) { return keypoint >= kKeypoints / 2; });
+  EXPECT_EQ(Decide({inside, at_edge}).best, 0);  // all of the picture counts: half of it is missing
+  ExpectAmbiguous(Decide({inside, WithoutFloorFrom(at_edge, kCells / 2)}), 2);
+}
+
+TEST_F(PoseDecisionTest, APlaceOutsideThePriorMustBeClearlyBetter) {
+  const VerifiedPose inside = MakePose(0.0);
+  VerifiedPose outside = MakePose(1.0);
+  outside.prior_weight = 1e-6;
+  ExpectAccepted(Decide({outside, inside}), 1);
+  ExpectAccepted(Decide({inside, WithNearerKeypoints(outside, 20.0F)}), 1);
 }
 
 TEST_F(PoseDecisionTest, WithoutVotesOrPicturesNothingIsDistinctive) {
