@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {
@@ -13,6 +16,71 @@ const cv::Size kSize(160, 120);
 cv::Mat AllSeen() { return {kSize, CV_8UC1, cv::Scalar(255)}; }
 
 double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
+
+// The definition, pixel by pixel in doubles.
+cv::Mat PlainlyNormalized(const cv::Mat& gray, const ContrastOptions& options) {
+  cv::Mat levels;
+  gray.convertTo(levels, CV_64F);
+  if (options.smooth_sigma_px > 0.0) {
+    const int side = 2 * static_cast<int>(std::ceil(3.0 * options.smooth_sigma_px)) + 1;
+    cv::GaussianBlur(levels, levels, {side, side}, options.smooth_sigma_px, 0.0, cv::BORDER_REFLECT);
+  }
+  cv::Mat normalized(gray.size(), CV_8UC1);
+  const int radius = options.radius_px;
+  for (int v = 0; v < gray.rows; ++v) {
+    for (int u = 0; u < gray.cols; ++u) {
+      cv::Mat window(2 * radius + 1, 2 * radius + 1, CV_64F);
+      for (int y = -radius; y <= radius; ++y) {
+        for (int x = -radius; x <= radius; ++x) {
+          window.at<double>(y + radius, x + radius) =
+              levels.at<double>(cv::borderInterpolate(v + y, gray.rows, cv::BORDER_REFLECT),
+                                cv::borderInterpolate(u + x, gray.cols, cv::BORDER_REFLECT));
+        }
+      }
+      cv::Scalar mean, deviation;
+      cv::meanStdDev(window, mean, deviation);
+      const double value = 128.0 + 40.0 * (levels.at<double>(v, u) - mean[0]) / std::max(deviation[0], 1.0);
+      normalized.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(value);
+    }
+  }
+  return normalized;
+}
+
+void ExpectAsDefined(const cv::Mat& gray, const ContrastOptions& options) {
+  const cv::Mat seen(gray.size(), CV_8UC1, cv::Scalar(255));
+  // A value may lie between two grey levels: floats round it one way, doubles the other.
+  EXPECT_LE(LargestDifference(NormalizeContrast(gray, seen, options), PlainlyNormalized(gray, options)), 1.0)
+      << gray.size() << ", radius " << options.radius_px << ", sigma " << options.smooth_sigma_px;
+}
+
+TEST(ContrastTest, IsWhatItsDefinitionSays) {
+  const cv::Mat gray = testing_vision::MakeTexture({83, 61}, 110.0, 30.0, 5);
+  for (const int radius : {1, 2, 3, 7, 15, 20}) {
+    ExpectAsDefined(gray, {radius, 1.0});
+  }
+  ExpectAsDefined(gray, {15, 0.0});
+  ExpectAsDefined(gray, {15, 2.5});
+}
+
+TEST(ContrastTest, IsWhatItsDefinitionSaysOnPicturesSmallerThanTheWindow) {
+  for (const cv::Size& size : {cv::Size(1, 1), cv::Size(2, 40), cv::Size(40, 2), cv::Size(9, 7), cv::Size(16, 15)}) {
+    cv::Mat gray(size, CV_8UC1);
+    cv::RNG(6).fill(gray, cv::RNG::UNIFORM, 60, 200);
+    ExpectAsDefined(gray, {15, 1.0});
+    ExpectAsDefined(gray, {4, 0.0});
+  }
+  EXPECT_TRUE(NormalizeContrast(cv::Mat(0, 0, CV_8UC1), cv::Mat(0, 0, CV_8UC1), {}).empty());
+}
+
+TEST(ContrastTest, BlackAndWhiteAboveAndLeftLeavesNoTraceOnPlainFloor) {
+  cv::Mat gray = testing_vision::MakeTexture({80, 500}, 128.0, 4.0, 7);
+  cv::RNG random(8);
+  for (cv::Mat part : {gray.rowRange(0, 60), gray.colRange(0, 20)}) {
+    random.fill(part, cv::RNG::UNIFORM, 0, 2);
+    part *= 255;
+  }
+  ExpectAsDefined(gray, {15, 0.0});
+}
 
 TEST(ContrastTest, GainAndOffsetDoNotMatter) {
   const cv::Mat dark = testing_vision::MakeTexture(kSize, 50.0, 8.0, 1);
