@@ -13,6 +13,7 @@
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/pose_verifier.h"
+#include "core/localization/search_scope.h"
 #include "core/localization/self_similarity.h"
 #include "core/registration/least_squares.h"
 #include "core/vision/feature_extractor.h"
@@ -23,12 +24,6 @@ namespace {
 
 constexpr double kGridCellPx = 70.0;
 
-// Spread of a keypoint's own angle between two views.
-constexpr double kKeypointAngleNoiseRad = 0.35;
-
-// With a prior, every eighth keypoint usually finds the pose (all of them verify it); more look when it does not.
-constexpr std::array<int, 3> kStrides{8, 3, 1};
-
 // How often a prior does not hold, as far as the localizer is concerned.
 constexpr double kPriorFails = 1e-3;
 
@@ -36,9 +31,6 @@ constexpr double kPriorFails = 1e-3;
 // the best one is beyond chance by so many decades.
 constexpr double kMinRivalShare = 0.25;
 constexpr double kClearLogChance = -20.0;
-
-// Without, few buckets of the index usually hold enough of the true neighbours.
-constexpr int kFewProbes = 96;
 
 // Above this risk of being wrong the keypoints alone do not decide: all poses are laid over the mosaic.
 constexpr double kClearPWrong = 1e-6;
@@ -103,39 +95,18 @@ struct FrameMatches {
   std::vector<OrientedMatch> oriented;
 };
 
+// What a frame finds on the whole map, when a prior is doubted.
+struct WholeMapLook {
+  std::optional<FrameMatches> matches;
+  std::vector<VerifiedPose> poses;
+};
+
 // A frame, as the stages need it.
 struct FrameView {
   Features features;
   FrameSamples samples;
   Eigen::Vector3d camera_center;
 };
-
-// What is searched, and how hard.
-struct SearchScope {
-  std::optional<PosePrior> prior;
-  std::optional<MatchGuide> guide;  // follows from the prior
-  int probes = 0;                   // of the index, without a prior
-
-  bool Contains(const Pose2& map_from_base) const {
-    if (!prior) {
-      return true;
-    }
-    const Pose2 off = prior->map_from_base.Between(map_from_base);
-    return off.translation().norm() <= prior->radius_m && std::abs(off.yaw()) <= prior->yaw_radius_rad;
-  }
-};
-
-// How far a keypoint can be from its predicted place when the pose is off by the prior's radii.
-MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
-  const double lever = std::max(std::hypot(roi.x_min, roi.y_min), std::hypot(roi.x_max, roi.y_max));
-  return {prior.map_from_base, prior.radius_m + prior.yaw_radius_rad * lever,
-          prior.yaw_radius_rad + kKeypointAngleNoiseRad, 1};
-}
-
-MatchGuide WithStride(MatchGuide guide, int stride) {
-  guide.stride = stride;
-  return guide;
-}
 
 // What a frame alone does not show: errors of the map, which turn and shift the floor in view as a whole about its
 // middle.
@@ -234,37 +205,23 @@ struct Localizer::Impl {
   }
 
   // On a floor that repeats itself a wrong prior would be confirmed by whatever looks alike there: places outside it
-  // compete, and all are judged by what is distinctive on the whole map.
-  void AddRivalsElsewhere(const Features& features, std::vector<VerifiedPose>* poses) const {
-    const SearchScope whole;
-    const FrameMatches matches = FindMatches(features, whole);
+  // compete, and all are judged by what is distinctive on the whole map. Looked up once per frame.
+  void AddRivalsElsewhere(const Features& features, WholeMapLook* look, std::vector<VerifiedPose>* poses) const {
+    if (!look->matches) {
+      const SearchScope whole;
+      look->matches = FindMatches(features, whole);
+      look->poses = VerifyCandidates(features, *look->matches, whole);
+    }
     for (VerifiedPose& pose : *poses) {
-      pose.voters = Voters(matches, pose);
+      pose.voters = Voters(*look->matches, pose);
     }
-    for (VerifiedPose& pose : VerifyCandidates(features, matches, whole)) {
+    for (const VerifiedPose& pose : look->poses) {
       if (!Knows(*poses, pose.candidate.target_from_source)) {
-        pose.elsewhere = true;
-        pose.prior_weight = kPriorFails;
-        poses->push_back(std::move(pose));
+        poses->push_back(pose);
+        poses->back().elsewhere = true;
+        poses->back().prior_weight = kPriorFails;
       }
     }
-  }
-
-  // What is tried in turn until a pose is accepted: little effort finds most. A floor that repeats itself gets all at
-  // once, for the rivals.
-  std::vector<SearchScope> Scopes(const std::optional<PosePrior>& prior, const RectM& roi) const {
-    if (prior) {
-      const MatchGuide guide = GuideOf(*prior, roi);
-      std::vector<SearchScope> scopes;
-      for (const int stride : kStrides) {
-        scopes.push_back({prior, WithStride(guide, stride)});
-      }
-      return scopes;
-    }
-    if (repeats) {
-      return {{}};
-    }
-    return {{std::nullopt, std::nullopt, kFewProbes}, {}};
   }
 
   SearchRegion RegionOf(const std::optional<MatchGuide>& guide) const {
@@ -272,13 +229,13 @@ struct Localizer::Impl {
   }
 
   // Matches, verifies and decides; adds its times to the result's.
-  void Search(const FrameView& frame, const SearchScope& scope, LocalizationResult* result) const {
+  void Search(const FrameView& frame, const SearchScope& scope, WholeMapLook* look, LocalizationResult* result) const {
     Stopwatch stage;
     const FrameMatches matches = FindMatches(frame.features, scope);
     result->timing.match_ms += stage.LapMs();
     std::vector<VerifiedPose> verified = VerifyCandidates(frame.features, matches, scope);
     if (scope.prior && repeats && !verified.empty()) {
-      AddRivalsElsewhere(frame.features, &verified);
+      AddRivalsElsewhere(frame.features, look, &verified);
     }
     const PoseDecision decision = Decide(frame, &verified);
     Conclude(frame, verified, decision, result);
@@ -362,36 +319,6 @@ void LocalizerOptions::Check() const {
   registration.Check();
 }
 
-const char* ToString(LocalizationStatus status) {
-  switch (status) {
-    case LocalizationStatus::kLocalized:
-      return "localized";
-    case LocalizationStatus::kAmbiguous:
-      return "ambiguous";
-    case LocalizationStatus::kNotLocalized:
-      return "not_localized";
-  }
-  return "unknown";
-}
-
-const char* ToString(NotLocalizedReason reason) {
-  switch (reason) {
-    case NotLocalizedReason::kNone:
-      return "";
-    case NotLocalizedReason::kTooFewKeypoints:
-      return "too_few_keypoints";
-    case NotLocalizedReason::kTooFewMatches:
-      return "too_few_matches";
-    case NotLocalizedReason::kTooFewInliers:
-      return "too_few_inliers";
-    case NotLocalizedReason::kNotSignificant:
-      return "not_significant";
-    case NotLocalizedReason::kContradictsPrior:
-      return "contradicts_prior";
-  }
-  return "unknown";
-}
-
 Localizer::Localizer(FloorMap map, const LocalizerOptions& options, MosaicTileSource tiles) {
   options.Check();
   impl_ = std::make_unique<Impl>(std::move(map), std::move(tiles), options);
@@ -421,9 +348,10 @@ LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat
     return result;
   }
 
-  for (const SearchScope& scope : impl_->Scopes(prior, rectifier.camera().floor.roi)) {
-    impl_->Search(frame, scope, &result);
-    if (result.status == LocalizationStatus::kLocalized) {
+  WholeMapLook look;
+  for (const SearchScope& scope : SearchScopes(prior, rectifier.camera().floor.roi, impl_->repeats)) {
+    impl_->Search(frame, scope, &look, &result);
+    if (result.status == LocalizationStatus::kLocalized || result.reason == NotLocalizedReason::kContradictsPrior) {
       break;
     }
   }

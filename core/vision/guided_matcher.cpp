@@ -2,9 +2,13 @@
 #include "core/vision/guided_matcher.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+
+#include "core/vision/multiversion.h"
 
 namespace floorloc {
 namespace {
@@ -35,24 +39,47 @@ Match NearestEuclidean(const cv::Mat& query, int row, const cv::Mat& train, cons
   return best;
 }
 
+// Fields of a run of keypoints.
+struct RunFields {
+  const float* x_m;
+  const float* y_m;
+  const float* cos_angle;
+  const float* sin_angle;
+  const float* size_m;
+};
+
+// The window as plain numbers, for the loop over many keypoints.
+struct WindowLimits {
+  float x_m, y_m, squared_radius, cos_angle, sin_angle, min_cos, min_size_m, max_size_m;
+};
+
+FLOORLOC_WIDE_VECTORS
+void TestRun(const RunFields& run, const WindowLimits& w, int count, std::int32_t* __restrict accepted) {
+  const float* __restrict x = run.x_m;
+  const float* __restrict y = run.y_m;
+  const float* __restrict c = run.cos_angle;
+  const float* __restrict s = run.sin_angle;
+  const float* __restrict size = run.size_m;
+  for (int i = 0; i < count; ++i) {
+    const float dx = x[i] - w.x_m;
+    const float dy = y[i] - w.y_m;
+    const auto near = static_cast<std::int32_t>(dx * dx + dy * dy <= w.squared_radius);
+    const auto turned = static_cast<std::int32_t>(w.cos_angle * c[i] + w.sin_angle * s[i] >= w.min_cos);
+    const auto large = static_cast<std::int32_t>(size[i] > w.min_size_m);
+    const auto small = static_cast<std::int32_t>(size[i] < w.max_size_m);
+    accepted[i] = near & turned & large & small;
+  }
+}
+
 }  // namespace
 
 // What a keypoint must agree with to be a candidate.
 struct GuidedMatcher::Window {
-  Eigen::Vector2d center;
-  double radius_m;
-  Eigen::Vector2f direction;  // unit vector of the predicted angle
-  float min_cos;              // of the angle between it and a candidate's
+  float x_m, y_m;
+  float radius_m;
+  float cos_angle, sin_angle;  // of the predicted angle
+  float min_cos;               // of the angle between it and a candidate's
   float size_m;
-
-  bool Accepts(const Entry& e) const {
-    const float dx = e.x_m - static_cast<float>(center.x());
-    const float dy = e.y_m - static_cast<float>(center.y());
-    const auto radius = static_cast<float>(radius_m);
-    return dx * dx + dy * dy <= radius * radius &&
-           direction.x() * e.cos_angle + direction.y() * e.sin_angle >= min_cos && e.size_m < kMaxSizeRatio * size_m &&
-           size_m < kMaxSizeRatio * e.size_m;
-  }
 };
 
 GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m)
@@ -89,19 +116,53 @@ GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::M
   for (std::size_t c = 1; c < cell_start_.size(); ++c) {
     cell_start_[c] += cell_start_[c - 1];
   }
-  entries_.resize(keypoints.size());
+  for (std::vector<float>* field :
+       {&entries_.x_m, &entries_.y_m, &entries_.cos_angle, &entries_.sin_angle, &entries_.size_m}) {
+    field->resize(keypoints.size());
+  }
+  entries_.index.resize(keypoints.size());
   std::vector<int> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const Keypoint& k = keypoints[i];
-    entries_[static_cast<std::size_t>(next[cell_of(k)]++)] = {
-        k.x_m, k.y_m, std::cos(k.angle_rad), std::sin(k.angle_rad), k.size_m, static_cast<int>(i)};
+    const auto place = static_cast<std::size_t>(next[cell_of(k)]++);
+    entries_.x_m[place] = k.x_m;
+    entries_.y_m[place] = k.y_m;
+    entries_.cos_angle[place] = std::cos(k.angle_rad);
+    entries_.sin_angle[place] = std::sin(k.angle_rad);
+    entries_.size_m[place] = k.size_m;
+    entries_.index[place] = static_cast<int>(i);
+  }
+}
+
+void GuidedMatcher::CollectRun(const Window& window, int begin, int end, std::vector<int>* candidates) const {
+  constexpr int kBlock = 256;
+  std::array<std::int32_t, kBlock> accepted{};
+  const WindowLimits limits{
+      window.x_m,       window.y_m,     window.radius_m * window.radius_m, window.cos_angle,
+      window.sin_angle, window.min_cos, window.size_m / kMaxSizeRatio,     kMaxSizeRatio * window.size_m};
+  for (int first = begin; first < end; first += kBlock) {
+    const int count = std::min(kBlock, end - first);
+    TestRun({&entries_.x_m[static_cast<std::size_t>(first)], &entries_.y_m[static_cast<std::size_t>(first)],
+             &entries_.cos_angle[static_cast<std::size_t>(first)], &entries_.sin_angle[static_cast<std::size_t>(first)],
+             &entries_.size_m[static_cast<std::size_t>(first)]},
+            limits, count, accepted.data());
+    // Without branches: which keypoints are accepted can't be predicted.
+    std::size_t size = candidates->size();
+    candidates->resize(size + static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      (*candidates)[size] = entries_.index[static_cast<std::size_t>(first + i)];
+      size += static_cast<std::size_t>(accepted[static_cast<std::size_t>(i)]);
+    }
+    candidates->resize(size);
   }
 }
 
 void GuidedMatcher::Collect(const Window& window, std::vector<int>* candidates) const {
   candidates->clear();
-  const Eigen::Vector2d low = (window.center.array() - window.radius_m - origin_.array()) / cell_m_;
-  const Eigen::Vector2d high = (window.center.array() + window.radius_m - origin_.array()) / cell_m_;
+  const Eigen::Vector2d center(static_cast<double>(window.x_m), static_cast<double>(window.y_m));
+  const auto radius_m = static_cast<double>(window.radius_m);
+  const Eigen::Vector2d low = (center.array() - radius_m - origin_.array()) / cell_m_;
+  const Eigen::Vector2d high = (center.array() + radius_m - origin_.array()) / cell_m_;
   // Compared as doubles: a wild prior must not overflow an int.
   if (!(low.x() < columns_ && low.y() < rows_ && high.x() >= 0.0 && high.y() >= 0.0)) {
     return;
@@ -112,13 +173,8 @@ void GuidedMatcher::Collect(const Window& window, std::vector<int>* candidates) 
   const int last_row = static_cast<int>(std::min(high.y(), rows_ - 1.0));
   for (int row = first_row; row <= last_row; ++row) {
     const auto first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
-    const Entry* entry = entries_.data() + cell_start_[first + static_cast<std::size_t>(first_column)];
-    const Entry* end = entries_.data() + cell_start_[first + static_cast<std::size_t>(last_column) + 1];
-    for (; entry != end; ++entry) {
-      if (window.Accepts(*entry)) {
-        candidates->push_back(entry->index);
-      }
-    }
+    CollectRun(window, cell_start_[first + static_cast<std::size_t>(first_column)],
+               cell_start_[first + static_cast<std::size_t>(last_column) + 1], candidates);
   }
 }
 
@@ -143,8 +199,9 @@ std::vector<Match> GuidedMatcher::FindNearest(const Features& query, const Match
   for (std::size_t i = 0; i < query.keypoints.size(); i += static_cast<std::size_t>(guide.stride)) {
     const Keypoint& k = query.keypoints[i];
     const double angle = yaw + k.angle_rad;
-    Collect({guide.target_from_query * k.Position(), guide.radius_m,
-             Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>(), min_cos, k.size_m},
+    const Eigen::Vector2f center = (guide.target_from_query * k.Position()).cast<float>();
+    Collect({center.x(), center.y(), static_cast<float>(guide.radius_m), static_cast<float>(std::cos(angle)),
+             static_cast<float>(std::sin(angle)), min_cos, k.size_m},
             &candidates);
     if (!candidates.empty()) {
       matches.push_back(FindAmong(query, packed_query, static_cast<int>(i), candidates));

@@ -33,15 +33,14 @@ class GuidedMatcher {
   std::vector<Match> FindNearest(const Features& query, const MatchGuide& guide) const;
 
  private:
-  // A keypoint as the search wants it: small, and in the order of the grid's cells.
-  struct Entry {
-    float x_m, y_m;
-    float cos_angle, sin_angle;
-    float size_m;
-    int index;  // in the keypoints
+  // The keypoints in the order of the grid's cells, one array per field: many are tested at once.
+  struct Entries {
+    std::vector<float> x_m, y_m, cos_angle, sin_angle, size_m;
+    std::vector<int> index;  // in the keypoints
   };
   struct Window;
 
+  void CollectRun(const Window& window, int begin, int end, std::vector<int>* candidates) const;
   void Collect(const Window& window, std::vector<int>* candidates) const;
   Match FindAmong(const Features& query, const PackedDescriptors& packed_query, int row,
                   const std::vector<int>& candidates) const;
@@ -53,7 +52,7 @@ class GuidedMatcher {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<int> cell_start_;  // entries of cell c: entries_[cell_start_[c] .. cell_start_[c + 1])
-  std::vector<Entry> entries_;
+  Entries entries_;
 };
 
 }  // namespace floorloc

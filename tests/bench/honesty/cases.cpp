@@ -18,6 +18,13 @@ FloorCase MakeFloor(const std::string& name, const std::string& source, double w
   return floor;
 }
 
+// A quilt repeats its photograph.
+FloorCase MakeQuilt(const std::string& name, const std::string& photograph, double width_m, double height_m) {
+  FloorCase floor = MakeFloor(name, photograph, width_m, height_m);
+  floor.copies_itself = true;
+  return floor;
+}
+
 FloorCase MakeTiles(const std::string& name, std::uint64_t seed, double width_m) {
   FloorCase floor = MakeFloor(name, "tiles", width_m, 1.8);
   floor.texture.seed = seed;
@@ -31,7 +38,7 @@ std::vector<FloorCase> FloorCases(const std::string& photograph) {
   return {MakeFloor("concrete", "concrete", 3.2, 2.2),
           MakeFloor("carpet", "carpet", 2.6, 1.8),
           MakeFloor("wood", "wood", 2.6, 1.8),
-          MakeFloor("photo", photograph, 2.6, 1.8),
+          MakeQuilt("photo", photograph, 2.6, 1.8),
           MakeTiles("tiles", 1, 2.6),
           MakeTiles("more-tiles", 2, 3.2)};
 }

@@ -148,6 +148,9 @@ FramePlan FramePlanner::Plan(int frame) const {
   plan.seed = DeriveSeed(seed, static_cast<std::uint64_t>(frame));
   cv::RNG rng(plan.seed);
   plan.place = DrawPlace(rng);
+  if (plan.place == FramePlace::kUnmapped && floor.copies_itself) {
+    plan.place = FramePlace::kOtherFloor;
+  }
   plan.condition = static_cast<std::size_t>(rng.uniform(0, static_cast<int>(conditions)));
   plan.time_s = rng.uniform(0.0, 1000.0);
   plan.twist = {kSpeedMPerS * rng.uniform(-1.0, 1.0), 0.0, rng.uniform(-0.5, 0.5)};

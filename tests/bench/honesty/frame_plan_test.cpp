@@ -51,6 +51,14 @@ TEST(FramePlanner, PutsTheViewWhereItSays) {
   EXPECT_GT(places[FramePlace::kOtherFloor], 70);
 }
 
+TEST(FramePlanner, FloorsThatCopyThemselvesHaveNoUnmappedFrames) {
+  FramePlanner planner = MakePlanner();
+  planner.floor.copies_itself = true;
+  for (int frame = 0; frame < 500; ++frame) {
+    EXPECT_NE(planner.Plan(frame).place, FramePlace::kUnmapped);
+  }
+}
+
 TEST(FramePlanner, PriorsHoldAndWrongPriorsExcludeTheTruth) {
   const FramePlanner planner = MakePlanner();
   int wrong_priors = 0;

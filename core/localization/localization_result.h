@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/registration/registration.h"
+
+namespace floorloc {
+
+enum class LocalizationStatus { kLocalized, kAmbiguous, kNotLocalized };
+/// "localized", "ambiguous", "not_localized"
+const char* ToString(LocalizationStatus status);
+
+/// Why a frame was not localized.
+enum class NotLocalizedReason {
+  kNone,
+  kTooFewKeypoints,
+  kTooFewMatches,
+  kTooFewInliers,
+  kNotSignificant,
+  kContradictsPrior,  ///< the frame fits better outside the prior
+};
+/// "", "too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant", "contradicts_prior"
+const char* ToString(NotLocalizedReason reason);
+
+/// Milliseconds of wall time.
+struct LocalizationTiming {
+  double rectify_ms = 0.0;
+  double features_ms = 0.0;
+  double match_ms = 0.0;
+  double register_ms = 0.0;
+  double total_ms = 0.0;
+};
+
+struct LocalizationResult {
+  LocalizationStatus status = LocalizationStatus::kNotLocalized;
+  NotLocalizedReason reason = NotLocalizedReason::kNone;
+  Pose2 map_from_base;  ///< when localized; otherwise, when there are inliers, the best pose that was not accepted
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
+  int keypoints = 0;
+  int matches = 0;
+  int inliers = 0;
+  double rms_m = 0.0;
+  double p_wrong = 1.0;
+  bool used_prior = false;
+  std::vector<PoseHypothesis> alternatives;
+  LocalizationTiming timing;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// Where the robot probably is; only map keypoints that such a pose would see are compared.
+struct PosePrior {
+  Pose2 map_from_base;
+  double radius_m = 0.25;
+  double yaw_radius_rad = 0.26;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/search_scope.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace floorloc {
+namespace {
+
+// Spread of a keypoint's own angle between two views.
+constexpr double kKeypointAngleNoiseRad = 0.35;
+
+// With a prior, every eighth keypoint usually finds the pose (all of them verify it); more look when it does not.
+constexpr std::array<int, 3> kStrides{8, 3, 1};
+
+// Without, few buckets of the index usually hold enough of the true neighbours.
+constexpr int kFewProbes = 96;
+
+// How far a keypoint can be from its predicted place when the pose is off by the prior's radii.
+MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
+  const double lever = std::max(std::hypot(roi.x_min, roi.y_min), std::hypot(roi.x_max, roi.y_max));
+  return {prior.map_from_base, prior.radius_m + prior.yaw_radius_rad * lever,
+          prior.yaw_radius_rad + kKeypointAngleNoiseRad, 1};
+}
+
+}  // namespace
+
+bool SearchScope::Contains(const Pose2& map_from_base) const {
+  if (!prior) {
+    return true;
+  }
+  const Pose2 off = prior->map_from_base.Between(map_from_base);
+  return off.translation().norm() <= prior->radius_m && std::abs(off.yaw()) <= prior->yaw_radius_rad;
+}
+
+std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, bool floor_repeats) {
+  std::vector<SearchScope> scopes;
+  if (prior) {
+    SearchScope scope{prior, GuideOf(*prior, roi)};
+    for (const int stride : kStrides) {
+      scope.guide->stride = stride;
+      scopes.push_back(scope);
+    }
+    return scopes;
+  }
+  if (!floor_repeats) {
+    scopes.push_back({std::nullopt, std::nullopt, kFewProbes});
+  }
+  scopes.emplace_back();
+  return scopes;
+}
+
+}  // namespace floorloc

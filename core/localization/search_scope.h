@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "core/localization/pose_prior.h"
+#include "core/vision/guided_matcher.h"
+
+namespace floorloc {
+
+/// What is searched, and how hard.
+struct SearchScope {
+  std::optional<PosePrior> prior;
+  std::optional<MatchGuide> guide;  ///< follows from the prior
+  int probes = 0;                   ///< of the index, without a prior; 0: as many as its options say
+
+  bool Contains(const Pose2& map_from_base) const;
+};
+
+/// What is tried in turn until a pose is accepted: little effort finds most. A floor that repeats itself is searched
+/// with all effort at once, for the rivals. roi: base frame.
+std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, bool floor_repeats);
+
+}  // namespace floorloc
