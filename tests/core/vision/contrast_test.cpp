@@ -82,6 +82,10 @@ TEST(ContrastTest, BlackAndWhiteAboveAndLeftLeavesNoTraceOnPlainFloor) {
   ExpectAsDefined(gray, {15, 0.0});
 }
 
+TEST(ContrastTest, ManyRowsOfABrightPlainFloorAddUp) {
+  ExpectAsDefined(testing_vision::MakeTexture({40, 1500}, 250.0, 1.5, 9), {15, 1.0});
+}
+
 TEST(ContrastTest, GainAndOffsetDoNotMatter) {
   const cv::Mat dark = testing_vision::MakeTexture(kSize, 50.0, 8.0, 1);
   cv::Mat bright;

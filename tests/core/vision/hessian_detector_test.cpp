@@ -59,11 +59,18 @@ TEST(HessianDetectorTest, FindsNothingOnPlainGroundOrSlopes) {
 }
 
 TEST(HessianDetectorTest, ALineIsNoSpot) {
-  cv::Mat line(kSize, CV_32F);
-  for (int u = 0; u < line.cols; ++u) {
-    line.col(u) = 128.0 + 60.0 * std::exp(-0.5 * std::pow((u - 40.0) / 3.0, 2));
+  for (const double degrees : {0.0, 30.0, 45.0, 90.0, 135.0}) {
+    const double c = std::cos(degrees * CV_PI / 180.0);
+    const double s = std::sin(degrees * CV_PI / 180.0);
+    cv::Mat line(kSize, CV_32F);
+    for (int v = 0; v < line.rows; ++v) {
+      for (int u = 0; u < line.cols; ++u) {
+        const double across = c * (u - 45.0) + s * (v - 35.0);
+        line.at<float>(v, u) = static_cast<float>(128.0 + 60.0 * std::exp(-0.5 * std::pow(across / 3.0, 2)));
+      }
+    }
+    EXPECT_TRUE(DetectHessian(line, kBorder, 1.0F).empty()) << degrees;  // a spot of that height has 42
   }
-  EXPECT_TRUE(DetectHessian(line, kBorder, 0.5F).empty());
 }
 
 TEST(HessianDetectorTest, RespectsTheBorder) {
@@ -102,7 +109,7 @@ TEST(HessianDetectorTest, FindsTheSameWithAWiderBorderWhereBothLook) {
 
 TEST(HessianDetectorTest, PicturesSmallerThanTheBordersHaveNoKeypoints) {
   EXPECT_TRUE(DetectHessian(cv::Mat(0, 0, CV_32F), kBorder, 0.0F).empty());
-  for (const cv::Size& size : {cv::Size(1, 1), cv::Size(5, 5), cv::Size(20, 60), cv::Size(60, 20), cv::Size(8, 8)}) {
+  for (const cv::Size& size : {cv::Size(1, 1), cv::Size(5, 5), cv::Size(20, 60), cv::Size(60, 20), cv::Size(60, 3)}) {
     const cv::Point2d middle(0.5 * size.width, 0.5 * size.height);
     EXPECT_TRUE(DetectHessian(Spot(size, middle, 60.0), kBorder, 0.5F).empty()) << size;
   }
