@@ -52,7 +52,9 @@ class OpenCvDetector final : public Detector {
   std::vector<cv::KeyPoint> Detect(const cv::Mat& gray, const cv::Mat& mask) const override {
     std::vector<cv::KeyPoint> keypoints;
     feature_->detect(gray, keypoints, mask);
-    std::erase_if(keypoints, [](const cv::KeyPoint& k) { return !HasUsableSize(k); });
+    if (kind_ == DetectorKind::kMser) {
+      std::erase_if(keypoints, [](const cv::KeyPoint& k) { return !HasUsableSize(k); });
+    }
     for (cv::KeyPoint& k : keypoints) {
       if (kind_ == DetectorKind::kHarris || kind_ == DetectorKind::kShiTomasi || kind_ == DetectorKind::kFast) {
         k.size = kCornerSizePx;

@@ -126,6 +126,41 @@ TEST_P(LocalizerTest, FindsAnyViewOnTheWholeMap) {
   }
 }
 
+// The map's floor once more, a few metres away, every descriptor changed a little.
+FloorMap WithNearTwin(FloorMap map, double shift_m) {
+  std::mt19937 random(3);
+  const std::size_t count = map.keypoints.size();
+  cv::Mat twins = map.keypoints.descriptors.clone();
+  for (std::size_t i = 0; i < count; ++i) {
+    Keypoint k = map.keypoints.keypoints[i];
+    k.x_m += static_cast<float>(shift_m);
+    map.keypoints.keypoints.push_back(k);
+    map.keypoints.observations.push_back(map.keypoints.observations[i]);
+    for (int flip = 0; flip < 10; ++flip) {
+      twins.at<std::uint8_t>(static_cast<int>(i), static_cast<int>(random() % static_cast<unsigned>(twins.cols))) ^=
+          static_cast<std::uint8_t>(1U << (random() % 8));
+    }
+  }
+  map.keypoints.descriptors.push_back(twins);
+  return map;
+}
+
+TEST(RepeatingFloorTest, AWrongPriorIsNotConfirmedByWhatLooksAlikeThere) {
+  constexpr double kShiftM = 3.0;
+  const Localizer localizer(WithNearTwin(TheMap(), kShiftM), LocalizerOptions{});
+  const Rectifier rectifier(Floor().camera());
+  for (const Pose2& truth : RandomPoses(10, 9)) {
+    const cv::Mat view = GrayView(Floor(), truth, 9);
+    PosePrior prior;
+    prior.map_from_base = truth;
+    ExpectNear(localizer.Localize(rectifier, view, prior), truth);
+    prior.map_from_base = Pose2(truth.x() + kShiftM, truth.y(), truth.yaw());
+    const LocalizationResult misled = localizer.Localize(rectifier, view, prior);
+    EXPECT_EQ(misled.status, LocalizationStatus::kNotLocalized);
+    EXPECT_EQ(misled.reason, NotLocalizedReason::kContradictsPrior);
+  }
+}
+
 TEST_P(LocalizerTest, FindsAnyViewNearAPrior) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/search_scope.h"
+
+#include <gtest/gtest.h>
+
+namespace floorloc {
+namespace {
+
+const RectM kRoi{0.0, 0.4, -0.2, 0.2};
+
+TEST(SearchScopeTest, APriorContainsWhatItAllows) {
+  const SearchScope scope{PosePrior{Pose2(1.0, 2.0, 3.0), 0.2, 0.1}, std::nullopt};
+  EXPECT_TRUE(scope.Contains(Pose2(1.1, 2.1, 3.05)));
+  EXPECT_FALSE(scope.Contains(Pose2(1.3, 2.0, 3.0)));
+  EXPECT_FALSE(scope.Contains(Pose2(1.0, 2.0, 3.15)));
+  EXPECT_TRUE(scope.Contains(Pose2(1.0, 2.0, 3.08)));
+  EXPECT_TRUE(SearchScope().Contains(Pose2(1e6, 0.0, 0.0)));
+}
+
+TEST(SearchScopeTest, APriorsGuideReachesWhereAnyAllowedPosePutsAKeypoint) {
+  const PosePrior prior{Pose2(1.0, 2.0, 0.5), 0.2, 0.3};
+  for (const SearchScope& scope : SearchScopes(prior, kRoi, false)) {
+    ASSERT_TRUE(scope.guide.has_value());
+    for (const double turn : {-0.3, 0.0, 0.3}) {
+      for (const double ahead : {-0.2, 0.2}) {
+        const Pose2 allowed = prior.map_from_base * Pose2(ahead, 0.0, turn);
+        for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0.0, -0.2), Eigen::Vector2d(0.4, 0.2)}) {
+          EXPECT_LE((allowed * corner - scope.guide->target_from_query * corner).norm(), scope.guide->radius_m + 1e-9);
+        }
+      }
+    }
+  }
+}
+
+TEST(SearchScopeTest, EffortGrows) {
+  const auto with_prior = SearchScopes(PosePrior(), kRoi, false);
+  ASSERT_GE(with_prior.size(), 2U);
+  for (std::size_t i = 1; i < with_prior.size(); ++i) {
+    EXPECT_LT(with_prior[i].guide->stride, with_prior[i - 1].guide->stride);
+  }
+  EXPECT_EQ(with_prior.back().guide->stride, 1);
+  const auto whole = SearchScopes(std::nullopt, kRoi, false);
+  ASSERT_EQ(whole.size(), 2U);
+  EXPECT_GT(whole[0].probes, 0);
+  EXPECT_EQ(whole[1].probes, 0);  // as many as the index's options say
+}
+
+TEST(SearchScopeTest, AFloorThatRepeatsItselfIsSearchedWithAllEffortAtOnce) {
+  const auto whole = SearchScopes(std::nullopt, kRoi, true);
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_EQ(whole[0].probes, 0);
+}
+
+}  // namespace
+}  // namespace floorloc
