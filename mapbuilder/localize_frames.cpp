@@ -150,6 +150,12 @@ std::string ToJsonLine(const LocalizedFrame& localized) {
   json["inliers"] = r.inliers;
   json["rms_m"] = r.rms_m;
   json["p_wrong"] = r.p_wrong;
+  json["alternatives"] = nlohmann::ordered_json::array();
+  for (const PoseHypothesis& a : r.alternatives) {
+    const Pose2& pose = a.target_from_source;
+    json["alternatives"].push_back(
+        {{"x", pose.x()}, {"y", pose.y()}, {"yaw", pose.yaw()}, {"inliers", a.inliers}, {"weight", a.weight}});
+  }
   json["search"] = r.used_prior ? "prior" : "global";
   json["timing_ms"] = {{"decode", localized.decode_ms},    {"rectify", r.timing.rectify_ms},
                        {"features", r.timing.features_ms}, {"match", r.timing.match_ms},

@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "core/map/map_error.h"
+
 namespace floorloc {
 namespace {
 
@@ -46,11 +48,7 @@ MosaicRaster::MosaicRaster(MosaicTileSource source, const MosaicLayout& layout, 
           64, memory_bytes / (static_cast<std::size_t>(layout.tile_px) * static_cast<std::size_t>(layout.tile_px)))) {}
 
 cv::Mat MosaicRaster::Load(int x, int y) const {
-  const auto jpeg = source_({layout_.max_zoom, x, y});
-  if (!jpeg) {
-    return {};
-  }
-  const cv::Mat gray = DecodeGray(*jpeg);
+  const cv::Mat gray = ReadGray({layout_.max_zoom, x, y});
   if (gray.rows != layout_.tile_px || gray.cols != layout_.tile_px) {
     return {};
   }
@@ -58,6 +56,16 @@ cv::Mat MosaicRaster::Load(int x, int y) const {
   cv::Mat normalized = cv::max(NormalizeContrast(gray, seen, contrast_), 1);
   normalized.setTo(0, seen == 0);
   return normalized;
+}
+
+// A damaged tile is no floor: keypoints still answer there.
+cv::Mat MosaicRaster::ReadGray(const TileId& tile) const {
+  try {
+    const auto jpeg = source_(tile);
+    return jpeg ? DecodeGray(*jpeg) : cv::Mat();
+  } catch (const MapError&) {
+    return {};
+  }
 }
 
 MosaicRaster::Tile MosaicRaster::Get(int x, int y) const {

@@ -17,7 +17,8 @@
 
 namespace floorloc {
 
-/// Gives the encoded picture of a mosaic tile; empty where the map has none. Must be callable from many threads.
+/// Gives the encoded picture of a mosaic tile; empty where the map has none; throws MapError when it is damaged. Must
+/// be callable from many threads.
 using MosaicTileSource = std::function<std::optional<std::vector<std::uint8_t>>(const TileId&)>;
 
 /// A piece of the mosaic's finest level. Row 0 is the upper edge: y falls as rows grow.
@@ -55,6 +56,7 @@ class MosaicRaster {
 
   Tile Get(int x, int y) const;
   cv::Mat Load(int x, int y) const;
+  cv::Mat ReadGray(const TileId& tile) const;
 
   MosaicTileSource source_;
   MosaicLayout layout_;

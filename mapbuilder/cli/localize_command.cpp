@@ -17,6 +17,7 @@ struct Arguments {
   std::filesystem::path map, frames, out, results;
   std::string prior = "none";
   std::string matcher = "auto";
+  double max_p_wrong = RegistrationOptions().max_p_wrong;
   std::uint32_t seed = 1;
   LocalizeFramesOptions options;
 };
@@ -55,6 +56,7 @@ void Run(Arguments& a) {
   localizer_options.index.type = ParseMatcherType(a.matcher);
   localizer_options.index.seed = a.seed;
   localizer_options.registration.seed = a.seed;
+  localizer_options.registration.max_p_wrong = a.max_p_wrong;
   const Survey survey = ReadSurvey(a.frames);
   const MapDatabase database(a.map);
   const Localizer localizer(database.ReadMap(), localizer_options,
@@ -85,6 +87,9 @@ void AddLocalizeCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--matcher", a->matcher, "Global search")
       ->check(CLI::IsMember({"auto", "hash", "flann", "brute_force"}))
+      ->capture_default_str();
+  command->add_option("--max-p-wrong", a->max_p_wrong, "A pose that is wrong with a higher probability is not accepted")
+      ->check(CLI::Range(1e-300, 1.0))
       ->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();

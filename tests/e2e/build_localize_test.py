@@ -7,6 +7,7 @@ import json
 import math
 import random
 import re
+import statistics
 import resource
 import shutil
 import signal
@@ -23,7 +24,7 @@ BINARY = None  # from the command line
 FRAME_KEYS = {
     "timestamp", "filename", "status", "x", "y", "yaw", "covariance", "inliers", "p_wrong", "timing_ms",
 }
-MORE_FRAME_KEYS = {"keypoints", "matches", "rms_m", "search"}
+MORE_FRAME_KEYS = {"alternatives", "keypoints", "matches", "rms_m", "search"}
 
 
 def run(*arguments, **options):
@@ -84,7 +85,7 @@ class MainJob(Recorded):
         self.assertEqual(info["name"], "hall")
         self.assertEqual(info["frame"], "map")
         self.assertEqual(info["frames"], 28)
-        self.assertEqual(info["extractor"]["type"], "orb")
+        self.assertEqual(info["extractor"]["type"], "hessian")
         self.assertGreater(info["keypoints"], 2000)
         self.assertAlmostEqual(info["area_m2"], 1.08, delta=0.1)
         self.assertRegex(info["version"], "^[0-9a-f]{64}$")
@@ -183,6 +184,18 @@ class MainJob(Recorded):
             self.assertEqual(set(line), FRAME_KEYS | MORE_FRAME_KEYS | {"reason"})
             self.assertIsNone(line["x"])
             self.assertTrue(line["reason"])
+
+    def test_the_acceptance_threshold_is_the_probability_of_being_wrong(self):
+        def lines(*arguments):
+            results = self.folder / "threshold.jsonl"
+            run_ok("localize", "--map", self.map, "--frames", self.drive, "--out", self.folder / "e.tum", "--results",
+                   results, *arguments)
+            return [json.loads(line) for line in results.read_text().splitlines()]
+
+        middle = statistics.median_low(line["p_wrong"] for line in lines())
+        statuses = {(line["status"], line["p_wrong"] <= middle) for line in lines("--max-p-wrong", middle)}
+        self.assertLessEqual(statuses, {("localized", True), ("ambiguous", False), ("not_localized", False)})
+        self.assertIn(("localized", True), statuses)
 
     def test_the_answers_do_not_depend_on_threads(self):
         def answers(threads):

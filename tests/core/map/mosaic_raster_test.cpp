@@ -14,6 +14,8 @@
 #include <thread>
 #include <utility>
 
+#include "core/map/map_error.h"
+
 namespace floorloc {
 namespace {
 
@@ -188,6 +190,14 @@ TEST(MosaicRasterTest, BrokenTilesAreNoFloor) {
     EXPECT_EQ(SeenPixels(raster.Cut(TileRect(0, 0))), 0) << bytes.size() << " bytes";
     EXPECT_EQ(SeenPixels(raster.Cut(TileRect(1, 0))), kTilePx * kTilePx);
   }
+}
+
+TEST(MosaicRasterTest, TilesThatTheMapRefusesAreNoFloor) {
+  const MosaicTileSource refuses = [](const TileId&) -> std::optional<std::vector<std::uint8_t>> {
+    throw MapError("a tile is damaged; build the map again");
+  };
+  const MosaicRaster raster(refuses, {kTilePx, kMaxZoom, kResolutionM}, ContrastOptions(), kPlenty);
+  EXPECT_EQ(SeenPixels(raster.Cut(TileRect(0, 0))), 0);
 }
 
 TEST(MosaicRasterTest, WildRectanglesSeeNoFloor) {
