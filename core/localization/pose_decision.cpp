@@ -14,6 +14,9 @@ namespace {
 // A pose that its keypoints do not lift above chance by this is no rival: chance always offers some.
 constexpr double kMinSignificance = -1.0;
 
+// No model of chance is surer of itself.
+constexpr double kLeastPWrong = 1e-9;
+
 // Floors repeat themselves more than independent points would: what looks like a chance of p happens with p^this.
 constexpr double kStructureExponent = 0.5;
 
@@ -181,7 +184,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
     }
   }
   const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses[best], evidence)));
-  decision.p_wrong = std::min(1.0, p_chance + p_rival / (1.0 + p_rival));
+  decision.p_wrong = std::clamp(p_chance + p_rival / (1.0 + p_rival), kLeastPWrong, 1.0);
   const double sum = 1.0 + p_rival;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (rival[i] / sum > options.max_p_wrong) {
