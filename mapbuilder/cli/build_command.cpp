@@ -20,7 +20,7 @@ struct Arguments {
 };
 
 std::vector<std::string> ExtractorNames() {
-  std::vector<std::string> names;
+  std::vector<std::string> names{"auto"};
   for (const ExtractorType type : AllExtractorTypes()) {
     names.emplace_back(ToString(type));
   }
@@ -54,7 +54,10 @@ void AddBuildCommand(CLI::App& app) {
   const auto a = std::make_shared<Arguments>();
   command->add_option("--survey", a->options.surveys, "Survey folder(s)")->required();
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
-  command->add_option("--features", a->features, "Feature extractor")
+  command
+      ->add_option("--features", a->features,
+                   "Feature extractor; auto: hessian. \"Choosing an extractor\" in README.md compares them, and\n"
+                   "'./run bench extractors' does so on your floor")
       ->check(CLI::IsMember(ExtractorNames()))
       ->capture_default_str();
   command->add_option("--max-keypoints", a->options.extractor.max_keypoints, "Keypoints per picture")

@@ -102,14 +102,18 @@ fs::path FloorFiles::Picture(double wear) const {
   return folder / (name + "-" + std::to_string(std::lround(100.0 * wear)) + ".pgm");
 }
 
-void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const ProgressOutput& progress) {
-  if (fs::exists(files.Map())) {
-    return;
-  }
+void MakeFloor(const FloorFiles& files, const FloorCase& floor_case) {
   fs::create_directories(files.folder);
   const FloorTexture floor = MakeFloorTexture(floor_case.texture);
   WriteLooks(files, floor);
   WriteSurvey(files.Survey(), floor_case, floor);
+}
+
+void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const ProgressOutput& progress) {
+  if (fs::exists(files.Map())) {
+    return;
+  }
+  MakeFloor(files, floor_case);
   BuildOptions options;
   options.surveys = {files.Survey()};
   options.out = files.Map();

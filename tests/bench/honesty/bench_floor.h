@@ -24,8 +24,10 @@ struct FloorFiles {
   std::filesystem::path Picture(double wear) const;
 };
 
-/// Makes the floor, its worn variants, a survey of its left part and the map of that; nothing when the map is there.
-/// Throws what the builder throws.
+/// Makes the floor, its worn variants and a survey of its left part. Throws InputError when they can't be written.
+void MakeFloor(const FloorFiles& files, const FloorCase& floor_case);
+
+/// MakeFloor and the map of the survey; nothing when the map is there. Throws what the builder throws.
 void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const ProgressOutput& progress);
 
 /// Throws InputError when the file is not there.

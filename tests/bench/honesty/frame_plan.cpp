@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <opencv2/core.hpp>
 #include <stdexcept>
 
 #include "mapbuilder/simulated_noise.h"
@@ -75,17 +74,6 @@ FramePlace DrawPlace(cv::RNG& rng) {
   return share < kEdgeShare + kUnmappedShare + kOtherFloorShare ? FramePlace::kOtherFloor : FramePlace::kMap;
 }
 
-// A prior whose error is uniform over what it allows.
-PlannedSearch DrawPrior(const Pose2& truth, cv::RNG& rng) {
-  PosePrior prior;
-  const double distance = kPriorFill * prior.radius_m * std::sqrt(rng.uniform(0.0, 1.0));
-  const double direction = rng.uniform(-kPi, kPi);
-  const double turn = kPriorFill * prior.yaw_radius_rad * rng.uniform(-1.0, 1.0);
-  prior.map_from_base =
-      Pose2(truth.x() + distance * std::cos(direction), truth.y() + distance * std::sin(direction), truth.yaw() + turn);
-  return {SearchKind::kPrior, prior};
-}
-
 // One repetition to the right, left, top or bottom.
 PlannedSearch DrawRepeatedPrior(const Pose2& truth, double repeat_m, cv::RNG& rng) {
   const double direction = 0.5 * kPi * rng.uniform(0, 4);
@@ -143,12 +131,24 @@ SearchKind ParseSearchKind(const std::string& name) {
   return ParseByName(name, std::array{SearchKind::kGlobal, SearchKind::kPrior, SearchKind::kWrongPrior});
 }
 
+PosePrior DrawPrior(const Pose2& truth_from_base, cv::RNG& rng) {
+  PosePrior prior;
+  const double distance = kPriorFill * prior.radius_m * std::sqrt(rng.uniform(0.0, 1.0));
+  const double direction = rng.uniform(-kPi, kPi);
+  const double turn = kPriorFill * prior.yaw_radius_rad * rng.uniform(-1.0, 1.0);
+  prior.map_from_base = Pose2(truth_from_base.x() + distance * std::cos(direction),
+                              truth_from_base.y() + distance * std::sin(direction), truth_from_base.yaw() + turn);
+  return prior;
+}
+
 FramePlan FramePlanner::Plan(int frame) const {
   FramePlan plan;
   plan.seed = DeriveSeed(seed, static_cast<std::uint64_t>(frame));
   cv::RNG rng(plan.seed);
   plan.place = DrawPlace(rng);
-  if (plan.place == FramePlace::kUnmapped && floor.copies_itself) {
+  if (only_on_map) {
+    plan.place = FramePlace::kMap;
+  } else if (plan.place == FramePlace::kUnmapped && floor.copies_itself) {
     plan.place = FramePlace::kOtherFloor;
   }
   plan.condition = static_cast<std::size_t>(rng.uniform(0, static_cast<int>(conditions)));
@@ -166,7 +166,7 @@ FramePlan FramePlanner::Plan(int frame) const {
   }
   plan.searches.push_back({SearchKind::kGlobal, std::nullopt});
   if (plan.place == FramePlace::kMap || plan.place == FramePlace::kEdge) {
-    plan.searches.push_back(DrawPrior(plan.truth_from_base, rng));
+    plan.searches.push_back({SearchKind::kPrior, DrawPrior(plan.truth_from_base, rng)});
     if (floor.repeat_m > 0.0) {
       plan.searches.push_back(DrawRepeatedPrior(plan.truth_from_base, floor.repeat_m, rng));
     }

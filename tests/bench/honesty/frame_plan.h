@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,9 @@ struct PlannedSearch {
   std::optional<PosePrior> prior;  ///< its pose is truth_from_base
 };
 
+/// A prior whose error is uniform over what it allows. Its pose is truth_from_base.
+PosePrior DrawPrior(const Pose2& truth_from_base, cv::RNG& rng);
+
 /// One frame of the benchmark. Everything random about it comes from its seed.
 struct FramePlan {
   FramePlace place = FramePlace::kMap;
@@ -62,6 +66,7 @@ struct FramePlanner {
   std::size_t conditions = 1;  ///< how many there are
   std::vector<Eigen::Vector2d> other_sizes_m;
   std::uint64_t seed = 1;
+  bool only_on_map = false;  ///< all frames are FramePlace::kMap; the floor needs no unmapped part then
 
   /// The same frame number gives the same plan.
   FramePlan Plan(int frame) const;

@@ -59,6 +59,16 @@ TEST(FramePlanner, FloorsThatCopyThemselvesHaveNoUnmappedFrames) {
   }
 }
 
+TEST(FramePlanner, StaysOnTheMapWhenTold) {
+  FramePlanner planner = MakePlanner();
+  planner.only_on_map = true;
+  planner.floor.texture.width_m = planner.floor.mapped_width_m;  // no unmapped part
+  planner.other_sizes_m.clear();
+  for (int frame = 0; frame < 200; ++frame) {
+    EXPECT_EQ(planner.Plan(frame).place, FramePlace::kMap);
+  }
+}
+
 TEST(FramePlanner, PriorsHoldAndWrongPriorsExcludeTheTruth) {
   const FramePlanner planner = MakePlanner();
   int wrong_priors = 0;

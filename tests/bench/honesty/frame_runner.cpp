@@ -29,15 +29,22 @@ bool TruthIsListed(const LocalizationResult& result, const Pose2& truth) {
 
 }  // namespace
 
+cv::Mat RenderFrame(const GrayRenderer& renderer, const GrayFloor& floor, const ConditionCase& condition,
+                    const FramePlan& plan) {
+  // Only the floor's size is asked for: lamps hang over all of it.
+  const ConditionSampler sampler(condition.levels, {floor.gray, floor.resolution_m}, renderer.camera(), plan.seed);
+  return renderer.Render(floor, plan.truth_from_base, sampler.Sample(0, plan.time_s, plan.twist),
+                         condition.levels.jpeg_quality);
+}
+
 FrameRunner::FrameRunner(const BenchFloor& floor, FramePlanner planner, std::vector<const GrayFloor*> others,
                          std::vector<ConditionCase> conditions)
     : floor_(floor),
       planner_(std::move(planner)),
       others_(std::move(others)),
       conditions_(std::move(conditions)),
-      camera_(MakeDownwardCamera()),
-      renderer_(camera_),
-      rectifier_(camera_.AtResolution(floor.localizer->map().info.camera.floor.resolution_m)) {}
+      renderer_(MakeDownwardCamera()),
+      rectifier_(renderer_.camera().AtResolution(floor.localizer->map().info.camera.floor.resolution_m)) {}
 
 FrameRecord FrameRunner::Run(int frame) const {
   const FramePlan plan = planner_.Plan(frame);
@@ -55,13 +62,9 @@ FrameRecord FrameRunner::Run(int frame) const {
 }
 
 cv::Mat FrameRunner::Render(const FramePlan& plan) const {
-  const ConditionCase& condition = conditions_[plan.condition];
-  const GrayFloor& floor =
-      plan.place == FramePlace::kOtherFloor ? *others_[plan.other_floor] : floor_.looks[plan.condition];
-  // Only its size is asked for: lamps hang over all of it.
-  const ConditionSampler sampler(condition.levels, {floor.gray, floor.resolution_m}, camera_, plan.seed);
-  return renderer_.Render(floor, plan.truth_from_base, sampler.Sample(0, plan.time_s, plan.twist),
-                          condition.levels.jpeg_quality);
+  const bool elsewhere = plan.place == FramePlace::kOtherFloor;
+  const GrayFloor& floor = elsewhere ? *others_[plan.other_floor] : floor_.looks[plan.condition];
+  return RenderFrame(renderer_, floor, conditions_[plan.condition], plan);
 }
 
 FixRecord FrameRunner::Localize(const FramePlan& plan, const PlannedSearch& search, const cv::Mat& raw) const {

@@ -9,6 +9,10 @@
 
 namespace floorloc {
 
+/// The picture of a planned frame (CV_8UC1). floor: what the frame is on, as the condition has left it.
+cv::Mat RenderFrame(const GrayRenderer& renderer, const GrayFloor& floor, const ConditionCase& condition,
+                    const FramePlan& plan);
+
 /// Renders the planned frames of one floor and localizes them. Run may run in many threads and gives the same record
 /// (but for the times) for the same frame.
 class FrameRunner {
@@ -27,7 +31,6 @@ class FrameRunner {
   FramePlanner planner_;
   std::vector<const GrayFloor*> others_;
   std::vector<ConditionCase> conditions_;
-  FloorCamera camera_;
   GrayRenderer renderer_;
   Rectifier rectifier_;
 };

@@ -26,6 +26,8 @@ class GrayRenderer {
   cv::Mat Render(const GrayFloor& floor, const Pose2& map_from_base, const RenderConditions& conditions,
                  int jpeg_quality) const;
 
+  const FloorCamera& camera() const { return camera_; }
+
  private:
   cv::Mat RenderFloor(const GrayFloor& floor, const Pose2& map_from_base, const RenderConditions& conditions) const;
   cv::Mat RenderLight(const Pose2& map_from_base, const RenderConditions& conditions) const;

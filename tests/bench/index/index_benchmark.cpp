@@ -133,7 +133,7 @@ void Run(Arguments arguments) {
 int main(int argc, char** argv) {
   floorloc::Arguments arguments;
   CLI::App app("Times the global search on floors of growing size, beside brute force and FLANN.", "index_benchmark");
-  app.add_option("--map", arguments.map, "Map file (ORB)")->required();
+  app.add_option("--map", arguments.map, "Map file with binary descriptors")->required();
   app.add_option("--survey", arguments.survey, "Survey folder the map was built from")->required();
   app.add_option("--frames", arguments.frames, "Folder with frames and ground truth")->required();
   app.add_option("--areas", arguments.areas, "Floors to search, m2, increasing")->capture_default_str();

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "tests/bench/extractors/extractor_tally.h"
+#include "tests/bench/extractors/extractor_variant.h"
+#include "tests/bench/extractors/scene.h"
+
+namespace floorloc {
+
+/// Builds the scene's map with the extractor at map_file (replaced), localizes all frames in it with and without their
+/// prior on all cores, and adds what came out to the tally. Throws what the builder throws, and std::invalid_argument
+/// when the map has fewer than two frames with a known truth.
+void TryExtractor(const ExtractorVariant& variant, const Scene& scene, const std::filesystem::path& map_file,
+                  ExtractorTally* tally);
+
+}  // namespace floorloc
