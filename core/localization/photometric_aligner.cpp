@@ -20,7 +20,7 @@ constexpr int kSampleStridePx = 6;
 constexpr int kCellPx = 48;
 constexpr std::size_t kMinCellSamples = 16;
 constexpr int kMaxIterations = 6;
-constexpr double kConvergedPx = 0.03;
+constexpr double kConvergedPx = 0.25;
 
 // How far beyond the frame the cut-out of the mosaic reaches, for the fit to move.
 constexpr double kMarginPx = 8.0;

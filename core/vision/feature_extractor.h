@@ -21,9 +21,9 @@ std::vector<ExtractorType> AllExtractorTypes();
 /// Everything that decides which features a picture yields. A map stores all of it and the server uses it from there.
 struct ExtractorOptions {
   ExtractorType type = ExtractorType::kHessian;
-  int max_keypoints = 700;       ///< strongest kept per picture, spread evenly
-  int cell_px = 48;              ///< side of the cells that keypoints are spread over
-  int levels = 2;                ///< pyramid levels (octaves for SIFT, AKAZE and SURF): the floor's scale is known
+  int max_keypoints = 700;  ///< strongest kept per picture, spread evenly
+  int cell_px = 48;         ///< side of the cells that keypoints are spread over
+  int levels = 2;  ///< pyramid levels (octaves for AKAZE and SURF; SIFT has its own): the floor's scale is known
   double scale_factor = 1.4;     ///< between the levels of ORB's pyramid
   double threshold = 0.0;        ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
   int normalize_radius_px = 15;  ///< half side of the window of the local contrast normalisation; 0: none

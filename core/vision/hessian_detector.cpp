@@ -81,7 +81,10 @@ std::vector<cv::KeyPoint> DetectHessian(const cv::Mat& smooth, int border_px, fl
     const float* at = rows[kRadiusPx];
     const float* below = rows[kRadiusPx + 1];
     for (int u = border; u < smooth.cols - border; ++u) {
-      if (at[u] == maximum[static_cast<std::size_t>(u)] && at[u] > min_response) {
+      // Of equal neighbours the first one counts.
+      const bool leads = at[u] == maximum[static_cast<std::size_t>(u)] && at[u] > at[u - 1] && at[u] > above[u - 1] &&
+                         at[u] > above[u] && at[u] > above[u + 1];
+      if (leads && at[u] > min_response) {
         keypoints.emplace_back(static_cast<float>(u) + PeakOffset(at[u - 1], at[u], at[u + 1]),
                                static_cast<float>(v) + PeakOffset(above[u], at[u], below[u]), 0.0F, -1.0F, at[u]);
       }

@@ -117,5 +117,20 @@ TEST(HessianDetectorTest, PicturesSmallerThanTheBordersHaveNoKeypoints) {
   EXPECT_EQ(DetectHessian(Spot({21, 21}, {10.0, 10.0}, 60.0), kBorder, 0.5F).size(), 1U);
 }
 
+TEST(HessianDetectorTest, ASpotBetweenPixelsIsOneKeypoint) {
+  cv::Mat smooth(60, 60, CV_32FC1);
+  for (int v = 0; v < smooth.rows; ++v) {
+    for (int u = 0; u < smooth.cols; ++u) {
+      const float du = static_cast<float>(u) - 29.5F;
+      const float dv = static_cast<float>(v) - 29.5F;
+      smooth.at<float>(v, u) = 100.0F * std::exp(-(du * du + dv * dv) / 18.0F);
+    }
+  }
+  const std::vector<cv::KeyPoint> found = DetectHessian(smooth, 10, 1.0F);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].pt.x, 29.5F, 0.1F);
+  EXPECT_NEAR(found[0].pt.y, 29.5F, 0.1F);
+}
+
 }  // namespace
 }  // namespace floorloc
