@@ -24,6 +24,10 @@ namespace {
 
 constexpr double kGridCellPx = 70.0;
 
+// When too few matches are distinctive, this many neighbours of each keypoint vote, within so many bits.
+constexpr int kVotesPerKeypoint = 2;
+constexpr float kVoteDistance = 64.0F;
+
 // How often a prior does not hold, as far as the localizer is concerned.
 constexpr double kPriorFails = 1e-3;
 
@@ -155,9 +159,15 @@ struct Localizer::Impl {
 
   // First look: distinctive matches. With a guide a part of the keypoints is enough.
   FrameMatches FindMatches(const Features& features, const SearchScope& scope) const {
-    const std::vector<Match> nearest = scope.guide ? guided.FindNearest(features, *scope.guide)
-                                                   : FindNearest(*index, features.descriptors, scope.probes);
-    FrameMatches found{FilterByRatio(nearest, MaxRatio()), {}};
+    FrameMatches found;
+    if (scope.indistinct && extractor->descriptor_type() == DescriptorType::kBinary) {
+      found.matches =
+          FindAllNear(*index, features.descriptors, {.count = kVotesPerKeypoint, .max_distance = kVoteDistance});
+    } else {
+      found.matches = FilterByRatio(scope.guide ? guided.FindNearest(features, *scope.guide)
+                                                : FindNearest(*index, features.descriptors, scope.probes),
+                                    MaxRatio());
+    }
     found.oriented = ToOrientedMatches(found.matches, features.keypoints, map.keypoints.keypoints);
     return found;
   }

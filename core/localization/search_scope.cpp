@@ -35,8 +35,8 @@ bool SearchScope::Contains(const Pose2& map_from_base) const {
 }
 
 std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, bool floor_repeats) {
-  std::vector<SearchScope> scopes;
   if (prior) {
+    std::vector<SearchScope> scopes;
     SearchScope scope{prior, GuideOf(*prior, roi)};
     for (const int stride : kStrides) {
       scope.guide->stride = stride;
@@ -44,11 +44,14 @@ std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, con
     }
     return scopes;
   }
-  if (!floor_repeats) {
-    scopes.push_back({std::nullopt, std::nullopt, kFewProbes});
+  if (floor_repeats) {
+    return {SearchScope()};
   }
-  scopes.emplace_back();
-  return scopes;
+  SearchScope few;
+  few.probes = kFewProbes;
+  SearchScope indistinct;
+  indistinct.indistinct = true;
+  return {few, SearchScope(), indistinct};
 }
 
 }  // namespace floorloc

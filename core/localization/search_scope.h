@@ -15,6 +15,7 @@ struct SearchScope {
   std::optional<PosePrior> prior;
   std::optional<MatchGuide> guide;  ///< follows from the prior
   int probes = 0;                   ///< of the index, without a prior; 0: as many as its options say
+  bool indistinct = false;          ///< without a prior: all near neighbours vote, not the distinctive ones only
 
   bool Contains(const Pose2& map_from_base) const;
 };

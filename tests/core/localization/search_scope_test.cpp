@@ -40,15 +40,18 @@ TEST(SearchScopeTest, EffortGrows) {
   }
   EXPECT_EQ(with_prior.back().guide->stride, 1);
   const auto whole = SearchScopes(std::nullopt, kRoi, false);
-  ASSERT_EQ(whole.size(), 2U);
+  ASSERT_EQ(whole.size(), 3U);
   EXPECT_GT(whole[0].probes, 0);
   EXPECT_EQ(whole[1].probes, 0);  // as many as the index's options say
+  EXPECT_FALSE(whole[1].indistinct);
+  EXPECT_TRUE(whole[2].indistinct);
 }
 
 TEST(SearchScopeTest, AFloorThatRepeatsItselfIsSearchedWithAllEffortAtOnce) {
   const auto whole = SearchScopes(std::nullopt, kRoi, true);
   ASSERT_EQ(whole.size(), 1U);
   EXPECT_EQ(whole[0].probes, 0);
+  EXPECT_FALSE(whole[0].indistinct);
 }
 
 }  // namespace
