@@ -30,7 +30,12 @@ MountingMatrix PriorInformation(double level) {
 double Inflation(const MountingProblem& problem) {
   const Eigen::Matrix3d information = problem.information.topLeftCorner<3, 3>();
   const Eigen::Matrix3d scatter = problem.scatter.topLeftCorner<3, 3>();
-  const double ratio = information.ldlt().solve(scatter).trace() / (3.0 * problem.variance);
+  double ratio = information.ldlt().solve(scatter).trace() / (3.0 * problem.variance);
+  if (problem.cells > 0) {
+    // The unknowns were fitted to the same cells: few cells scatter less about their own fit.
+    ratio *= static_cast<double>(problem.cells) /
+             std::max(1, problem.cells - static_cast<int>(MountingVector::SizeAtCompileTime));
+  }
   return std::isfinite(ratio) ? std::max(1.0, ratio) : 1.0;
 }
 

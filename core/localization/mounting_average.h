@@ -16,6 +16,7 @@ struct MountingProblem {
   MountingVector gradient = MountingVector::Zero();     ///< J^T W r
   MountingMatrix scatter = MountingMatrix::Zero();      ///< sum of g g^T, g: gradient of one cell of the frame
   double variance = 1.0;                                ///< of a residual
+  int cells = 0;                                        ///< how many scatter is the sum of; 0: many
 };
 
 struct MountingEstimate {

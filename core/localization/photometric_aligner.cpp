@@ -212,6 +212,7 @@ class Fit {
       problem_.information += weight * gain_ * gain_ * ToMatrix(cell.information);
       problem_.gradient += pull;
       problem_.scatter += pull * pull.transpose();
+      ++problem_.cells;
       squares += weight * (static_cast<double>(cell.ff) - 2.0 * gain_ * static_cast<double>(cell.fm) +
                            gain_ * gain_ * static_cast<double>(cell.mm));
       count += weight * static_cast<double>(cell.n);

@@ -177,6 +177,15 @@ TEST_F(MountingAverageTest, DependentPixelsMakeItLessCertain) {
   EXPECT_GT(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), 1.5 * independent);
 }
 
+TEST_F(MountingAverageTest, FewCellsMakeItLessCertain) {
+  MountingProblem problem = Pose(RandomTruth(0.0));
+  const double sigma = Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0);
+  problem.cells = 1000;
+  EXPECT_NEAR(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), sigma, 0.01 * sigma);
+  problem.cells = 9;
+  EXPECT_GT(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), 1.5 * sigma);
+}
+
 TEST_F(MountingAverageTest, OneStepSolvesALinearProblem) {
   const MountingVector truth = RandomTruth(1e-3);
   rng_.seed(22);
