@@ -148,6 +148,17 @@ double LogChance(const VerifiedPose& pose, const PoseEvidence& evidence) {
   return std::max(pose.candidate.log_false_alarms, kStructureExponent * distinctive);
 }
 
+// On a floor that repeats itself: that the right pose was not among the candidates, and a look-alike is taken for it. A
+// pose becomes a candidate by a few distinctive matches; about a quarter of a pose's inliers are (simulated tiles, hard
+// to clean), so that their number is Poisson distributed.
+double ChanceOfMissingTheRightPose(std::size_t inliers) {
+  constexpr double kDistinctiveShare = 0.25;
+  constexpr double kLookAlikeTaken = 0.05;
+  const double expected = kDistinctiveShare * static_cast<double>(inliers);
+  const double at_most_two = std::exp(-expected) * (1.0 + expected + 0.5 * expected * expected);
+  return kLookAlikeTaken * at_most_two;
+}
+
 std::size_t FindBest(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -184,7 +195,9 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
     }
   }
   const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses[best], evidence)));
-  decision.p_wrong = std::clamp(p_chance + p_rival / (1.0 + p_rival), kLeastPWrong, 1.0);
+  const double p_missed =
+      evidence.floor_repeats ? ChanceOfMissingTheRightPose(poses[best].candidate.inliers.size()) : 0.0;
+  decision.p_wrong = std::clamp(p_chance + p_missed + p_rival / (1.0 + p_rival), kLeastPWrong, 1.0);
   const double sum = 1.0 + p_rival;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (rival[i] / sum > options.max_p_wrong) {
