@@ -149,10 +149,10 @@ double LogChance(const VerifiedPose& pose, const PoseEvidence& evidence) {
 }
 
 // On a floor that repeats itself: that the right pose was not among the candidates, and a look-alike is taken for it. A
-// pose becomes a candidate by a few distinctive matches; about a quarter of a pose's inliers are (simulated tiles, hard
+// pose becomes a candidate by a few distinctive matches; about a fifth of a pose's inliers are (simulated tiles, hard
 // to clean), so that their number is Poisson distributed.
 double ChanceOfMissingTheRightPose(std::size_t inliers) {
-  constexpr double kDistinctiveShare = 0.25;
+  constexpr double kDistinctiveShare = 0.2;
   constexpr double kLookAlikeTaken = 0.05;
   const double expected = kDistinctiveShare * static_cast<double>(inliers);
   const double at_most_two = std::exp(-expected) * (1.0 + expected + 0.5 * expected * expected);

@@ -148,7 +148,7 @@ FramePlan FramePlanner::Plan(int frame) const {
   plan.place = DrawPlace(rng);
   if (only_on_map) {
     plan.place = FramePlace::kMap;
-  } else if (plan.place == FramePlace::kUnmapped && floor.copies_itself) {
+  } else if ((plan.place == FramePlace::kUnmapped || plan.place == FramePlace::kEdge) && floor.copies_itself) {
     plan.place = FramePlace::kOtherFloor;
   }
   plan.condition = static_cast<std::size_t>(rng.uniform(0, static_cast<int>(conditions)));

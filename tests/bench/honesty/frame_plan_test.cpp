@@ -55,7 +55,8 @@ TEST(FramePlanner, FloorsThatCopyThemselvesHaveNoUnmappedFrames) {
   FramePlanner planner = MakePlanner();
   planner.floor.copies_itself = true;
   for (int frame = 0; frame < 500; ++frame) {
-    EXPECT_NE(planner.Plan(frame).place, FramePlace::kUnmapped);
+    const FramePlace place = planner.Plan(frame).place;
+    EXPECT_TRUE(place == FramePlace::kMap || place == FramePlace::kOtherFloor);
   }
 }
 
