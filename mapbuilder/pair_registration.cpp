@@ -12,7 +12,6 @@ namespace floorloc {
 namespace {
 
 constexpr double kGridCellPx = 40.0;
-constexpr double kKeypointAngleNoiseRad = 0.35;
 
 // Where nothing says how two frames lie to each other, repeating floors offer several ways that look right.
 constexpr double kMaxRivalShare = 0.7;

@@ -8,9 +8,6 @@
 namespace floorloc {
 namespace {
 
-// Spread of a keypoint's own angle between two views.
-constexpr double kKeypointAngleNoiseRad = 0.35;
-
 // With a prior, every eighth keypoint usually finds the pose (all of them verify it); more look when it does not.
 constexpr std::array<int, 3> kStrides{8, 3, 1};
 

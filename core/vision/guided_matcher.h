@@ -23,6 +23,9 @@ struct MatchGuide {
 /// Largest ratio of sizes between two views of one keypoint: the floor's scale is known.
 constexpr float kMaxSizeRatio = 1.5F;
 
+/// Spread of a keypoint's own angle between two views.
+constexpr double kKeypointAngleNoiseRad = 0.35;
+
 /// Matches a frame to keypoints near their predicted places only, through a spatial grid. Refers to the float
 /// descriptors, which must outlive it. Const and thread-safe.
 class GuidedMatcher {
