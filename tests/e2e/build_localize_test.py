@@ -12,30 +12,17 @@ import shutil
 import signal
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 from pathlib import Path
 
-BINARY = None  # from the command line
+from builder import BINARY, run, run_ok
 
 FRAME_KEYS = {
     "timestamp", "filename", "status", "x", "y", "yaw", "covariance", "inliers", "p_wrong", "timing_ms",
 }
 MORE_FRAME_KEYS = {"alternatives", "keypoints", "matches", "rms_m", "search"}
-
-
-def run(*arguments, **options):
-    command = [BINARY, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
-
-
-def run_ok(*arguments):
-    result = run(*arguments)
-    if result.returncode != 0:
-        raise AssertionError(f"{arguments} failed with {result.returncode}: {result.stderr}")
-    return result.stdout
 
 
 def digest(file):
@@ -398,5 +385,4 @@ class Killed(Recorded):
 
 
 if __name__ == "__main__":
-    BINARY = sys.argv.pop(1)
     unittest.main(verbosity=2)

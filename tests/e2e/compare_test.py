@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The feature laboratory through the real floorloc-mapbuilder: table, JSON, page, the thesis's tests, and bad input."""
 
+import functools
 import json
 import shutil
-import subprocess
-import sys
 import tempfile
 import unittest
 from html.parser import HTMLParser
 from pathlib import Path
 
-BINARY = None  # from the command line
+import builder
 
 NUMBERS = {
     "map_keypoints", "frame_keypoints", "repeatability_percent", "matches", "right_percent", "inliers",
@@ -20,17 +19,9 @@ NUMBERS = {
 }
 WORDS = {"detector", "descriptor", "matcher", "filter", "not_possible"}
 
-
-def run(*arguments):
-    command = [BINARY, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-
-
-def run_ok(*arguments):
-    result = run(*arguments)
-    if result.returncode != 0:
-        raise AssertionError(f"{arguments} failed with {result.returncode}: {result.stderr}")
-    return result.stdout
+# Dozens of combinations take their time.
+run = functools.partial(builder.run, timeout=300)
+run_ok = functools.partial(builder.run_ok, timeout=300)
 
 
 class Page(HTMLParser):
@@ -173,5 +164,4 @@ class Compare(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    BINARY = sys.argv.pop(1)
     unittest.main(verbosity=2)

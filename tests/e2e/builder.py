@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The real floorloc-mapbuilder, as people call it. Its path is the test's first argument."""
+
+import subprocess
+import sys
+
+BINARY = sys.argv.pop(1)
+
+
+def run(*arguments, timeout=120, **options):
+    command = [BINARY, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False, **options)
+
+
+def run_ok(*arguments, timeout=120):
+    result = run(*arguments, timeout=timeout)
+    if result.returncode != 0:
+        raise AssertionError(f"{arguments} failed with {result.returncode}: {result.stderr}")
+    return result.stdout
