@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/keypoint_tracks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "tests/mapbuilder/floor_points.h"
+
+namespace floorloc {
+namespace {
+
+using Poses = std::vector<std::optional<Pose2>>;
+
+// Point of the floor that a frame's keypoint is, by its descriptor.
+int PointOf(const FloorPoints& floor, const BuildFrame& frame, int keypoint) {
+  for (int i = 0; i < floor.descriptors.rows; ++i) {
+    if (cv::norm(floor.descriptors.row(i), frame.features.descriptors.row(keypoint), cv::NORM_INF) == 0.0) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+class KeypointTracksTest : public ::testing::TestWithParam<bool> {};
+
+TEST_P(KeypointTracksTest, EveryViewOfAPointIsInItsTrack) {
+  FloorPoints floor(300, GetParam(), 1);
+  const Poses poses = {Pose2(0.2, 0.5, 0.0), std::nullopt, Pose2(0.5, 0.3, 1.5), Pose2(0.7, 0.7, -2.8)};
+  std::vector<BuildFrame> frames;
+  for (const auto& pose : poses) {
+    frames.push_back(floor.See(pose.value_or(Pose2(0.3, 0.5, 0.0)), 1e-4));
+  }
+  const std::vector<KeypointTrack> tracks = FindTracks(frames, poses, TrackOptions());
+  std::map<int, int> track_of_point;
+  std::set<std::pair<int, int>> views;
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    for (const auto& [frame, keypoint] : tracks[t].views) {
+      EXPECT_TRUE(views.insert({frame, keypoint}).second);
+      const int point = PointOf(floor, frames[static_cast<std::size_t>(frame)], keypoint);
+      EXPECT_EQ(track_of_point.try_emplace(point, t).first->second, static_cast<int>(t));
+      EXPECT_LT((floor.points[static_cast<std::size_t>(point)].Position() - tracks[t].position_m).norm(), 5e-4);
+    }
+    EXPECT_TRUE(std::is_sorted(tracks[t].views.begin(), tracks[t].views.end()));
+  }
+  std::size_t keypoints = 0;
+  for (const std::size_t placed : {0, 2, 3}) {
+    keypoints += frames[placed].features.keypoints.size();
+  }
+  EXPECT_EQ(views.size(), keypoints);
+  EXPECT_EQ(track_of_point.size(), tracks.size());
+}
+
+TEST_P(KeypointTracksTest, LooksMustAgree) {
+  FloorPoints floor(1, GetParam(), 2);
+  FloorPoints other(1, GetParam(), 3);
+  other.points = floor.points;  // another look at the same place
+  const Pose2 pose(floor.points[0].x_m - 0.2, floor.points[0].y_m, 0.0);
+  EXPECT_EQ(FindTracks({floor.See(pose, 0.0), other.See(pose, 0.0)}, {pose, pose}, {}).size(), 2U);
+  EXPECT_EQ(FindTracks({floor.See(pose, 0.0), floor.See(pose, 0.0)}, {pose, pose}, {}).size(), 1U);
+}
+
+TEST_P(KeypointTracksTest, FewViewsAreLeftOutOnDemand) {
+  FloorPoints floor(200, GetParam(), 4);
+  const Poses poses = {Pose2(0.2, 0.5, 0.0), Pose2(0.4, 0.5, 0.0)};
+  const std::vector<BuildFrame> frames = {floor.See(*poses[0], 0.0), floor.See(*poses[1], 0.0)};
+  TrackOptions options;
+  options.min_views = 2;
+  const std::vector<KeypointTrack> tracks = FindTracks(frames, poses, options);
+  std::size_t seen_twice = 0;
+  for (std::size_t i = 0; i < floor.points.size(); ++i) {
+    seen_twice += floor.InView(i, *poses[0]) && floor.InView(i, *poses[1]) ? 1 : 0;
+  }
+  ASSERT_GT(seen_twice, 5U);
+  EXPECT_EQ(tracks.size(), seen_twice);
+  for (const KeypointTrack& track : tracks) {
+    EXPECT_EQ(track.views.size(), 2U);
+  }
+}
+
+TEST_P(KeypointTracksTest, OldMapPointsAreJoined) {
+  FloorPoints floor(200, GetParam(), 5);
+  const Pose2 pose(0.3, 0.5, 0.4);
+  const MapKeypoints old{floor.points, std::vector<std::uint16_t>(200, 3), floor.descriptors};
+  const BuildFrame frame = floor.See(pose, 1e-4);
+  const std::vector<KeypointTrack> tracks = FindTracks({frame}, {pose}, {}, old);
+  ASSERT_EQ(tracks.size(), old.size()) << "no new ones";
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    EXPECT_EQ(tracks[i].views.size(), floor.InView(i, pose) ? 1U : 0U);
+    EXPECT_LT((tracks[i].position_m - floor.points[i].Position()).norm(), 2e-4);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, KeypointTracksTest, ::testing::Bool(),
+                         [](const auto& name) { return name.param ? "binary" : "float"; });
+
+// A frame has two similar keypoints at one place, and two tracks are there: each gets its own, in whatever order the
+// frame lists them.
+TEST(KeypointTracksTest, TheMostAlikeViewJoins) {
+  FloorPoints floor(1, true, 6);
+  const Pose2 pose(floor.points[0].x_m - 0.2, floor.points[0].y_m, 0.0);
+  const BuildFrame one = floor.See(pose, 0.0);
+  BuildFrame twin = floor.See(pose, 0.0);
+  twin.features.descriptors = twin.features.descriptors.clone();
+  twin.features.descriptors.at<std::uint64_t>(0, 0) ^= 0xFFFFF;  // 20 bits
+  BuildFrame both = one;
+  both.features.keypoints.push_back(twin.features.keypoints[0]);
+  cv::vconcat(one.features.descriptors, twin.features.descriptors, both.features.descriptors);
+  BuildFrame swapped = both;
+  swapped.features.descriptors = cv::Mat();  // not the same memory
+  cv::vconcat(twin.features.descriptors, one.features.descriptors, swapped.features.descriptors);
+  const std::vector<KeypointTrack> tracks = FindTracks({both, swapped}, {pose, pose}, {});
+  ASSERT_EQ(tracks.size(), 2U);
+  EXPECT_EQ(tracks[0].views, (std::vector<std::pair<int, int>>{{0, 0}, {1, 1}}));
+  EXPECT_EQ(tracks[1].views, (std::vector<std::pair<int, int>>{{0, 1}, {1, 0}}));
+}
+
+}  // namespace
+}  // namespace floorloc
