@@ -11,8 +11,8 @@
 namespace floorloc {
 namespace {
 
-// Blocks of this many tiles are blended at once: few enough to bound memory, enough that few frames are read twice.
-constexpr int kBlockLevels = 3;
+// Blocks this many levels deep are blended at once: few enough to bound memory, enough that frames fill them.
+constexpr int kBlockLevels = 2;
 
 std::vector<std::uint8_t> EncodeJpeg(const cv::Mat& bgr, int quality) {
   std::vector<std::uint8_t> jpeg;
@@ -31,6 +31,7 @@ class Composer {
         options_(options),
         sink_(sink),
         block_zoom_(std::max(0, layout.max_zoom - kBlockLevels)),
+        blender_(input, layout.resolution_m, options.threads),
         progress_("mosaic", CountBlocks(), options.progress) {}
 
   void Run() {
@@ -63,7 +64,7 @@ class Composer {
   // Depth first: only one patch per level is in memory.
   MosaicPatch Compose(const TileId& tile) {
     if (!Overlaps(SquareOf(tile))) {
-      return EmptyPatch();
+      return MosaicPatch::Unseen(layout_.tile_px);
     }
     if (tile.z == block_zoom_) {
       return ComposeBlock(tile);
@@ -77,21 +78,14 @@ class Composer {
     return patch;
   }
 
-  MosaicPatch EmptyPatch() const {
-    return {cv::Mat::zeros(layout_.tile_px, layout_.tile_px, CV_8UC3),
-            cv::Mat::zeros(layout_.tile_px, layout_.tile_px, CV_8UC1)};
-  }
-
   // Blends the whole block at the finest level, then cuts and shrinks it into its tiles.
   MosaicPatch ComposeBlock(const TileId& block) {
     progress_.Advance();
-    const RectM square = SquareOf(block);
-    const std::vector<int> frames = FramesTouching(input_, square);
-    if (frames.empty()) {
-      return EmptyPatch();
-    }
     const int tiles_per_side = 1 << (layout_.max_zoom - block_zoom_);
-    const MosaicPatch whole = BlendPatch(input_, frames, square, tiles_per_side * layout_.tile_px, options_.threads);
+    const MosaicPatch whole = blender_.Blend(SquareOf(block), tiles_per_side * layout_.tile_px);
+    if (whole.empty()) {
+      return MosaicPatch::Unseen(layout_.tile_px);
+    }
     std::vector<MosaicPatch> level = CutTiles(whole, tiles_per_side);
     for (int z = layout_.max_zoom;; --z) {
       const int side = 1 << (z - block_zoom_);
@@ -116,16 +110,17 @@ class Composer {
     return tiles;
   }
 
-  static std::vector<MosaicPatch> ShrinkLevel(const std::vector<MosaicPatch>& level, int side) {
-    std::vector<MosaicPatch> coarser;
+  std::vector<MosaicPatch> ShrinkLevel(const std::vector<MosaicPatch>& level, int side) const {
     const auto at = [&](int x, int y) {
       return level[static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x)];
     };
-    for (int y = 0; y < side; y += 2) {
-      for (int x = 0; x < side; x += 2) {
-        coarser.push_back(ShrinkFour({at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)}));
-      }
-    }
+    const int half = side / 2;
+    std::vector<MosaicPatch> coarser(static_cast<std::size_t>(half * half));
+    ParallelFor(half * half, options_.threads, [&](int i) {
+      const int x = 2 * (i % half);
+      const int y = 2 * (i / half);
+      coarser[static_cast<std::size_t>(i)] = ShrinkFour({at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)});
+    });
     return coarser;
   }
 
@@ -147,6 +142,7 @@ class Composer {
   const MosaicOptions& options_;
   const std::function<void(const std::vector<MosaicTile>&)>& sink_;
   int block_zoom_;
+  BlockBlender blender_;
   ProgressBar progress_;
 };
 

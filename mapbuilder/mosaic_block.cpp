@@ -1,128 +1,186 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/mosaic_block.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/image.h"
 #include "mapbuilder/parallel.h"
-#include "mapbuilder/two_band_blender.h"
 
 namespace floorloc {
 namespace {
 
-// Pixels -> frame picture: where each pixel of the patch lies in the frame's rectified picture.
-cv::Mat FramePixelFromPatchPixel(const Pose2& base_from_map, const GroundGrid& grid, const RectM& square, int side_px) {
-  const double step = square.width_m() / side_px;
-  const auto frame_pixel = [&](double u, double v) {
-    const Eigen::Vector2d map_point(square.x_min + (u + 0.5) * step, square.y_max - (v + 0.5) * step);
-    return grid.PixelFromBase(base_from_map * map_point);
-  };
-  const Eigen::Vector2d origin = frame_pixel(0.0, 0.0);
-  const Eigen::Vector2d du = frame_pixel(1.0, 0.0) - origin;
-  const Eigen::Vector2d dv = frame_pixel(0.0, 1.0) - origin;
-  return (cv::Mat_<double>(2, 3) << du.x(), dv.x(), origin.x(), du.y(), dv.y(), origin.y());
+constexpr int kCellPx = MosaicGrid::kCellPx;
+constexpr std::size_t kKeptBytes = 192U << 20;
+constexpr std::size_t kBatchBytes = 64U << 20;
+constexpr int kStripeRows = 8;  // of cells
+
+// A frame's last pixels, where its share has faded to almost nothing and no other frame sees the floor.
+constexpr float kMinShare = 0.02F;
+
+// New pictures reach full strength this deep inside their view.
+constexpr float kBackgroundFadePx = 32.0F;
+
+std::vector<RectM> FloorsInBase(const MosaicInput& input) {
+  std::vector<RectM> floors;
+  for (const BuildFrame& frame : input.frames) {
+    floors.push_back(input.surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
+  }
+  return floors;
 }
 
-// The frame's picture in float, with camera and light divided out.
-cv::Mat ReadFramePicture(const MosaicInput& input, int frame) {
-  const BuildFrame& f = input.frames[static_cast<std::size_t>(frame)];
-  const LoadedSurvey& survey = input.surveys[static_cast<std::size_t>(f.survey)];
-  const CameraModel& camera = survey.survey.camera.camera;
-  const cv::Mat raw = ReadColorImage(survey.survey.ImagePath(f.info), camera.width_px, camera.height_px);
-  cv::Mat picture;
-  survey.rectifier->RectifyPicture(raw).convertTo(picture, CV_32F,
-                                                  input.exposure.frame_gain[static_cast<std::size_t>(frame)]);
-  cv::Mat gain;
-  cv::cvtColor(input.exposure.flat_field[static_cast<std::size_t>(f.survey)], gain, cv::COLOR_GRAY2BGR);
-  return picture.mul(gain);
+// How many pixels of the survey's own resolution become one of the mosaic.
+int ShrinkFor(const MosaicInput& input, double resolution_m) {
+  return std::max(1, static_cast<int>(resolution_m / input.surveys.front().survey.camera.floor.resolution_m + 1e-6));
+}
+
+std::size_t BatchFor(const MosaicInput& input, int shrink) {
+  std::size_t largest = 1;
+  for (const LoadedSurvey& survey : input.surveys) {
+    const CameraModel& camera = survey.survey.camera.camera;
+    largest = std::max(largest, static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px));
+  }
+  const std::size_t bytes = 4 * largest / static_cast<std::size_t>(shrink * shrink);
+  return std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), 1, 64);
+}
+
+// The candidates that were chosen anywhere.
+std::vector<int> ChosenCandidates(const NodeChoices& choices, std::size_t candidates) {
+  std::vector<bool> chosen(candidates, false);
+  for (const NodeChoice& choice : choices) {
+    for (const NodeChoice::Chosen& c : choice.chosen) {
+      if (c.candidate >= 0) {
+        chosen[static_cast<std::size_t>(c.candidate)] = true;
+      }
+    }
+  }
+  std::vector<int> list;
+  for (std::size_t c = 0; c < candidates; ++c) {
+    if (chosen[c]) {
+      list.push_back(static_cast<int>(c));
+    }
+  }
+  return list;
+}
+
+RectM Grown(const RectM& rect, double by_m) {
+  return {rect.x_min - by_m, rect.x_max + by_m, rect.y_min - by_m, rect.y_max + by_m};
+}
+
+// How much new pictures count against older ones, per pixel.
+cv::Mat ShareOfNew(const MosaicGrid& grid, const NodeChoices& choices) {
+  cv::Mat at_nodes(grid.nodes(), grid.nodes(), CV_32F);
+  std::transform(choices.begin(), choices.end(), at_nodes.begin<float>(),
+                 [](const NodeChoice& choice) { return std::min(choice.depth_px / kBackgroundFadePx, 1.0F); });
+  const cv::Mat node_from_pixel = (cv::Mat_<double>(2, 3) << 1.0 / kCellPx, 0.0, 0.0, 0.0, 1.0 / kCellPx, 0.0);
+  cv::Mat share;
+  cv::warpAffine(at_nodes, share, node_from_pixel, cv::Size(grid.side_px, grid.side_px),
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  return share;
 }
 
 }  // namespace
 
-bool MosaicPatch::empty() const { return cv::countNonZero(seen) == 0; }
+BlockBlender::BlockBlender(const MosaicInput& input, double resolution_m, int threads)
+    : input_(input),
+      threads_(threads),
+      shrink_(ShrinkFor(input, resolution_m)),
+      batch_(BatchFor(input, shrink_)),
+      index_(input.map_from_base, FloorsInBase(input)),
+      pictures_([this](int frame) { return Load(frame); }, kKeptBytes) {
+  for (std::size_t s = 0; s < input.surveys.size(); ++s) {
+    surveys_.emplace_back(input.surveys[s].rectifier, input.exposure.flat_field[s]);
+  }
+}
 
-std::vector<int> FramesTouching(const MosaicInput& input, const RectM& square) {
-  const Eigen::AlignedBox2d wanted(Eigen::Vector2d(square.x_min, square.y_min),
-                                   Eigen::Vector2d(square.x_max, square.y_max));
-  std::vector<int> touching;
-  for (std::size_t i = 0; i < input.frames.size(); ++i) {
-    if (!input.map_from_base[i]) {
+FloorPicture BlockBlender::Load(int frame) const {
+  const BuildFrame& f = input_.frames[static_cast<std::size_t>(frame)];
+  const Survey& survey = input_.surveys[static_cast<std::size_t>(f.survey)].survey;
+  const CameraModel& camera = survey.camera.camera;
+  return MakeFloorPicture(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), cv::Mat(),
+                          shrink_);
+}
+
+MosaicPatch BlockBlender::Blend(const RectM& square, int side_px) {
+  const MosaicGrid grid{square, side_px};
+  const std::vector<int> frames = index_.Touching(Grown(square, 2.0 * kCellPx * grid.step_m()));
+  const MosaicPatch older = input_.background ? input_.background(square, side_px) : MosaicPatch();
+  if (frames.empty()) {
+    return older.bgr.empty() ? MosaicPatch::Unseen(side_px) : older;
+  }
+  sums_.Reset(grid);
+  const NodeChoices choices = AddFrames(grid, frames);
+  const MosaicPatch newer = Finish(grid);
+  return older.bgr.empty() ? newer : LayOver(newer, older, ShareOfNew(grid, choices));
+}
+
+NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<int>& frames) {
+  std::vector<FrameView> views;
+  for (const int frame : frames) {
+    const auto i = static_cast<std::size_t>(frame);
+    views.emplace_back(surveys_[static_cast<std::size_t>(input_.frames[i].survey)], *input_.map_from_base[i]);
+  }
+  NodeChoices choices = ChooseFrames(grid, views);
+  const std::vector<int> chosen = ChosenCandidates(choices, views.size());
+  const int stripes = (grid.nodes() + kStripeRows - 1) / kStripeRows;
+  // A few frames at a time. Every stripe adds them in their order: float sums depend on it.
+  for (std::size_t first = 0; first < chosen.size(); first += batch_) {
+    std::vector<std::optional<FrameLayer>> layers(std::min(batch_, chosen.size() - first));
+    ParallelFor(static_cast<int>(layers.size()), threads_, [&](int i) {
+      const int candidate = chosen[first + static_cast<std::size_t>(i)];
+      const auto c = static_cast<std::size_t>(candidate);
+      const auto gain = static_cast<float>(input_.exposure.frame_gain[static_cast<std::size_t>(frames[c])]);
+      const FrameLayer::Source source{candidate, views[c], cv::Vec3f::all(gain), pictures_.Get(frames[c])};
+      layers[static_cast<std::size_t>(i)].emplace(source, choices, grid);
+    });
+    ParallelFor(stripes, threads_, [&](int stripe) {
+      for (const auto& layer : layers) {
+        layer->AddTo(&sums_, stripe * kStripeRows, (stripe + 1) * kStripeRows);
+      }
+    });
+  }
+  return choices;
+}
+
+MosaicPatch BlockBlender::Finish(const MosaicGrid& grid) const {
+  MosaicPatch patch = MosaicPatch::Unseen(grid.side_px);
+  ParallelFor(grid.cells(), threads_, [&](int cell_row) {
+    const int end = std::min((cell_row + 1) * kCellPx, grid.side_px);
+    for (int row = cell_row * kCellPx; row < end; ++row) {
+      FinishRow(grid, row, &patch);
+    }
+  });
+  return patch;
+}
+
+void BlockBlender::FinishRow(const MosaicGrid& grid, int row, MosaicPatch* patch) const {
+  const double y = grid.square.y_max - (row + 0.5) * grid.step_m();
+  if (y < input_.extent.y_min || y > input_.extent.y_max) {
+    return;
+  }
+  const float down = static_cast<float>(row % kCellPx) / kCellPx;
+  const auto* upper = sums_.light.ptr<cv::Vec4f>(row / kCellPx);
+  const auto* lower = sums_.light.ptr<cv::Vec4f>(row / kCellPx + 1);
+  const auto* color = sums_.color.ptr<cv::Vec4f>(row);
+  auto* bgr = patch->bgr.ptr<cv::Vec3b>(row);
+  auto* seen = patch->seen.ptr<std::uint8_t>(row);
+  for (int column = 0; column < grid.side_px; ++column) {
+    const double x = grid.square.x_min + (column + 0.5) * grid.step_m();
+    const float share = color[column][3];
+    if (share < kMinShare || x < input_.extent.x_min || x > input_.extent.x_max) {
       continue;
     }
-    const RectM& roi = input.surveys[static_cast<std::size_t>(input.frames[i].survey)].survey.camera.floor.roi;
-    Eigen::AlignedBox2d seen;
-    for (const Eigen::Vector2d& corner :
-         {Eigen::Vector2d(roi.x_min, roi.y_min), Eigen::Vector2d(roi.x_min, roi.y_max),
-          Eigen::Vector2d(roi.x_max, roi.y_min), Eigen::Vector2d(roi.x_max, roi.y_max)}) {
-      seen.extend(*input.map_from_base[i] * corner);
+    const int node = column / kCellPx;
+    const float right = static_cast<float>(column % kCellPx) / kCellPx;
+    const cv::Vec4f left_light = upper[node] + down * (lower[node] - upper[node]);
+    const cv::Vec4f right_light = upper[node + 1] + down * (lower[node + 1] - upper[node + 1]);
+    const cv::Vec4f light = left_light + right * (right_light - left_light);
+    for (int c = 0; c < 3; ++c) {
+      bgr[column][c] = cv::saturate_cast<std::uint8_t>(color[column][c] / share + light[c]);
     }
-    if (wanted.intersects(seen)) {
-      touching.push_back(static_cast<int>(i));
-    }
+    seen[column] = 255;
   }
-  return touching;
-}
-
-MosaicPatch BlendPatch(const MosaicInput& input, const std::vector<int>& frames, const RectM& square, int side_px,
-                       int threads) {
-  std::vector<FeatherWeights> feather;
-  for (const LoadedSurvey& survey : input.surveys) {
-    feather.push_back(MakeFeatherWeights(survey.rectifier->mask()));
-  }
-  // Pictures are read in parallel, a few at a time, and added in order: float sums depend on it.
-  constexpr std::size_t kBatch = 16;
-  TwoBandBlender blender(side_px);
-  for (std::size_t first = 0; first < frames.size(); first += kBatch) {
-    const std::size_t count = std::min(kBatch, frames.size() - first);
-    std::vector<BandedPicture> pictures(count);
-    const auto survey_of = [&](std::size_t i) {
-      return static_cast<std::size_t>(input.frames[static_cast<std::size_t>(frames[first + i])].survey);
-    };
-    ParallelFor(static_cast<int>(count), threads, [&](int index) {
-      const auto i = static_cast<std::size_t>(index);
-      const std::size_t survey = survey_of(i);
-      pictures[i] = SplitBands(ReadFramePicture(input, frames[first + i]), input.surveys[survey].rectifier->mask(),
-                               feather[survey]);
-    });
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto frame = static_cast<std::size_t>(frames[first + i]);
-      const std::size_t survey = survey_of(i);
-      blender.Add(pictures[i], feather[survey],
-                  FramePixelFromPatchPixel(input.map_from_base[frame]->Inverse(),
-                                           input.surveys[survey].rectifier->grid(), square, side_px));
-    }
-  }
-  MosaicPatch patch;
-  blender.Finish(&patch.bgr, &patch.seen);
-  return patch;
-}
-
-MosaicPatch ShrinkFour(const std::vector<MosaicPatch>& four) {
-  const int side = four.front().bgr.cols;
-  cv::Mat color = cv::Mat::zeros(2 * side, 2 * side, CV_32FC3);
-  cv::Mat weight = cv::Mat::zeros(2 * side, 2 * side, CV_32F);
-  for (std::size_t i = 0; i < four.size(); ++i) {
-    const bool right = i % 2 == 1;
-    const bool upper = i >= 2;  // y runs up, rows run down
-    const cv::Rect place(right ? side : 0, upper ? 0 : side, side, side);
-    four[i].bgr.convertTo(color(place), CV_32F);  // unseen pixels are zero
-    four[i].seen.convertTo(weight(place), CV_32F, 1.0 / 255.0);
-  }
-  MosaicPatch patch;
-  cv::Mat small_color;
-  cv::Mat small_weight;
-  cv::resize(color, small_color, cv::Size(side, side), 0, 0, cv::INTER_AREA);
-  cv::resize(weight, small_weight, cv::Size(side, side), 0, 0, cv::INTER_AREA);
-  patch.seen = small_weight > 0.01F;
-  cv::Mat weight3;
-  cv::cvtColor(cv::max(small_weight, 0.01), weight3, cv::COLOR_GRAY2BGR);
-  cv::Mat mean = small_color / weight3;
-  mean.convertTo(patch.bgr, CV_8UC3);
-  return patch;
 }
 
 }  // namespace floorloc

@@ -1,30 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "core/map/floor_map.h"
+#include "mapbuilder/floor_picture.h"
+#include "mapbuilder/frame_choice.h"
+#include "mapbuilder/frame_index.h"
+#include "mapbuilder/frame_layer.h"
 #include "mapbuilder/mosaic.h"
 
 namespace floorloc {
 
-/// A rectangle of the mosaic's finest level: picture and, per pixel, whether a frame saw it.
-struct MosaicPatch {
-  cv::Mat bgr;   ///< CV_8UC3
-  cv::Mat seen;  ///< CV_8UC1, 255 or 0
+/// Blends frames into square blocks of the mosaic. Keeps the pictures it read last for the blocks that follow.
+class BlockBlender {
+ public:
+  /// The input must outlive it. resolution_m: of the mosaic.
+  BlockBlender(const MosaicInput& input, double resolution_m, int threads);
 
-  bool empty() const;
+  /// side_px pixels a side. Throws InputError for a picture that can't be read.
+  MosaicPatch Blend(const RectM& square, int side_px);
+
+ private:
+  FloorPicture Load(int frame) const;
+  NodeChoices AddFrames(const MosaicGrid& grid, const std::vector<int>& frames);
+  MosaicPatch Finish(const MosaicGrid& grid) const;
+  void FinishRow(const MosaicGrid& grid, int row, MosaicPatch* patch) const;
+
+  const MosaicInput& input_;
+  int threads_;
+  int shrink_;
+  std::size_t batch_;  // pictures in memory at once, beside those kept
+  FrameIndex index_;
+  std::vector<SurveyView> surveys_;
+  PictureCache pictures_;
+  PatchSums sums_;  // of the present block
 };
-
-/// Frames whose floor touches the square [x, x + side) x [y, y + side), metres in the map frame.
-std::vector<int> FramesTouching(const MosaicInput& input, const RectM& square);
-
-/// Blends the frames into a square patch of side_px pixels whose lower left corner is at (x_min, y_min).
-MosaicPatch BlendPatch(const MosaicInput& input, const std::vector<int>& frames, const RectM& square, int side_px,
-                       int threads);
-
-/// Four patches (lower left, lower right, upper left, upper right) at half resolution as one.
-MosaicPatch ShrinkFour(const std::vector<MosaicPatch>& four);
 
 }  // namespace floorloc

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -18,36 +19,55 @@ namespace {
 // The synthetic floor's mosaic from frames at their true poses under perfect conditions.
 class MosaicTest : public ::testing::Test {
  protected:
+  using Tiles = std::map<TileId, cv::Mat>;
   struct Shared {
     FloorTexture texture;
     RectM extent;
     MosaicLayout layout;
-    std::map<TileId, cv::Mat> tiles;
+    Tiles tiles;
+    std::vector<Pose2> upper_poses;  // of the frames in the floor's upper half
+    RectM floor_in_base;
+    Tiles over_background;  // of those, over a background that is known west of kKnownWest only
   };
+  struct Recipe {
+    int threads = 0;
+    RectM extent;
+    MosaicBackground background;
+  };
+  static constexpr double kKnownWest = 0.8;
+  static constexpr int kBackgroundGray = 40;
 
-  static std::map<TileId, cv::Mat> Compose(const Survey& survey, int threads, Shared* shared) {
-    std::vector<LoadedSurvey> surveys = {{survey, std::make_shared<Rectifier>(survey.camera)}};
-    std::vector<BuildFrame> frames;
+  static MosaicOptions OptionsFor(const Survey& survey) {
+    MosaicOptions options;
+    options.resolution_m = survey.camera.floor.resolution_m;
+    options.jpeg_quality = 95;
+    return options;
+  }
+
+  static std::vector<std::optional<Pose2>> TruePoses(const Survey& survey) {
     std::vector<std::optional<Pose2>> poses;
+    for (const SurveyFrame& info : survey.frames) {
+      poses.push_back(InterpolatePose(survey.ground_truth, info.stamp_ns));
+    }
+    return poses;
+  }
+
+  static Tiles Compose(const Survey& survey, const Recipe& recipe) {
+    const std::vector<LoadedSurvey> surveys = {{survey, std::make_shared<Rectifier>(survey.camera)}};
+    std::vector<BuildFrame> frames;
     Exposure exposure;
     for (const SurveyFrame& info : survey.frames) {
       frames.emplace_back();
       frames.back().info = info;
-      poses.push_back(InterpolatePose(survey.ground_truth, info.stamp_ns));
       exposure.frame_gain.push_back(1.0);
     }
     const cv::Mat& mask = surveys[0].rectifier->mask();
     exposure.flat_field.push_back(cv::Mat(mask.size(), CV_32F, cv::Scalar(1.0)));
-    const std::vector<RectM> floors(frames.size(), survey.camera.floor.roi);
-    shared->extent = CoverageGrid(poses, floors).Extent();
-    MosaicOptions options;
-    options.resolution_m = survey.camera.floor.resolution_m;
-    options.jpeg_quality = 95;
-    options.threads = threads;
-    shared->layout = MakeMosaicLayout(shared->extent, options);
-    std::map<TileId, cv::Mat> tiles;
-    ComposeMosaic({frames, surveys, poses, exposure, shared->extent}, shared->layout, options,
-                  [&](const std::vector<MosaicTile>& finished) {
+    MosaicOptions options = OptionsFor(survey);
+    options.threads = recipe.threads;
+    Tiles tiles;
+    ComposeMosaic({frames, surveys, TruePoses(survey), exposure, recipe.extent, recipe.background},
+                  MakeMosaicLayout(recipe.extent, options), options, [&](const std::vector<MosaicTile>& finished) {
                     for (const MosaicTile& tile : finished) {
                       EXPECT_FALSE(tiles.contains(tile.id)) << "a tile twice";
                       tiles[tile.id] = cv::imdecode(tile.jpeg, cv::IMREAD_COLOR);
@@ -56,23 +76,46 @@ class MosaicTest : public ::testing::Test {
     return tiles;
   }
 
-  static const Shared& TheMosaic() {
-    static const Shared shared = [] {
-      const TemporaryFolder folder;
-      SimulateOptions options = SyntheticFloor(1).SurveyOptions(folder.path() / "survey");
-      options.conditions = ConditionLevels::FromName("clean");
-      Simulate(options);
-      Shared s;
-      s.texture = MakeFloorTexture(options.floor);
-      const Survey survey = ReadSurvey(folder.path() / "survey");
-      s.tiles = Compose(survey, 1, &s);
-      const std::map<TileId, cv::Mat> again = Compose(survey, 4, &s);
-      EXPECT_EQ(again.size(), s.tiles.size());
-      for (const auto& [id, picture] : again) {
-        EXPECT_EQ(cv::norm(picture, s.tiles.at(id), cv::NORM_INF), 0.0) << "depends on the number of threads";
+  static MosaicPatch Background(const RectM& square, int side_px) {
+    MosaicPatch patch = MosaicPatch::Unseen(side_px);
+    const double columns = std::clamp((kKnownWest - square.x_min) / square.width_m(), 0.0, 1.0) * side_px;
+    const cv::Rect west(0, 0, static_cast<int>(columns), side_px);
+    patch.bgr(west).setTo(cv::Scalar::all(kBackgroundGray));
+    patch.seen(west).setTo(255);
+    return patch;
+  }
+
+  static Shared MakeShared() {
+    const TemporaryFolder folder;
+    SimulateOptions options = SyntheticFloor(1).SurveyOptions(folder.path() / "survey");
+    options.conditions = ConditionLevels::FromName("clean");
+    Simulate(options);
+    Shared s;
+    s.texture = MakeFloorTexture(options.floor);
+    Survey survey = ReadSurvey(folder.path() / "survey");
+    s.floor_in_base = survey.camera.floor.roi;
+    s.extent = CoverageGrid(TruePoses(survey), std::vector<RectM>(survey.frames.size(), s.floor_in_base)).Extent();
+    s.layout = MakeMosaicLayout(s.extent, OptionsFor(survey));
+    s.tiles = Compose(survey, {1, s.extent, nullptr});
+    const Tiles again = Compose(survey, {4, s.extent, nullptr});
+    EXPECT_EQ(again.size(), s.tiles.size());
+    for (const auto& [id, picture] : again) {
+      EXPECT_EQ(cv::norm(picture, s.tiles.at(id), cv::NORM_INF), 0.0) << "depends on the number of threads";
+    }
+    std::erase_if(survey.frames, [&](const SurveyFrame& frame) {
+      const Pose2 pose = *InterpolatePose(survey.ground_truth, frame.stamp_ns);
+      const bool upper = (pose * s.floor_in_base.Center()).y() > 0.5;
+      if (upper) {
+        s.upper_poses.push_back(pose);
       }
-      return s;
-    }();
+      return !upper;
+    });
+    s.over_background = Compose(survey, {0, s.extent, Background});
+    return s;
+  }
+
+  static const Shared& TheMosaic() {
+    static const Shared shared = MakeShared();
     return shared;
   }
 
@@ -148,6 +191,57 @@ TEST_F(MosaicTest, TilesCoverTheSurveyAndNoMore) {
         }
       }
     }
+  }
+}
+
+// How deep a point lies in the view of any frame of the upper half, metres; negative outside.
+double DepthInViews(const std::vector<Pose2>& poses, const RectM& view, const Eigen::Vector2d& point) {
+  double depth = -1.0;
+  for (const Pose2& pose : poses) {
+    const Eigen::Vector2d p = pose.Inverse() * point;
+    depth = std::max(depth, std::min({p.x() - view.x_min, view.x_max - p.x(), p.y() - view.y_min, view.y_max - p.y()}));
+  }
+  return depth;
+}
+
+TEST_F(MosaicTest, NewPicturesLieOverAnOlderOneWithASoftEdge) {
+  const Shared& s = TheMosaic();
+  std::array<int, 4> checked{};
+  const double step_m = s.layout.resolution_m;
+  for (const auto& [id, picture] : s.over_background) {
+    if (id.z != s.layout.max_zoom) {
+      continue;
+    }
+    const cv::Mat gray = GrayFloat(picture);
+    const cv::Mat floor = GrayFloat(TextureOf(s, id));
+    const double side_m = s.layout.TileSide(id.z);
+    for (int v = 3; v < gray.rows; v += 12) {
+      for (int u = 3; u < gray.cols; u += 12) {
+        const Eigen::Vector2d p(id.x * side_m + (u + 0.5) * step_m, (id.y + 1) * side_m - (v + 0.5) * step_m);
+        const double depth_m = DepthInViews(s.upper_poses, s.floor_in_base, p);
+        const bool known = p.x() < kKnownWest - 0.01;
+        const cv::Rect around = cv::Rect(u - 3, v - 3, 7, 7) & cv::Rect(0, 0, gray.cols, gray.rows);
+        const double shown = cv::mean(gray(around))[0];
+        const double real = cv::mean(floor(around))[0];
+        if (depth_m > 0.04) {
+          EXPECT_NEAR(shown, real, 12.0) << p.transpose();
+          ++checked[0];
+        } else if (depth_m < -0.01 && known) {
+          EXPECT_NEAR(shown, kBackgroundGray, 8.0) << p.transpose();
+          ++checked[1];
+        } else if (depth_m > 0.009 && depth_m < 0.013 && known) {
+          EXPECT_GT(shown, kBackgroundGray + 20.0) << "no fade at " << p.transpose();
+          EXPECT_LT(shown, real - 20.0) << "no fade at " << p.transpose();
+          ++checked[2];
+        } else if (depth_m > 0.009 && p.x() > kKnownWest + 0.01) {
+          EXPECT_NEAR(shown, real, 12.0) << p.transpose();
+          ++checked[3];
+        }
+      }
+    }
+  }
+  for (const int count : checked) {
+    EXPECT_GT(count, 20);
   }
 }
 

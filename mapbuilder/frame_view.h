@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/pose2.h"
+#include "core/vision/rectifier.h"
+#include "mapbuilder/mosaic_grid.h"
+
+namespace floorloc {
+
+/// What all frames of a survey have in common.
+struct SurveyView {
+  std::shared_ptr<const Rectifier> rectifier;
+  cv::Mat depth;      ///< CV_32F, of the rectified picture: pixels to the border of what is seen; 0 outside
+  cv::Mat flat_gain;  ///< CV_32F, of the rectified picture
+
+  SurveyView(std::shared_ptr<const Rectifier> rectifier, cv::Mat flat_gain);
+};
+
+/// A placed frame, seen from the mosaic.
+class FrameView {
+ public:
+  FrameView(const SurveyView& survey, const Pose2& map_from_base);
+
+  /// The nodes that the frame can touch, one more at each side; may be empty.
+  cv::Rect Footprint(const MosaicGrid& grid) const;
+  /// Cells that come nearer to the view's border than this reach across it, pixels of the rectified picture.
+  float BorderPx(const MosaicGrid& grid) const;
+  /// How far inside the frame's view a map point lies, pixels of the rectified picture; 0 outside.
+  float Depth(const Eigen::Vector2d& point_in_map) const;
+  /// What evens out the light there; 1 outside.
+  float FlatGain(const Eigen::Vector2d& point_in_map) const;
+  /// Outside the picture where the camera does not see the point.
+  cv::Vec2f RawPixel(const Eigen::Vector2d& point_in_map) const;
+
+ private:
+  float Look(const cv::Mat& picture, const Eigen::Vector2d& point_in_map, float outside) const;
+
+  const SurveyView* survey_;
+  Pose2 map_from_base_;
+  Pose2 base_from_map_;
+};
+
+}  // namespace floorloc
