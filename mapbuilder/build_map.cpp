@@ -78,10 +78,10 @@ MapInfo MakeInfo(const BuildOptions& options, const std::vector<LoadedSurvey>& s
   info.extent = coverage.Extent();
   info.area_m2 = coverage.AreaM2();
   info.extractor = options.extractor;
-  info.camera = surveys.front().survey.camera;
   nlohmann::ordered_json provenance = nlohmann::json::array();
   for (const LoadedSurvey& loaded : surveys) {
     const Survey& survey = loaded.survey;
+    info.cameras.push_back(survey.camera);
     provenance.push_back({{"folder", std::filesystem::absolute(survey.folder).lexically_normal().filename().string()},
                           {"camera", survey.camera.camera.name},
                           {"frames", survey.frames.size()},
@@ -117,11 +117,30 @@ void FillReport(const Placement& placement, const std::vector<BuildFrame>& frame
   report->extent = coverage.Extent();
 }
 
-std::vector<MapFrame> PlacedFrames(const std::vector<BuildFrame>& frames, const Placement& placement) {
-  std::vector<MapFrame> placed;
+// What the map file keeps of the placed frames: those that were dropped get no number.
+struct PlacedFrames {
+  std::vector<MapFrame> frames;
+  std::vector<MapLink> links;
+};
+
+PlacedFrames CollectPlaced(const std::vector<BuildFrame>& frames, const Placement& placement,
+                           const Exposure& exposure) {
+  PlacedFrames placed;
+  std::vector<int> number(frames.size(), -1);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (placement.map_from_base[i]) {
-      placed.push_back({frames[i].info.stamp_ns, frames[i].info.filename, *placement.map_from_base[i]});
+      number[i] = static_cast<int>(placed.frames.size());
+      placed.frames.push_back({frames[i].info.stamp_ns, frames[i].info.filename, *placement.map_from_base[i],
+                               frames[i].survey, exposure.frame_gain[i], frames[i].odom_from_base});
+    }
+  }
+  for (const Link& link : placement.links) {
+    const auto first = static_cast<std::size_t>(link.first);
+    const auto second = static_cast<std::size_t>(link.second);
+    if (number[first] >= 0 && number[second] >= 0) {
+      placed.links.push_back({number[first], number[second], link.first_from_second, link.covariance, link.inliers,
+                              link.rms_m,
+                              LinkResidual(link, *placement.map_from_base[first], *placement.map_from_base[second])});
     }
   }
   return placed;
@@ -164,7 +183,6 @@ BuildReport BuildMap(const BuildOptions& requested) {
   const CoverageGrid coverage(placement.map_from_base, floors);
   report.kept_all = options.placement.keep_all;
   FillReport(placement, frames, coverage, &report);
-  writer.WriteFrames(PlacedFrames(frames, placement));
   clock.Finish("poses");
 
   const MapKeypoints keypoints = FuseKeypoints(frames, placement.map_from_base, floors, options.fusion);
@@ -175,6 +193,9 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("keypoints");
 
   const Exposure exposure = EstimateExposure(frames, surveys, placement.links);
+  const PlacedFrames placed = CollectPlaced(frames, placement, exposure);
+  writer.WriteFrames(placed.frames);
+  writer.WriteLinks(placed.links);
   const MosaicInput input{frames, surveys, placement.map_from_base, exposure, coverage.Extent()};
   const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), options.mosaic);
   ComposeMosaic(input, layout, options.mosaic,

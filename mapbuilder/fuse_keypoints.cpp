@@ -133,6 +133,14 @@ cv::Mat FusedDescriptor(const std::vector<BuildFrame>& frames, const Track& trac
   return mean / static_cast<double>(rows.size());
 }
 
+int NewestSurvey(const std::vector<BuildFrame>& frames, const Track& track) {
+  int newest = 0;
+  for (const auto& [frame, keypoint] : track.views) {
+    newest = std::max(newest, frames[static_cast<std::size_t>(frame)].survey);
+  }
+  return newest;
+}
+
 // The best tracks of every cell of the budget grid: most observations first, then the strongest.
 std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vector<int> candidates,
                                     const FusionOptions& options) {
@@ -194,6 +202,9 @@ MapKeypoints FuseKeypoints(const std::vector<BuildFrame>& frames,
     map.keypoints.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(track.Angle()),
                              static_cast<float>(track.size_sum / track.count()),
                              static_cast<float>(track.response_sum / track.count())});
+    // How alike the map's keypoints are is not measured here.
+    map.distinctiveness.push_back(255);
+    map.last_survey.push_back(static_cast<std::uint16_t>(NewestSurvey(frames, track)));
     map.observations.push_back(static_cast<std::uint16_t>(std::min<std::size_t>(track.views.size(), 65535)));
     map.descriptors.push_back(FusedDescriptor(frames, track));
   }

@@ -196,13 +196,15 @@ void Placer::AlignTo(const std::vector<OrientedMatch>& pairs) {
 }
 
 void Placer::AddOuterKnowledge() {
+  const double variance_m2 = options_.prior_sigma_m * options_.prior_sigma_m;
+  const Eigen::Vector3d prior_variance(variance_m2, variance_m2, options_.prior_sigma_rad * options_.prior_sigma_rad);
   std::vector<OrientedMatch> pairs;
   std::map<std::pair<int, std::string>, int> by_name;
   for (int i = 0; i < count_; ++i) {
     const BuildFrame& frame = frames_[static_cast<std::size_t>(i)];
     by_name[{frame.survey, frame.info.filename}] = i;
     if (frame.prior_map_from_base) {
-      graph_.priors.push_back({i, *frame.prior_map_from_base, options_.prior_sigma_m, options_.prior_sigma_rad});
+      graph_.priors.push_back({i, *frame.prior_map_from_base, prior_variance.asDiagonal()});
       pairs.push_back({PoseOf(i).translation(), frame.prior_map_from_base->translation(), 0.0, 0.0});
     }
   }

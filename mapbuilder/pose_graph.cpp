@@ -45,13 +45,15 @@ struct BetweenError {
 };
 
 struct PriorError {
-  PosePriorFactor prior;
+  Pose2 measured;
+  Eigen::Matrix3d sqrt_information;
 
   template <typename T>
   bool operator()(const T* pose, T* residual) const {
-    residual[0] = (pose[0] - T(prior.map_from_base.x())) / T(prior.sigma_m);
-    residual[1] = (pose[1] - T(prior.map_from_base.y())) / T(prior.sigma_m);
-    residual[2] = Wrap(pose[2] - T(prior.map_from_base.yaw())) / T(prior.sigma_rad);
+    const Eigen::Matrix<T, 3, 1> error(pose[0] - T(measured.x()), pose[1] - T(measured.y()),
+                                       Wrap(pose[2] - T(measured.yaw())));
+    Eigen::Map<Eigen::Matrix<T, 3, 1>> out(residual);
+    out = sqrt_information.cast<T>() * error;
     return true;
   }
 };
@@ -87,7 +89,8 @@ void AddFactors(const PoseGraph& graph, Parameters* p, ceres::Problem* problem) 
     between(link);
   }
   for (const PosePriorFactor& prior : graph.priors) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<PriorError, 3, 3>(new PriorError{prior}),
+    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<PriorError, 3, 3>(
+                                  new PriorError{prior.map_from_base, SqrtInformation(prior.covariance)}),
                               new ceres::CauchyLoss(kCauchyScale), block(prior.frame));
   }
   for (const ControlPointFactor& factor : graph.control_points) {

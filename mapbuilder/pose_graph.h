@@ -8,12 +8,11 @@
 
 namespace floorloc {
 
-/// A pose known from outside, with isotropic noise.
+/// A pose known from outside.
 struct PosePriorFactor {
   int frame = 0;
   Pose2 map_from_base;
-  double sigma_m = 0.05;
-  double sigma_rad = 0.05;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive
 };
 
 /// A floor point of a frame whose map position was surveyed.

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: Apache-2.0
--- A floor map, format version 1. Units: metres, radians. Frame: map (x right, y up, z = 0 on the floor).
+-- A floor map, format version 2. Units: metres, radians. Frame: map (x right, y up, z = 0 on the floor).
 -- Every BLOB is little-endian and packed; schema/README.md has the layouts. A checksum is the first eight bytes of the
 -- SHA-256 of the row's blobs, in column order, as a big-endian signed integer.
 PRAGMA application_id = 0x464C4F43;  -- "FLOC"
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
 
 CREATE TABLE map (
   one             INTEGER PRIMARY KEY CHECK (one = 1),
@@ -21,8 +21,15 @@ CREATE TABLE map (
   descriptor_length INTEGER NOT NULL,  -- bytes, or numbers of 4 bytes
   mosaic_tile_px  INTEGER NOT NULL,
   mosaic_max_zoom INTEGER NOT NULL,
-  surveys_json    TEXT NOT NULL,  -- provenance
+  surveys_json    TEXT NOT NULL,  -- provenance, one object per survey
   report_json     TEXT NOT NULL   -- what the builder measured
+);
+
+-- Map versions that this one was made from; none for a map of surveys alone.
+CREATE TABLE parent (
+  relation        TEXT NOT NULL CHECK (relation IN ('extends', 'merges')),
+  id              TEXT NOT NULL,
+  content_version TEXT NOT NULL
 );
 
 -- Every option of the feature extractor; a reader must use exactly these.
@@ -31,9 +38,9 @@ CREATE TABLE extractor_parameter (
   value NOT NULL
 ) WITHOUT ROWID;
 
--- Camera and floor plane of the survey.
+-- Camera and floor plane of each survey, numbered from 0.
 CREATE TABLE camera (
-  one              INTEGER PRIMARY KEY CHECK (one = 1),
+  survey           INTEGER PRIMARY KEY,
   name             TEXT NOT NULL,
   width_px         INTEGER NOT NULL,
   height_px        INTEGER NOT NULL,
@@ -47,11 +54,25 @@ CREATE TABLE camera (
 
 -- Survey frames as they were placed.
 CREATE TABLE frame (
-  id         INTEGER PRIMARY KEY,
+  id         INTEGER PRIMARY KEY,  -- from 0
+  survey     INTEGER NOT NULL,
   stamp_ns   INTEGER NOT NULL,
   filename   TEXT NOT NULL,
-  x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL  -- map_from_base
+  x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- map_from_base
+  gain       REAL NOT NULL,        -- what evens out its exposure
+  odom_x REAL, odom_y REAL, odom_yaw REAL               -- odom_from_base of its survey; NULL without odometry
 );
+
+-- Motions between frames that their pictures measured; the poses agree with them.
+CREATE TABLE link (
+  first INTEGER NOT NULL, second INTEGER NOT NULL,      -- frame.id
+  x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- first_from_second
+  covariance     BLOB NOT NULL,     -- float64[6]: upper triangle, row-major, of (x, y, yaw)
+  inliers        INTEGER NOT NULL,
+  rms_m          REAL NOT NULL,     -- keypoint residual
+  residual_sigma REAL NOT NULL,     -- how far the poses disagree with it, standard deviations
+  PRIMARY KEY (first, second)
+) WITHOUT ROWID;
 
 -- Keypoints in square tiles: tile (x, y) covers [x, x+1) * keypoint_tile_m and likewise in y.
 CREATE TABLE keypoint_tile (
@@ -62,6 +83,8 @@ CREATE TABLE keypoint_tile (
   size         BLOB NOT NULL,  -- float32[count]
   response     BLOB NOT NULL,  -- float32[count]
   observations BLOB NOT NULL,  -- uint16[count]
+  distinctiveness BLOB NOT NULL,  -- uint8[count]
+  last_survey  BLOB NOT NULL,  -- uint16[count]
   descriptor   BLOB NOT NULL,  -- uint8[count][descriptor_length] or float32[count][descriptor_length]
   checksum     INTEGER NOT NULL,
   PRIMARY KEY (x, y)

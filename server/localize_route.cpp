@@ -61,7 +61,7 @@ LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob 
   CheckImageHeader(job.bytes, lens, state.config.limits.max_image_pixels);
   return RunInPool(state.pool, [&] {
     const FloorCamera& camera = job.rectifier ? job.rectifier->camera() : *call.request.camera;
-    const double resolution_m = job.map->info().camera.floor.resolution_m;
+    const double resolution_m = job.map->info().camera().floor.resolution_m;
     if (job.rectifier == nullptr || camera.floor.resolution_m != resolution_m) {
       job.rectifier = state.rectifiers.Get(camera.AtResolution(resolution_m));
     }

@@ -72,8 +72,8 @@ std::string FormatMap(const LoadedMap& map) {
     const MapInfo& info = map.info();
     json["format_version"] = info.format_version;
     json["extractor"] = FormatExtractor(info.extractor);
-    json["camera"] = FormatCamera(info.camera.camera);
-    json["floor"] = FormatFloor(info.camera.floor);
+    json["camera"] = FormatCamera(info.camera().camera);
+    json["floor"] = FormatFloor(info.camera().floor);
   }
   return ToText(json);
 }

@@ -128,11 +128,11 @@ Eigen::Matrix3d SystematicCovariance(const Pose2& map_from_base, const Eigen::Ve
 
 struct Localizer::Impl {
   Impl(FloorMap floor_map, MosaicTileSource tiles, const LocalizerOptions& o)
-      : options(ScaledTo(o, floor_map.info.camera.floor.resolution_m)),
+      : options(ScaledTo(o, floor_map.info.camera().floor.resolution_m)),
         map(std::move(floor_map)),
         extractor(CreateFeatureExtractor(map.info.extractor)),
         index(CreateDescriptorIndex(map.keypoints.descriptors, o.index)),
-        guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera.floor.resolution_m),
+        guided(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m),
         verifier(map.keypoints, guided, map.info.area_m2, options.registration),
         repeats(RepeatsItself(map.keypoints, *index, options.registration.seed)) {
     if (tiles) {

@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,13 @@
 #include "core/vision/features.h"
 
 namespace floorloc {
+
+/// A map version that another one was made from.
+struct MapParent {
+  std::string relation;  ///< "extends" or "merges"
+  std::string id;
+  std::string content_version;
+};
 
 /// What a map says about itself; written once, when the map is built.
 struct MapInfo {
@@ -26,9 +34,13 @@ struct MapInfo {
   RectM extent;               ///< of the surveyed floor, map frame
   double area_m2 = 0.0;       ///< surveyed floor
   ExtractorOptions extractor;
-  FloorCamera camera;        ///< of the (first) survey
-  std::string surveys_json;  ///< provenance: folders, frames
+  std::vector<FloorCamera> cameras;  ///< one per survey, at least one
+  std::vector<MapParent> parents;
+  std::string surveys_json;  ///< provenance: one object per survey
   std::string report_json;   ///< build report
+
+  /// Of the first survey: frames are rectified at its resolution.
+  const FloorCamera& camera() const { return cameras.front(); }
 };
 
 /// One survey frame as it was placed.
@@ -36,6 +48,20 @@ struct MapFrame {
   std::int64_t stamp_ns = 0;
   std::string filename;
   Pose2 map_from_base;
+  int survey = 0;                                      ///< index into MapInfo::cameras
+  double gain = 1.0;                                   ///< factor that evens out its exposure
+  std::optional<Pose2> odom_from_base = std::nullopt;  ///< where its survey's odometry put it
+};
+
+/// A motion between two frames of a map that their pictures measured.
+struct MapLink {
+  int first = 0;  ///< indices of the frames
+  int second = 0;
+  Pose2 first_from_second;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive in the first's frame
+  int inliers = 0;
+  double rms_m = 0.0;           ///< keypoint residual
+  double residual_sigma = 0.0;  ///< how far the frames' poses disagree with it, standard deviations
 };
 
 /// All keypoints of a map, in memory, in the map frame.
@@ -43,6 +69,10 @@ struct MapKeypoints {
   std::vector<Keypoint> keypoints;
   std::vector<std::uint16_t> observations;  ///< number of frames that saw the point
   cv::Mat descriptors;
+  /// 0: the descriptor has a twin elsewhere in the map, 255: it is as far from its nearest other as chance alone puts
+  /// it.
+  std::vector<std::uint8_t> distinctiveness;
+  std::vector<std::uint16_t> last_survey;  ///< index of the newest survey that saw the point
 
   std::size_t size() const { return keypoints.size(); }
 };

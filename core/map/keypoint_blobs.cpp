@@ -28,15 +28,23 @@ T Get(const Blob& blob, std::size_t index) {
 bool HasRightLengths(const KeypointBlobs& blobs, std::size_t row_bytes) {
   const auto n = static_cast<std::size_t>(blobs.count);
   return blobs.position.size() == n * 8 && blobs.angle.size() == n * 4 && blobs.size.size() == n * 4 &&
-         blobs.response.size() == n * 4 && blobs.observations.size() == n * 2 &&
-         blobs.descriptor.size() == n * row_bytes;
+         blobs.response.size() == n * 4 && blobs.observations.size() == n * 2 && blobs.distinctiveness.size() == n &&
+         blobs.last_survey.size() == n * 2 && blobs.descriptor.size() == n * row_bytes;
 }
 
 }  // namespace
 
 std::int64_t KeypointBlobs::Checksum() const {
   ContentHash hash;
-  return hash.Add(position).Add(angle).Add(size).Add(response).Add(observations).Add(descriptor).Checksum();
+  return hash.Add(position)
+      .Add(angle)
+      .Add(size)
+      .Add(response)
+      .Add(observations)
+      .Add(distinctiveness)
+      .Add(last_survey)
+      .Add(descriptor)
+      .Checksum();
 }
 
 KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile) {
@@ -52,6 +60,8 @@ KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> 
     Append(&blobs.size, k.size_m);
     Append(&blobs.response, k.response);
     Append(&blobs.observations, keypoints.observations[index]);
+    Append(&blobs.distinctiveness, keypoints.distinctiveness[index]);
+    Append(&blobs.last_survey, keypoints.last_survey[index]);
     const std::uint8_t* row = keypoints.descriptors.ptr(i);
     blobs.descriptor.insert(blobs.descriptor.end(), row, row + row_bytes);
   }
@@ -75,6 +85,8 @@ bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::
     }
     keypoints->keypoints.push_back(k);
     keypoints->observations.push_back(Get<std::uint16_t>(blobs.observations, i));
+    keypoints->distinctiveness.push_back(blobs.distinctiveness[i]);
+    keypoints->last_survey.push_back(Get<std::uint16_t>(blobs.last_survey, i));
   }
   const int first = keypoints->descriptors.rows;
   const std::size_t row_size =

@@ -14,7 +14,7 @@ namespace floorloc {
 /// The columns of one row of keypoint_tile, packed as schema/map.sql says.
 struct KeypointBlobs {
   int count = 0;
-  Blob position, angle, size, response, observations, descriptor;
+  Blob position, angle, size, response, observations, distinctiveness, last_survey, descriptor;
 
   std::int64_t Checksum() const;
 };

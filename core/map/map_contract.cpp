@@ -36,7 +36,7 @@ std::string ComputeContentVersion(const SqliteConnection& connection) {
   }
   SqliteStatement camera(connection,
                          "SELECT fx, fy, cx, cy, roi_x_min, roi_x_max, roi_y_min, roi_y_max, resolution_m, width_px, "
-                         "height_px, distortion_model, distortion, homography FROM camera");
+                         "height_px, distortion_model, distortion, homography FROM camera ORDER BY survey");
   while (camera.Step()) {
     for (int column = 0; column < 9; ++column) {
       hash.Add(camera.Real(column));
@@ -51,9 +51,23 @@ std::string ComputeContentVersion(const SqliteConnection& connection) {
   while (parameter.Step()) {
     hash.Add(parameter.Text(0)).Add(parameter.Text(1));
   }
-  SqliteStatement frame(connection, "SELECT stamp_ns, filename, x, y, yaw FROM frame ORDER BY id");
+  SqliteStatement frame(connection,
+                        "SELECT x, y, yaw, gain, odom_x, odom_y, odom_yaw, survey, stamp_ns, filename FROM frame "
+                        "ORDER BY id");
   while (frame.Step()) {
-    hash.Add(frame.Integer(0)).Add(frame.Text(1)).Add(frame.Real(2)).Add(frame.Real(3)).Add(frame.Real(4));
+    for (int column = 0; column < 7; ++column) {
+      hash.Add(frame.Real(column));
+    }
+    hash.Add(frame.Integer(7)).Add(frame.Integer(8)).Add(frame.Text(9));
+  }
+  SqliteStatement link(connection,
+                       "SELECT x, y, yaw, rms_m, residual_sigma, first, second, inliers, covariance FROM link "
+                       "ORDER BY first, second");
+  while (link.Step()) {
+    for (int column = 0; column < 5; ++column) {
+      hash.Add(link.Real(column));
+    }
+    hash.Add(link.Integer(5)).Add(link.Integer(6)).Add(link.Integer(7)).Add(link.Bytes(8));
   }
   SqliteStatement keypoints(connection, "SELECT x, y, count, checksum FROM keypoint_tile ORDER BY x, y");
   while (keypoints.Step()) {

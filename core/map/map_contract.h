@@ -12,14 +12,14 @@ namespace floorloc {
 
 // What reader and writer must agree on.
 constexpr std::int64_t kMapApplicationId = 0x464C4F43;  // "FLOC"
-constexpr int kMapFormatVersion = 1;
+constexpr int kMapFormatVersion = 2;
 
 Blob PackDoubles(std::span<const double> values);
 /// Empty when the length is not a multiple of 8.
 std::vector<double> UnpackDoubles(const Blob& blob);
 
-/// SHA-256 over everything that decides the answers: frame placement, camera, extractor, keypoints, mosaic. Names and
-/// dates do not count: the same surveys and options give the same version.
+/// SHA-256 over everything that decides the answers: frame placement, links, cameras, extractor, keypoints, mosaic.
+/// Names and dates do not count: the same surveys and options give the same version.
 std::string ComputeContentVersion(const SqliteConnection& connection);
 
 }  // namespace floorloc

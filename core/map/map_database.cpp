@@ -59,7 +59,11 @@ struct MapDatabase::Impl {
   }
   void CheckContract() const;
   MapInfo ReadInfo() const;
-  FloorCamera ReadCamera() const;
+  std::vector<FloorCamera> ReadCameras() const;
+  FloorCamera ReadCamera(const SqliteStatement& row) const;
+  std::vector<MapParent> ReadParents() const;
+  std::vector<MapFrame> ReadFrames() const;
+  std::vector<MapLink> ReadLinks() const;
   MosaicLayout ReadMosaicLayout() const;
   MapKeypoints ReadKeypoints() const;
 };
@@ -81,11 +85,22 @@ void MapDatabase::Impl::CheckContract() const {
   }
 }
 
-FloorCamera MapDatabase::Impl::ReadCamera() const {
-  SqliteStatement row(connection, "SELECT * FROM camera");
-  if (!row.Step()) {
+std::vector<FloorCamera> MapDatabase::Impl::ReadCameras() const {
+  SqliteStatement row(connection, "SELECT * FROM camera ORDER BY survey");
+  std::vector<FloorCamera> cameras;
+  while (row.Step()) {
+    if (row.Integer(0) != static_cast<std::int64_t>(cameras.size())) {
+      Damaged("numbers of the surveys");
+    }
+    cameras.push_back(ReadCamera(row));
+  }
+  if (cameras.empty()) {
     Damaged("no camera");
   }
+  return cameras;
+}
+
+FloorCamera MapDatabase::Impl::ReadCamera(const SqliteStatement& row) const {
   FloorCamera c;
   c.camera.name = row.Text(1);
   c.camera.width_px = static_cast<int>(row.Integer(2));
@@ -133,7 +148,8 @@ MapInfo MapDatabase::Impl::ReadInfo() const {
       parameters[parameter.Text(0)] = parameter.Text(1);
     }
     info.extractor = FromParameters(parameters);
-    info.camera = ReadCamera();
+    info.cameras = ReadCameras();
+    info.parents = ReadParents();
     if (!(info.resolution_m > 0.0) || !std::isfinite(info.area_m2)) {
       Damaged("resolution or area");
     }
@@ -141,6 +157,59 @@ MapInfo MapDatabase::Impl::ReadInfo() const {
   } catch (const std::invalid_argument& error) {
     Damaged(error.what());
   }
+}
+
+std::vector<MapParent> MapDatabase::Impl::ReadParents() const {
+  SqliteStatement row(connection, "SELECT relation, id, content_version FROM parent ORDER BY rowid");
+  std::vector<MapParent> parents;
+  while (row.Step()) {
+    parents.push_back({row.Text(0), row.Text(1), row.Text(2)});
+  }
+  return parents;
+}
+
+std::vector<MapFrame> MapDatabase::Impl::ReadFrames() const {
+  SqliteStatement row(connection,
+                      "SELECT id, survey, stamp_ns, filename, x, y, yaw, gain, odom_x, odom_y, odom_yaw FROM frame "
+                      "ORDER BY id");
+  std::vector<MapFrame> frames;
+  while (row.Step()) {
+    if (row.Integer(0) != static_cast<std::int64_t>(frames.size())) {
+      Damaged("numbers of the frames");
+    }
+    MapFrame frame{
+        row.Integer(2), row.Text(3), Pose2(row.Real(4), row.Real(5), row.Real(6)), static_cast<int>(row.Integer(1)),
+        row.Real(7),    std::nullopt};
+    if (!row.IsNull(8)) {
+      frame.odom_from_base = Pose2(row.Real(8), row.Real(9), row.Real(10));
+    }
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+std::vector<MapLink> MapDatabase::Impl::ReadLinks() const {
+  SqliteStatement count(connection, "SELECT COUNT(*) FROM frame");
+  const std::int64_t frames = count.Step() ? count.Integer(0) : 0;
+  SqliteStatement row(connection,
+                      "SELECT first, second, x, y, yaw, covariance, inliers, rms_m, residual_sigma FROM link "
+                      "ORDER BY first, second");
+  std::vector<MapLink> links;
+  while (row.Step()) {
+    const std::vector<double> c = UnpackDoubles(row.Bytes(5));
+    if (row.Integer(0) < 0 || row.Integer(1) < 0 || row.Integer(0) >= frames || row.Integer(1) >= frames ||
+        c.size() != 6) {
+      Damaged("links");
+    }
+    MapLink link{static_cast<int>(row.Integer(0)), static_cast<int>(row.Integer(1)),
+                 Pose2(row.Real(2), row.Real(3), row.Real(4))};
+    link.covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    link.inliers = static_cast<int>(row.Integer(6));
+    link.rms_m = row.Real(7);
+    link.residual_sigma = row.Real(8);
+    links.push_back(link);
+  }
+  return links;
 }
 
 MosaicLayout MapDatabase::Impl::ReadMosaicLayout() const {
@@ -177,9 +246,12 @@ MapKeypoints MapDatabase::Impl::ReadKeypoints() const {
   const auto total = static_cast<std::size_t>(sum.Integer(0));  // from real lengths, so never more than the file holds
   keypoints.keypoints.reserve(total);
   keypoints.observations.reserve(total);
+  keypoints.distinctiveness.reserve(total);
+  keypoints.last_survey.reserve(total);
   keypoints.descriptors.reserve(total);
   SqliteStatement row(connection,
-                      "SELECT x, y, count, position, angle, size, response, observations, descriptor, checksum "
+                      "SELECT x, y, count, position, angle, size, response, observations, distinctiveness, "
+                      "last_survey, descriptor, checksum "
                       "FROM keypoint_tile ORDER BY x, y");
   const std::size_t row_bytes = static_cast<std::size_t>(length) * keypoints.descriptors.elemSize();
   while (row.Step()) {
@@ -190,8 +262,10 @@ MapKeypoints MapDatabase::Impl::ReadKeypoints() const {
                               row.Bytes(5),
                               row.Bytes(6),
                               row.Bytes(7),
-                              row.Bytes(8)};
-    if (blobs.Checksum() != row.Integer(9) || !UnpackKeypoints(blobs, tile, row_bytes, &keypoints)) {
+                              row.Bytes(8),
+                              row.Bytes(9),
+                              row.Bytes(10)};
+    if (blobs.Checksum() != row.Integer(11) || !UnpackKeypoints(blobs, tile, row_bytes, &keypoints)) {
       Damaged("keypoints of tile " + std::to_string(tile.x) + "," + std::to_string(tile.y));
     }
   }
@@ -219,12 +293,12 @@ FloorMap MapDatabase::ReadMap() const {
 
 std::vector<MapFrame> MapDatabase::ReadFrames() const {
   const std::lock_guard lock(impl_->mutex);
-  SqliteStatement row(impl_->connection, "SELECT stamp_ns, filename, x, y, yaw FROM frame ORDER BY id");
-  std::vector<MapFrame> frames;
-  while (row.Step()) {
-    frames.push_back({row.Integer(0), row.Text(1), Pose2(row.Real(2), row.Real(3), row.Real(4))});
-  }
-  return frames;
+  return impl_->ReadFrames();
+}
+
+std::vector<MapLink> MapDatabase::ReadLinks() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->ReadLinks();
 }
 
 std::optional<std::vector<std::uint8_t>> MapDatabase::ReadMosaicTile(const TileId& tile) const {

@@ -26,6 +26,8 @@ class MapDatabase {
   /// Info, layout and all keypoints, every blob's length and checksum verified. Throws MapError.
   FloorMap ReadMap() const;
   std::vector<MapFrame> ReadFrames() const;
+  /// Every link joins two of ReadFrames(). Throws MapError.
+  std::vector<MapLink> ReadLinks() const;
   /// The encoded JPEG of a mosaic tile; empty where the map has none. Throws MapError when damaged.
   std::optional<std::vector<std::uint8_t>> ReadMosaicTile(const TileId& tile) const;
   std::vector<TileId> ListMosaicTiles(int zoom) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/map/map_writer.h"
 
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -16,10 +17,14 @@ namespace {
 
 constexpr double kKeypointTileM = 1.0;
 
-void WriteCamera(const SqliteConnection& connection, const FloorCamera& c) {
+void BindPose(const Pose2& pose, SqliteStatement* statement) {
+  statement->Bind(pose.x()).Bind(pose.y()).Bind(pose.yaw());
+}
+
+void WriteCamera(const SqliteConnection& connection, int survey, const FloorCamera& c) {
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> homography = c.floor.base_from_pixel;
-  SqliteStatement insert(connection, "INSERT INTO camera VALUES (1,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
-  insert.Bind(c.camera.name).Bind(c.camera.width_px).Bind(c.camera.height_px);
+  SqliteStatement insert(connection, "INSERT INTO camera VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  insert.Bind(survey).Bind(c.camera.name).Bind(c.camera.width_px).Bind(c.camera.height_px);
   insert.Bind(c.camera.fx).Bind(c.camera.fy).Bind(c.camera.cx).Bind(c.camera.cy);
   insert.Bind(std::string(ToString(c.camera.distortion_model))).Bind(PackDoubles(c.camera.distortion));
   insert.Bind(PackDoubles(std::span(homography.data(), 9)));
@@ -56,7 +61,16 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
   for (const auto& [name, value] : ToParameters(info.extractor)) {
     SqliteStatement(connection, "INSERT INTO extractor_parameter VALUES (?,?)").Bind(name).Bind(value).Run();
   }
-  WriteCamera(connection, info.camera);
+  for (std::size_t survey = 0; survey < info.cameras.size(); ++survey) {
+    WriteCamera(connection, static_cast<int>(survey), info.cameras[survey]);
+  }
+  for (const MapParent& parent : info.parents) {
+    SqliteStatement(connection, "INSERT INTO parent VALUES (?,?,?)")
+        .Bind(parent.relation)
+        .Bind(parent.id)
+        .Bind(parent.content_version)
+        .Run();
+  }
   std::string version = ComputeContentVersion(connection);
   SqliteStatement(connection, "UPDATE map SET content_version = ?").Bind(version).Run();
   transaction.Commit();
@@ -69,10 +83,31 @@ MapWriter::~MapWriter() = default;
 
 void MapWriter::WriteFrames(const std::vector<MapFrame>& frames) {
   SqliteTransaction transaction(impl_->connection);
-  SqliteStatement insert(impl_->connection, "INSERT INTO frame (stamp_ns, filename, x, y, yaw) VALUES (?,?,?,?,?)");
-  for (const MapFrame& frame : frames) {
-    insert.Bind(frame.stamp_ns).Bind(frame.filename);
-    insert.Bind(frame.map_from_base.x()).Bind(frame.map_from_base.y()).Bind(frame.map_from_base.yaw()).Run();
+  SqliteStatement insert(impl_->connection, "INSERT INTO frame VALUES (?,?,?,?,?,?,?,?,?,?,?)");
+  for (std::size_t id = 0; id < frames.size(); ++id) {
+    const MapFrame& frame = frames[id];
+    insert.Bind(static_cast<std::int64_t>(id)).Bind(frame.survey).Bind(frame.stamp_ns).Bind(frame.filename);
+    BindPose(frame.map_from_base, &insert);
+    insert.Bind(frame.gain);
+    if (frame.odom_from_base) {
+      BindPose(*frame.odom_from_base, &insert);
+    } else {
+      insert.BindNull().BindNull().BindNull();
+    }
+    insert.Run();
+  }
+  transaction.Commit();
+}
+
+void MapWriter::WriteLinks(const std::vector<MapLink>& links) {
+  SqliteTransaction transaction(impl_->connection);
+  SqliteStatement insert(impl_->connection, "INSERT INTO link VALUES (?,?,?,?,?,?,?,?,?)");
+  for (const MapLink& link : links) {
+    const Eigen::Matrix3d& c = link.covariance;
+    const std::array<double, 6> upper = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+    insert.Bind(link.first).Bind(link.second);
+    BindPose(link.first_from_second, &insert);
+    insert.Bind(PackDoubles(upper)).Bind(link.inliers).Bind(link.rms_m).Bind(link.residual_sigma).Run();
   }
   transaction.Commit();
 }
@@ -88,11 +123,12 @@ void MapWriter::WriteKeypoints(const MapKeypoints& keypoints, DescriptorType typ
     tiles[{x, y}].push_back(static_cast<int>(i));
   }
   SqliteTransaction transaction(impl_->connection);
-  SqliteStatement insert(impl_->connection, "INSERT INTO keypoint_tile VALUES (?,?,?,?,?,?,?,?,?,?)");
+  SqliteStatement insert(impl_->connection, "INSERT INTO keypoint_tile VALUES (?,?,?,?,?,?,?,?,?,?,?,?)");
   for (const auto& [tile, indices] : tiles) {
     const KeypointBlobs b = PackKeypoints(keypoints, indices, {tile.first, tile.second, kKeypointTileM});
     insert.Bind(tile.first).Bind(tile.second).Bind(b.count).Bind(b.position).Bind(b.angle).Bind(b.size);
-    insert.Bind(b.response).Bind(b.observations).Bind(b.descriptor).Bind(b.Checksum()).Run();
+    insert.Bind(b.response).Bind(b.observations).Bind(b.distinctiveness).Bind(b.last_survey);
+    insert.Bind(b.descriptor).Bind(b.Checksum()).Run();
   }
   transaction.Commit();
 }

@@ -20,7 +20,9 @@ class MapWriter {
   MapWriter(const MapWriter&) = delete;
   MapWriter& operator=(const MapWriter&) = delete;
 
+  /// Frames are numbered by their order, links by these numbers.
   void WriteFrames(const std::vector<MapFrame>& frames);
+  void WriteLinks(const std::vector<MapLink>& links);
   void WriteKeypoints(const MapKeypoints& keypoints, DescriptorType type);
   void WriteMosaicTiles(const std::vector<MosaicTile>& tiles);
   /// Writes info (its content_version is computed here), flushes to the disk, renames. Returns the content version.

@@ -89,6 +89,13 @@ SqliteStatement& SqliteStatement::Bind(std::span<const std::uint8_t> blob) {
   return *this;
 }
 
+SqliteStatement& SqliteStatement::BindNull() {
+  if (sqlite3_bind_null(handle_.get(), ++bound_) != SQLITE_OK) {
+    connection_.Fail();
+  }
+  return *this;
+}
+
 bool SqliteStatement::Step() {
   const int code = sqlite3_step(handle_.get());
   if (code != SQLITE_ROW && code != SQLITE_DONE) {

@@ -46,6 +46,7 @@ class SqliteStatement {
   SqliteStatement& Bind(double value);
   SqliteStatement& Bind(const std::string& value);
   SqliteStatement& Bind(std::span<const std::uint8_t> blob);
+  SqliteStatement& BindNull();
 
   /// True while there is a row.
   bool Step();
@@ -58,6 +59,7 @@ class SqliteStatement {
   double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
   std::string Text(int column) const;
   Blob Bytes(int column) const;
+  bool IsNull(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
 
  private:
   struct Finalize {

@@ -135,7 +135,7 @@ TEST(PoseGraphTest, PriorsPinTheFrame) {
   const Pose2 elsewhere(-3.0, 4.0, -1.0);
   loop.graph.fixed.clear();
   for (std::size_t i = 0; i < loop.truth.size(); ++i) {
-    loop.graph.priors.push_back({static_cast<int>(i), elsewhere * loop.truth[i], 0.01, 0.01});
+    loop.graph.priors.push_back({static_cast<int>(i), elsewhere * loop.truth[i], 1e-4 * Eigen::Matrix3d::Identity()});
     loop.graph.map_from_base[i] = elsewhere * loop.graph.map_from_base[i];
   }
   OptimizePoses(&loop.graph);

@@ -25,6 +25,8 @@ void AddView(const SyntheticFloor& floor, const FeatureExtractor& extractor, con
     keypoint.angle_rad = static_cast<float>(WrapAngle(keypoint.angle_rad + map_from_base.yaw()));
     keypoints.keypoints.push_back(keypoint);
     keypoints.observations.push_back(1);
+    keypoints.distinctiveness.push_back(255);
+    keypoints.last_survey.push_back(0);
   }
   keypoints.descriptors.push_back(features.descriptors);
 }
@@ -39,7 +41,7 @@ MapInfo MakeInfo(const SyntheticFloor& floor) {
   info.resolution_m = 0.001;
   info.extent = {0.0, 1.2, 0.0, 0.9};
   info.area_m2 = 1.08;
-  info.camera = floor.camera();
+  info.cameras = {floor.camera()};
   info.surveys_json = "[]";
   info.report_json = R"({"frames":{"used":2}})";
   return info;

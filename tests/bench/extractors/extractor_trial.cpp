@@ -42,7 +42,7 @@ FrameOutcome TryFrame(const TriedMap& map, const Rectifier& rectifier, const Sce
 }
 
 void TryGroup(const TriedMap& map, const FrameGroup& group, GroupTally* tally) {
-  const Rectifier rectifier(group.camera.AtResolution(map.localizer.map().info.camera.floor.resolution_m));
+  const Rectifier rectifier(group.camera.AtResolution(map.localizer.map().info.camera().floor.resolution_m));
   std::vector<FrameOutcome> outcomes(group.frames.size());
   ParallelFor(static_cast<int>(outcomes.size()), 0, [&](int i) {
     const auto index = static_cast<std::size_t>(i);

@@ -44,7 +44,7 @@ FrameRunner::FrameRunner(const BenchFloor& floor, FramePlanner planner, std::vec
       others_(std::move(others)),
       conditions_(std::move(conditions)),
       renderer_(MakeDownwardCamera()),
-      rectifier_(renderer_.camera().AtResolution(floor.localizer->map().info.camera.floor.resolution_m)) {}
+      rectifier_(renderer_.camera().AtResolution(floor.localizer->map().info.camera().floor.resolution_m)) {}
 
 FrameRecord FrameRunner::Run(int frame) const {
   const FramePlan plan = planner_.Plan(frame);

@@ -99,7 +99,7 @@ void Run(Arguments arguments) {
   const Survey survey = ReadSurvey(arguments.survey);
   const Pose2 truth_from_map = AlignMapToTruth(database.ReadFrames(), survey.ground_truth);
   const std::vector<QueryFrame> frames = ReadFrames(arguments, map, truth_from_map);
-  const double resolution_m = map.info.camera.floor.resolution_m;
+  const double resolution_m = map.info.camera().floor.resolution_m;
   const std::vector<IndexMethod> methods =
       ComparedIndexes(RegistrationOptions().ScaledTo(resolution_m), arguments.baseline_area_m2);
   std::cout << "A real map of " << map.keypoints.size() << " keypoints in floors of " << kKeypointsPerM2

@@ -58,10 +58,12 @@ TEST_F(MapDamageTest, FlippedBytesAreFoundOrHarmless) {
       const FloorMap map = database.ReadMap();
       EXPECT_TRUE(SameKeypoints(map.keypoints, original_.keypoints)) << "byte " << place;
       database.VerifyContent();
-      EXPECT_EQ(map.info.camera.floor.base_from_pixel, original_.info.camera.floor.base_from_pixel) << "byte " << place;
-      EXPECT_EQ(map.info.camera.camera.fx, original_.info.camera.camera.fx) << "byte " << place;
+      EXPECT_EQ(map.info.camera().floor.base_from_pixel, original_.info.camera().floor.base_from_pixel)
+          << "byte " << place;
+      EXPECT_EQ(map.info.camera().camera.fx, original_.info.camera().camera.fx) << "byte " << place;
       EXPECT_EQ(map.info.area_m2, original_.info.area_m2) << "byte " << place;
       EXPECT_EQ(database.ReadFrames().size(), 2U) << "byte " << place;
+      EXPECT_EQ(database.ReadLinks().size(), 1U) << "byte " << place;
     } catch (const MapError&) {
       ++found;
     }
@@ -154,10 +156,10 @@ TEST_F(MapDamageTest, ADatabaseOfAnotherProgramIsRefused) {
 }
 
 TEST_F(MapDamageTest, ANewerFormatIsRefusedByName) {
-  RunSql("PRAGMA user_version = 2");
+  RunSql("PRAGMA user_version = 3");
   const std::string error = ErrorOfReading();
-  EXPECT_THAT(error, HasSubstr("has format version 2"));
-  EXPECT_THAT(error, HasSubstr("reads version 1"));
+  EXPECT_THAT(error, HasSubstr("has format version 3"));
+  EXPECT_THAT(error, HasSubstr("reads version 2"));
   EXPECT_THAT(error, HasSubstr("build the map again"));
 }
 

@@ -63,6 +63,8 @@ void ExpectSame(const MapKeypoints& written, const MapKeypoints& read) {
     EXPECT_EQ(read.keypoints[i].angle_rad, written.keypoints[w].angle_rad);
     EXPECT_EQ(read.keypoints[i].size_m, written.keypoints[w].size_m);
     EXPECT_EQ(read.observations[i], written.observations[w]);
+    EXPECT_EQ(read.distinctiveness[i], written.distinctiveness[w]);
+    EXPECT_EQ(read.last_survey[i], written.last_survey[w]);
     EXPECT_EQ(
         cv::norm(read.descriptors.row(static_cast<int>(i)), written.descriptors.row(static_cast<int>(w)), cv::NORM_INF),
         0.0);
@@ -79,7 +81,7 @@ TEST_P(MapRoundTrip, ReadsWhatWasWritten) {
   database.VerifyContent();
   const FloorMap map = database.ReadMap();
 
-  EXPECT_EQ(map.info.format_version, 1);
+  EXPECT_EQ(map.info.format_version, 2);
   EXPECT_EQ(map.info.builder_version, content.info.builder_version);
   EXPECT_EQ(map.info.id, content.info.id);
   EXPECT_EQ(map.info.content_version, version);
@@ -89,7 +91,13 @@ TEST_P(MapRoundTrip, ReadsWhatWasWritten) {
   ExpectSame(map.info.extent, content.info.extent);
   EXPECT_EQ(map.info.area_m2, content.info.area_m2);
   ExpectSame(map.info.extractor, content.info.extractor);
-  ExpectSame(map.info.camera, content.info.camera);
+  ASSERT_EQ(map.info.cameras.size(), 2U);
+  ExpectSame(map.info.camera(), content.info.camera());
+  ExpectSame(map.info.cameras[1], content.info.cameras[1]);
+  ASSERT_EQ(map.info.parents.size(), 2U);
+  EXPECT_EQ(map.info.parents[1].relation, "merges");
+  EXPECT_EQ(map.info.parents[1].id, content.info.parents[1].id);
+  EXPECT_EQ(map.info.parents[1].content_version, content.info.parents[1].content_version);
   EXPECT_EQ(map.info.surveys_json, content.info.surveys_json);
   EXPECT_EQ(map.info.report_json, content.info.report_json);
   EXPECT_EQ(map.mosaic.tile_px, content.mosaic.tile_px);
@@ -175,6 +183,7 @@ TEST(ContentVersionTest, NamesAndDatesDoNotCount) {
   MapContent renamed = content;
   renamed.info.name = "other";
   renamed.info.id = "another";
+  renamed.info.parents.clear();
   renamed.info.created = "2030-01-01T00:00:00Z";
   EXPECT_EQ(WriteMap(folder.path() / "a.floormap", content), WriteMap(folder.path() / "b.floormap", renamed));
 }
@@ -188,10 +197,16 @@ TEST(ContentVersionTest, EveryChangeOfTheContentCounts) {
       {"observations", [](MapContent& c) { ++c.keypoints.observations[7]; }},
       {"descriptor", [](MapContent& c) { c.keypoints.descriptors.at<std::uint8_t>(7, 31) ^= 1; }},
       {"frame", [](MapContent& c) { c.frames[1].map_from_base = Pose2(0.1, 0.2, -3.0); }},
+      {"gain", [](MapContent& c) { c.frames[1].gain = 0.5; }},
+      {"odometry", [](MapContent& c) { c.frames[1].odom_from_base.reset(); }},
+      {"link", [](MapContent& c) { c.links[0].covariance(2, 2) = 4e-6; }},
+      {"distinctiveness", [](MapContent& c) { ++c.keypoints.distinctiveness[7]; }},
+      {"last survey", [](MapContent& c) { ++c.keypoints.last_survey[7]; }},
+      {"second camera", [](MapContent& c) { c.info.cameras[1].camera.fx += 1e-9; }},
       {"tile", [](MapContent& c) { c.tiles[3].jpeg[17] ^= 1; }},
       {"extractor", [](MapContent& c) { c.info.extractor.threshold = 5.0; }},
-      {"camera", [](MapContent& c) { c.info.camera.camera.fx += 1e-9; }},
-      {"distortion", [](MapContent& c) { c.info.camera.camera.distortion[0] += 1e-9; }},
+      {"camera", [](MapContent& c) { c.info.cameras[0].camera.fx += 1e-9; }},
+      {"distortion", [](MapContent& c) { c.info.cameras[0].camera.distortion[0] += 1e-9; }},
       {"extent", [](MapContent& c) { c.info.extent.x_max += 1e-9; }},
   };
   for (const auto& [name, change] : changes) {

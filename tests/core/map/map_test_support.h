@@ -26,6 +26,7 @@ struct MapContent {
   MapInfo info;
   MosaicLayout mosaic;
   std::vector<MapFrame> frames;
+  std::vector<MapLink> links;
   MapKeypoints keypoints;
   DescriptorType type = DescriptorType::kBinary;
   std::vector<MosaicTile> tiles;
@@ -59,6 +60,8 @@ inline MapKeypoints RandomKeypoints(int count, DescriptorType type, std::uint32_
     const float y = 2.0F * unit(random) - 0.7F;
     keypoints.keypoints.push_back({x, y, 6.0F * unit(random) - 3.0F, 0.02F * unit(random), 100.0F * unit(random)});
     keypoints.observations.push_back(static_cast<std::uint16_t>(random() % 65536));
+    keypoints.distinctiveness.push_back(static_cast<std::uint8_t>(random() % 256));
+    keypoints.last_survey.push_back(static_cast<std::uint16_t>(random() % 65536));
   }
   return keypoints;
 }
@@ -74,12 +77,16 @@ inline MapContent MakeContent(DescriptorType type = DescriptorType::kBinary,
   content.info.extent = {-1.5, 1.5, -0.7, 1.3};
   content.info.area_m2 = 5.25;
   content.info.extractor = {ExtractorType::kAkaze, 1234, 37, 3, 1.25, 0.00123456789, 21, 0.75};
-  content.info.camera = MakeCamera(model);
+  content.info.cameras = {MakeCamera(model), MakeCamera(DistortionModel::kEquidistant)};
+  content.info.parents = {{"merges", "an id", "a version"}, {"merges", "another id", "another version"}};
   content.info.surveys_json = R"([{"folder":"s\u00fc\u00df"}])";
   content.info.report_json = R"({"frames":2})";
   content.mosaic = {256, 2, 0.0007};
-  content.frames = {{1'700'000'000'123'456'789, "images/0.jpg", Pose2(1.0 / 3.0, -2.0, 3.1)},
-                    {1'700'000'000'223'456'789, "images/\u00fc.jpg", Pose2(0.1, 0.2, -3.1)}};
+  content.frames = {
+      {1'700'000'000'123'456'789, "images/0.jpg", Pose2(1.0 / 3.0, -2.0, 3.1)},
+      {1'700'000'000'223'456'789, "images/\u00fc.jpg", Pose2(0.1, 0.2, -3.1), 1, 0.75, Pose2(4.0, 5.0, 1.0 / 7.0)}};
+  content.links = {{0, 1, Pose2(0.3, 1.0 / 3.0, -0.5), Eigen::Vector3d(1e-8, 2e-8, 3e-6).asDiagonal(), 77, 2e-4, 0.9}};
+  content.links[0].covariance(0, 2) = content.links[0].covariance(2, 0) = 1e-9;
   content.keypoints = RandomKeypoints(1500, type, 1);
   for (int z = 0; z <= 2; ++z) {
     for (int x = -1; x <= 1; ++x) {
@@ -95,6 +102,7 @@ inline MapContent MakeContent(DescriptorType type = DescriptorType::kBinary,
 inline std::string WriteMap(const std::filesystem::path& file, const MapContent& content) {
   MapWriter writer(file);
   writer.WriteFrames(content.frames);
+  writer.WriteLinks(content.links);
   writer.WriteKeypoints(content.keypoints, content.type);
   writer.WriteMosaicTiles(content.tiles);
   return writer.Commit(content.info, content.mosaic);
@@ -137,7 +145,8 @@ inline bool SameKeypoints(const MapKeypoints& a, const MapKeypoints& b) {
     return p.x_m == q.x_m && p.y_m == q.y_m && p.angle_rad == q.angle_rad && p.size_m == q.size_m &&
            p.response == q.response;
   };
-  return a.size() == b.size() && a.observations == b.observations &&
+  return a.size() == b.size() && a.observations == b.observations && a.distinctiveness == b.distinctiveness &&
+         a.last_survey == b.last_survey &&
          std::equal(a.keypoints.begin(), a.keypoints.end(), b.keypoints.begin(), same) &&
          a.descriptors.size() == b.descriptors.size() && a.descriptors.type() == b.descriptors.type() &&
          cv::norm(a.descriptors, b.descriptors, cv::NORM_INF) == 0.0;
