@@ -10,8 +10,11 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/map/map_writer.h"
+#include "mapbuilder/build_journal.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage.h"
+#include "mapbuilder/frame_journal.h"
+#include "mapbuilder/placement_journal.h"
 
 namespace floorloc {
 namespace {
@@ -146,6 +149,18 @@ PlacedFrames CollectPlaced(const std::vector<BuildFrame>& frames, const Placemen
   return placed;
 }
 
+// As PlaceFrames, unless an earlier run of this build did it.
+Placement PlaceFramesOnce(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
+                          const BuildOptions& options, BuildJournal* journal) {
+  const std::string key = PlacementKey(surveys, options.fingerprint, options.poses);
+  if (std::optional<Placement> done = RestorePlacement(key, journal)) {
+    return std::move(*done);
+  }
+  Placement placement = PlaceFrames(frames, surveys, options.placement);
+  StorePlacement(placement, key, journal);
+  return placement;
+}
+
 // The stages' options with what all of them share filled in.
 BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys) {
   options.placement.registration.threads = options.threads;
@@ -174,12 +189,17 @@ BuildReport BuildMap(const BuildOptions& requested) {
   const BuildOptions options = WithSharedOptions(requested, surveys);
   MapWriter writer(options.out);  // first: an output that can't be written is known before the work
 
-  std::vector<BuildFrame> frames = ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress});
+  BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.progress.stream);
+
+  FrameJournal frame_journal(&journal, surveys, options.extractor);
+  std::vector<BuildFrame> frames =
+      ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress, &frame_journal});
+  report.resumed_frames = frame_journal.restored();
   AttachPoses(options.poses, &frames);
   clock.Finish("features");
 
   const std::vector<RectM> floors = FloorsInBase(frames, surveys);
-  const Placement placement = PlaceFrames(frames, surveys, options.placement);
+  const Placement placement = PlaceFramesOnce(frames, surveys, options, &journal);
   const CoverageGrid coverage(placement.map_from_base, floors);
   report.kept_all = options.placement.keep_all;
   FillReport(placement, frames, coverage, &report);
@@ -203,6 +223,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("mosaic");
 
   report.content_version = writer.Commit(MakeInfo(options, surveys, coverage, report), layout);
+  journal.Remove();
   clock.Finish("write");
   return report;
 }

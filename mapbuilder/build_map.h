@@ -26,6 +26,9 @@ struct BuildOptions {
   MosaicOptions mosaic;               ///< resolution_m 0: the surveys'
   int threads = 0;                    ///< 0: one per core
   std::uint32_t seed = 1;
+  bool resume = false;  ///< use what an earlier run left in the journal beside `out`
+  /// Names all options, as the caller has them: what a journal holds of a build with others is not used.
+  std::string fingerprint;
   ProgressOutput progress;
 };
 
@@ -49,6 +52,7 @@ struct BuildReport {
   int keypoints = 0;
   double mean_observations = 0.0;
   std::string content_version;
+  int resumed_frames = 0;                               ///< whose features an earlier run had found
   std::vector<std::pair<std::string, double>> stage_s;  ///< stage, seconds
   double total_s = 0.0;
 };

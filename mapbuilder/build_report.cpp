@@ -66,6 +66,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       json["stage_s"][stage] = seconds;
     }
     json["total_s"] = report.total_s;
+    json["resumed_frames"] = report.resumed_frames;
     json["frames_per_s"] = report.total_s > 0.0 ? report.frames / report.total_s : 0.0;
   }
   return json.dump(2);
@@ -74,6 +75,9 @@ std::string ToJson(const BuildReport& report, bool with_times) {
 std::string ToText(const BuildReport& r) {
   std::ostringstream text;
   text << Format("  frames       %d of %d used\n", r.frames_used, r.frames) << DroppedText(r);
+  if (r.resumed_frames > 0) {
+    text << Format("  resumed      %d frames need not be looked at again\n", r.resumed_frames);
+  }
   if (r.part_sizes.size() > 1) {
     text << "  gap          the pictures form " << r.part_sizes.size() << " parts that do not connect:";
     for (const int size : r.part_sizes) {

@@ -6,6 +6,7 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "mapbuilder/frame_journal.h"
 #include "mapbuilder/parallel.h"
 
 namespace floorloc {
@@ -58,12 +59,19 @@ std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& sur
   ProgressBar progress("features", static_cast<std::int64_t>(frames.size()), options.progress);
   ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
     BuildFrame& frame = frames[static_cast<std::size_t>(i)];
+    if (options.journal != nullptr && options.journal->Restore(&frame)) {
+      progress.Advance();
+      return;
+    }
     const LoadedSurvey& from = surveys[static_cast<std::size_t>(frame.survey)];
     const CameraModel& camera = from.survey.camera.camera;
     const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame.info), camera.width_px, camera.height_px);
     const GroundImage image = from.rectifier->Rectify(raw);
     frame.features = extractor->Extract(image);
     frame.brightness = MeasureBrightness(image);
+    if (options.journal != nullptr) {
+      options.journal->Store(frame);
+    }
     progress.Advance();
   });
   return frames;

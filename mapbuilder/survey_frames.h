@@ -36,10 +36,13 @@ constexpr int kBrightnessCellPx = 24;
 /// Reads the surveys and builds their rectifiers. All must have one resolution. Throws InputError.
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders);
 
+class FrameJournal;
+
 struct ExtractionOptions {
   ExtractorOptions extractor;
   int threads = 0;  ///< 0: one per core
   ProgressOutput progress;
+  FrameJournal* journal = nullptr;  ///< what an earlier run of the build did, and where this one notes what it does
 };
 
 /// Rectifies every frame of every survey and extracts its features. Throws InputError for a picture that cannot be

@@ -2,8 +2,10 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 
 #include "core/io/input_error.h"
+#include "mapbuilder/build_journal.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/cli/command.h"
@@ -27,6 +29,41 @@ std::vector<std::string> ExtractorNames() {
   return names;
 }
 
+// Size and time of change of an option that is a file.
+std::string StateOfFile(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return "";
+  }
+  return "," + std::to_string(std::filesystem::file_size(file, error)) + "," +
+         std::to_string(std::filesystem::last_write_time(file, error).time_since_epoch().count());
+}
+
+// All options but those that do not change the map: a journal serves the build that it was made for.
+std::string FingerprintOf(const CLI::App& command) {
+  std::string fingerprint;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (name != "--resume" && name != "--threads" && name != "--json") {
+      for (const std::string& value : option->results()) {
+        fingerprint += name + "=" + value + StateOfFile(value) + "\n";
+      }
+    }
+  }
+  return fingerprint;
+}
+
+BuildReport BuildOrSayHowToResume(const BuildOptions& options) {
+  try {
+    return BuildMap(options);
+  } catch (const std::exception& error) {
+    if (std::filesystem::exists(BuildJournal::FileFor(options.out))) {
+      throw std::runtime_error(std::string(error.what()) + " (what was finished is kept: go on with --resume)");
+    }
+    throw;
+  }
+}
+
 void Run(Arguments& a) {
   if (a.features != "auto") {
     a.options.extractor.type = ParseExtractorType(a.features);
@@ -39,7 +76,7 @@ void Run(Arguments& a) {
     a.options.placement.prior_sigma_rad = a.poses_sigma[1];
   }
   a.options.progress = ProgressOutput::Stderr();
-  const BuildReport report = BuildMap(a.options);
+  const BuildReport report = BuildOrSayHowToResume(a.options);
   if (a.json) {
     std::cout << ToJson(report, true) << "\n";
   } else {
@@ -74,8 +111,12 @@ void AddBuildCommand(CLI::App& app) {
                       "Metres per pixel of the mosaic (default: survey's)");
   command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();
   command->add_option("--seed", a->options.seed, "Of all random choices")->capture_default_str();
+  command->add_flag("--resume", a->options.resume, "Go on where a killed build of this map stopped");
   command->add_flag("--json", a->json, "Print the report as JSON");
-  command->callback([a] { Run(*a); });
+  command->callback([a, command] {
+    a->options.fingerprint = FingerprintOf(*command);
+    Run(*a);
+  });
 }
 
 }  // namespace floorloc

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "core/map/content_hash.h"
+#include "mapbuilder/build_journal.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+/// Adds what identifies this program: pieces made by another build of it are not used.
+ContentHash& AddProgram(ContentHash* hash);
+/// Adds a file's path, size and time of change.
+ContentHash& AddFile(const std::filesystem::path& file, ContentHash* hash);
+
+/// What was found in the pictures, kept in the journal of a build. Thread-safe.
+class FrameJournal {
+ public:
+  /// Refers to the journal and the surveys.
+  FrameJournal(BuildJournal* journal, const std::vector<LoadedSurvey>& surveys, const ExtractorOptions& extractor);
+
+  /// Fills in what extraction would; false when the journal does not have it.
+  bool Restore(BuildFrame* frame);
+  void Store(const BuildFrame& frame);
+  int restored() const { return restored_; }
+
+ private:
+  std::string KeyOf(const BuildFrame& frame) const;
+
+  BuildJournal* journal_;
+  const std::vector<LoadedSurvey>& surveys_;
+  std::vector<std::string> survey_keys_;
+  std::atomic<int> restored_ = 0;
+};
+
+}  // namespace floorloc

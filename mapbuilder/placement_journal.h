@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mapbuilder/build_journal.h"
+#include "mapbuilder/place_frames.h"
+
+namespace floorloc {
+
+/// Stands for all that a placement depends on. fingerprint: names the options. poses: known from another system.
+std::string PlacementKey(const std::vector<LoadedSurvey>& surveys, const std::string& fingerprint,
+                         const Trajectory& poses);
+
+/// The placement that an earlier run of the build finished under this key.
+std::optional<Placement> RestorePlacement(const std::string& key, BuildJournal* journal);
+/// Synced at once: it is much work in one piece.
+void StorePlacement(const Placement& placement, const std::string& key, BuildJournal* journal);
+
+}  // namespace floorloc
