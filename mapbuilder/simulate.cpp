@@ -7,7 +7,6 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "core/io/camera_yaml.h"
@@ -17,6 +16,7 @@
 #include "mapbuilder/camera_renderer.h"
 #include "mapbuilder/floor_wear.h"
 #include "mapbuilder/parallel.h"
+#include "mapbuilder/pending_folder.h"
 #include "mapbuilder/simulated_noise.h"
 
 namespace floorloc {
@@ -28,43 +28,6 @@ using Clock = std::chrono::steady_clock;
 enum SeedStream : std::uint64_t { kPathSeed = 1, kConditionSeed = 2, kWearSeed = 3 };
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-// A folder that is filled under another name and gets its own when it is complete.
-class PendingFolder {
- public:
-  explicit PendingFolder(const fs::path& target) : target_(target), pending_(target) {
-    std::error_code error;
-    if (fs::exists(target_) && !(fs::is_directory(target_) && fs::is_empty(target_, error) && !error)) {
-      throw InputError(target_, "is there already and not an empty folder; choose another --out or remove it");
-    }
-    pending_ += ".partial";
-    fs::remove_all(pending_, error);
-    fs::create_directories(pending_ / "images", error);
-    if (error) {
-      throw InputError(pending_, "cannot be created (" + error.message() + "); check the path and its permissions");
-    }
-  }
-  ~PendingFolder() {
-    std::error_code ignored;
-    fs::remove_all(pending_, ignored);
-  }
-  PendingFolder(const PendingFolder&) = delete;
-  PendingFolder& operator=(const PendingFolder&) = delete;
-
-  const fs::path& path() const { return pending_; }
-
-  void Complete() {
-    std::error_code error;
-    fs::rename(pending_, target_, error);  // replaces an empty folder
-    if (error) {
-      throw InputError(target_, "cannot be created (" + error.message() + "); check the path and its permissions");
-    }
-  }
-
- private:
-  fs::path target_;
-  fs::path pending_;
-};
 
 std::string ImageName(std::size_t index) {
   std::string digits = std::to_string(index);
@@ -144,6 +107,7 @@ SimulationResult Simulate(const SimulateOptions& options) {
   const SimulatedPath path = PlanPath(path_options);
   SimulationResult result = Summarize(path);
   PendingFolder folder(options.out);
+  fs::create_directory(folder.path() / "images");
 
   const Clock::time_point floor_start = Clock::now();
   FloorTexture floor = MakeFloorTexture(options.floor);

@@ -11,13 +11,17 @@
 #include "core/io/trajectory.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/export_geotiff.h"
 #include "mapbuilder/export_mosaic.h"
+#include "mapbuilder/export_nav2.h"
+#include "mapbuilder/export_pose_graph.h"
+#include "mapbuilder/export_tiles.h"
 
 namespace floorloc {
 namespace {
 
 struct Arguments {
-  std::filesystem::path map, mosaic, poses;
+  std::filesystem::path map, mosaic, nav2, tiles, geotiff, poses, g2o;
   double resolution_m = 0.0;
   bool worldfile = false;
 };
@@ -65,29 +69,62 @@ void ExportPoses(const std::filesystem::path& file, const MapDatabase& map) {
   std::printf("%s: %zu poses\n", file.c_str(), poses.size());
 }
 
+void ExportNav2(const Arguments& a, const MapDatabase& map) {
+  constexpr double kUsualCellM = 0.05;
+  const OccupancyGrid grid = MakeOccupancyGrid(map, a.resolution_m > 0.0 ? a.resolution_m : kUsualCellM);
+  WriteNav2Map(grid, a.nav2);
+  std::printf("%s: %d x %d cells of %.3f m\n", a.nav2.c_str(), grid.cells.cols, grid.cells.rows, grid.resolution_m);
+}
+
 void Run(const Arguments& a) {
-  if (a.mosaic.empty() && a.poses.empty()) {
-    throw InputError("nothing to export; give --mosaic FILE or --poses FILE");
+  if (a.mosaic.empty() && a.nav2.empty() && a.tiles.empty() && a.geotiff.empty() && a.poses.empty() && a.g2o.empty()) {
+    throw InputError("nothing to export; give --mosaic, --geotiff, --tiles, --nav2, --poses or --g2o");
   }
   const MapDatabase map(a.map);
   if (!a.mosaic.empty()) {
     ExportPicture(a, map);
   }
+  if (!a.geotiff.empty()) {
+    const GeoTiffSummary picture = ExportGeoTiff(map, a.resolution_m, a.geotiff);
+    std::printf("%s: %lld x %lld pixels of %.3f mm\n", a.geotiff.c_str(), static_cast<long long>(picture.width_px),
+                static_cast<long long>(picture.height_px), 1e3 * picture.resolution_m);
+  }
+  if (!a.tiles.empty()) {
+    std::printf("%s: %lld tiles\n", a.tiles.c_str(), static_cast<long long>(ExportTiles(map, a.tiles)));
+  }
+  if (!a.nav2.empty()) {
+    ExportNav2(a, map);
+  }
   if (!a.poses.empty()) {
     ExportPoses(a.poses, map);
+  }
+  if (!a.g2o.empty()) {
+    const std::vector<MapFrame> frames = map.ReadFrames();
+    const std::vector<MapLink> links = map.ReadLinks();
+    WriteFileAtomically(a.g2o, FormatG2o(frames, links));
+    std::printf("%s: %zu poses, %zu links\n", a.g2o.c_str(), frames.size(), links.size());
   }
 }
 
 }  // namespace
 
 void AddExportCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("export", "Writes a map's mosaic or frame poses to common formats");
+  CLI::App* command = app.add_subcommand("export", "Writes a map's mosaic, poses and links to common formats");
   const auto a = std::make_shared<Arguments>();
   command->add_option("map", a->map, "Map file")->required();
   command->add_option("--mosaic", a->mosaic, "Picture to write (.png or .jpg)");
-  command->add_option("--resolution", a->resolution_m, "Metres per pixel of the picture (default: the map's)");
+  command->add_option("--geotiff", a->geotiff, "GeoTIFF of the mosaic, of any size (.tif)");
+  command->add_option("--tiles", a->tiles, "Folder for the mosaic's tiles, z/x/y.jpg");
+  command->add_option("--nav2", a->nav2,
+                      "Map for ROS map servers (.yaml, with a .pgm beside it): surveyed floor is free");
+  command
+      ->add_option("--resolution", a->resolution_m,
+                   "Metres per pixel (default: the map's, --nav2: 0.05); a GeoTIFF takes the next finer of the\n"
+                   "map's levels")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--worldfile", a->worldfile, "Write a world file beside the picture");
   command->add_option("--poses", a->poses, "Poses of the survey frames (TUM)");
+  command->add_option("--g2o", a->g2o, "Pose graph of the survey frames (g2o)");
   command->callback([a] { Run(*a); });
 }
 

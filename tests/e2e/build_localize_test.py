@@ -110,6 +110,43 @@ class MainJob(Recorded):
         for stamp, pose in poses.items():
             self.assertLess(math.dist(pose[:2], truth[stamp][:2]), 2e-3, stamp)
 
+    def test_export_writes_the_formats_of_other_tools(self):
+        out = self.folder
+        run_ok("export", self.map, "--geotiff", out / "map.tif", "--tiles", out / "tiles", "--nav2", out / "map.yaml",
+               "--g2o", out / "map.g2o")
+        info = json.loads(run_ok("info", self.map, "--json"))
+        self.assertEqual((out / "map.tif").read_bytes()[:4], b"II*\0")
+        tiles = json.loads((out / "tiles" / "metadata.json").read_text())
+        self.assertEqual(tiles["version"], info["version"])
+        for level in tiles["levels"]:
+            pictures = list((out / "tiles" / str(level["z"])).glob("*/*.jpg"))
+            self.assertTrue(pictures)
+            for picture in pictures:
+                self.assertEqual(picture.read_bytes()[:2], b"\xff\xd8")
+                self.assertLess(int(picture.parent.name) * level["tile_m"], tiles["extent"][2])
+                self.assertGreater((int(picture.stem) + 1) * level["tile_m"], tiles["extent"][1])
+        magic, size, depth, cells = (out / "map.pgm").read_bytes().split(b"\n", 3)
+        width, height = map(int, size.split())
+        self.assertEqual((magic, depth, len(cells)), (b"P5", b"255", width * height))
+        self.assertAlmostEqual(cells.count(254) * 0.05 ** 2, info["area_m2"], delta=0.15)
+        lines = [line.split() for line in (out / "map.g2o").read_text().splitlines()]
+        vertices = {int(line[1]): [float(v) for v in line[2:]] for line in lines if line[0] == "VERTEX_SE2"}
+        edges = [line for line in lines if line[0] == "EDGE_SE2"]
+        self.assertEqual(len(vertices), 28)
+        self.assertGreater(len(edges), 40)
+        for edge in edges:
+            x1, y1, yaw = vertices[int(edge[1])]
+            x2, y2, _ = vertices[int(edge[2])]
+            x, y = float(edge[3]), float(edge[4])
+            seen = (x1 + math.cos(yaw) * x - math.sin(yaw) * y, y1 + math.sin(yaw) * x + math.cos(yaw) * y)
+            self.assertLess(math.dist(seen, (x2, y2)), 5e-3)
+        # A second export replaces files, not folders.
+        run_ok("export", self.map, "--nav2", out / "map.yaml", "--resolution", "0.1")
+        self.assertIn("resolution: 0.1\n", (out / "map.yaml").read_text())
+        refused = run("export", self.map, "--tiles", out / "tiles")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("not an empty folder", refused.stderr)
+
     def localize(self, prior):
         out = self.folder / "estimate.tum"
         results = self.folder / "results.jsonl"

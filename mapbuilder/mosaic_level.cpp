@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/mosaic_level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+
+namespace floorloc {
+
+RectM MosaicLevel::Extent() const {
+  const double side_m = layout.TileSide(zoom);
+  return {min_x * side_m, (max_x + 1) * side_m, min_y * side_m, (max_y + 1) * side_m};
+}
+
+MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m) {
+  MosaicLevel level;
+  level.layout = map.ReadMosaicLayout();
+  const double wanted_m = resolution_m > 0.0 ? resolution_m : level.layout.resolution_m;
+  const double halvings = std::log2(wanted_m / level.layout.resolution_m);
+  level.zoom =
+      std::clamp(level.layout.max_zoom - static_cast<int>(std::floor(halvings + 1e-9)), 0, level.layout.max_zoom);
+  level.tiles = map.ListMosaicTiles(level.zoom);
+  if (level.tiles.empty()) {
+    throw MapError("the map has no mosaic; build it again");
+  }
+  const auto [west, east] = std::minmax_element(level.tiles.begin(), level.tiles.end(),
+                                                [](const TileId& a, const TileId& b) { return a.x < b.x; });
+  const auto [south, north] = std::minmax_element(level.tiles.begin(), level.tiles.end(),
+                                                  [](const TileId& a, const TileId& b) { return a.y < b.y; });
+  level.min_x = west->x;
+  level.max_x = east->x;
+  level.min_y = south->y;
+  level.max_y = north->y;
+  return level;
+}
+
+cv::Mat ReadMosaicPicture(const MapDatabase& map, const MosaicLevel& level, const TileId& tile) {
+  const auto jpeg = map.ReadMosaicTile(tile);
+  const cv::Mat picture = jpeg ? cv::imdecode(*jpeg, cv::IMREAD_COLOR) : cv::Mat();
+  if (picture.cols != level.layout.tile_px || picture.rows != level.layout.tile_px) {
+    throw MapError("a mosaic tile is damaged; restore the map from a copy or build it again");
+  }
+  return picture;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/map/map_database.h"
+
+namespace floorloc {
+
+/// One level of a map's mosaic: its tiles and the rectangle of whole tiles they lie in.
+struct MosaicLevel {
+  MosaicLayout layout;
+  int zoom = 0;
+  std::vector<TileId> tiles;
+  int min_x = 0, max_x = 0;  ///< of the tiles, inclusive
+  int min_y = 0, max_y = 0;
+
+  int columns() const { return max_x - min_x + 1; }
+  int rows() const { return max_y - min_y + 1; }
+  double resolution_m() const { return layout.TileSide(zoom) / layout.tile_px; }
+  /// Outer edges, map frame.
+  RectM Extent() const;
+  /// Place of a tile in a picture of the whole level; row 0 is at y_max.
+  cv::Point Corner(const TileId& tile) const {
+    return {(tile.x - min_x) * layout.tile_px, (max_y - tile.y) * layout.tile_px};
+  }
+};
+
+/// The coarsest level that is at least as fine as asked for (0: the finest). Throws MapError when the map has no
+/// mosaic.
+MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m);
+
+/// CV_8UC3. Throws MapError when it is damaged.
+cv::Mat ReadMosaicPicture(const MapDatabase& map, const MosaicLevel& level, const TileId& tile);
+
+}  // namespace floorloc
