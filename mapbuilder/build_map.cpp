@@ -14,6 +14,8 @@
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage.h"
 #include "mapbuilder/frame_journal.h"
+#include "mapbuilder/frame_screening.h"
+#include "mapbuilder/odometry_agreement.h"
 #include "mapbuilder/placement_journal.h"
 
 namespace floorloc {
@@ -99,7 +101,7 @@ MapInfo MakeInfo(const BuildOptions& options, const std::vector<LoadedSurvey>& s
 
 void FillReport(const Placement& placement, const std::vector<BuildFrame>& frames, const CoverageGrid& coverage,
                 BuildReport* report) {
-  report->frames = static_cast<int>(frames.size());
+  report->frames = static_cast<int>(frames.size() + report->dropped.size());  // with those the screening left out
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (placement.map_from_base[i]) {
       ++report->frames_used;
@@ -161,6 +163,16 @@ Placement PlaceFramesOnce(const std::vector<BuildFrame>& frames, const std::vect
   return placement;
 }
 
+void Screen(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& registration,
+            std::vector<BuildFrame>* frames, BuildReport* report) {
+  Screening screening = ScreenFrames(surveys, registration, frames);
+  report->dropped = std::move(screening.dropped);
+  report->warnings = std::move(screening.warnings);
+  for (std::string& warning : CheckOdometry(*frames, *surveys, registration)) {
+    report->warnings.push_back(std::move(warning));
+  }
+}
+
 // The stages' options with what all of them share filled in.
 BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys) {
   options.placement.registration.threads = options.threads;
@@ -185,16 +197,17 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
 BuildReport BuildMap(const BuildOptions& requested) {
   BuildReport report;
   StageClock clock(&report);
-  const std::vector<LoadedSurvey> surveys = LoadSurveys(requested.surveys);
+  std::vector<LoadedSurvey> surveys = LoadSurveys(requested.surveys, BadFrames::kLeaveOut);
   const BuildOptions options = WithSharedOptions(requested, surveys);
   MapWriter writer(options.out);  // first: an output that can't be written is known before the work
 
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.progress.stream);
 
   FrameJournal frame_journal(&journal, surveys, options.extractor);
-  std::vector<BuildFrame> frames =
-      ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress, &frame_journal});
+  std::vector<BuildFrame> frames = ExtractSurveyFrames(
+      surveys, {options.extractor, options.threads, options.progress, &frame_journal, BadFrames::kLeaveOut});
   report.resumed_frames = frame_journal.restored();
+  Screen(&surveys, options.placement.registration, &frames, &report);
   AttachPoses(options.poses, &frames);
   clock.Finish("features");
 

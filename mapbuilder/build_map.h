@@ -37,6 +37,7 @@ struct BuildReport {
   int frames = 0;
   int frames_used = 0;
   std::vector<std::pair<std::string, std::string>> dropped;  ///< file name, reason
+  std::vector<std::string> warnings;                         ///< sentences about what is not as it should be
   std::vector<int> part_sizes;                               ///< largest first; more than one: the survey has gaps
   bool kept_all = false;                                     ///< all parts are in the map
   int links = 0;

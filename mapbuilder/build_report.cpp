@@ -40,6 +40,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
   nlohmann::ordered_json json{{"frames", report.frames},
                               {"frames_used", report.frames_used},
                               {"dropped", nlohmann::json::array()},
+                              {"warnings", report.warnings},
                               {"parts", report.part_sizes},
                               {"links", report.links},
                               {"rejected_links", report.rejected_links},
@@ -94,6 +95,9 @@ std::string ToText(const BuildReport& r) {
         "  WARNING      %d of %d pairs of frames that should show the same floor do not match: look at the "
         "mosaic before you trust this map\n",
         r.unmatched_pairs, r.overlapping_pairs);
+  }
+  for (const std::string& warning : r.warnings) {
+    text << "  WARNING      " << warning << "\n";
   }
   if (r.drift_m > 0.0) {
     text << Format("  drift        odometry strayed by up to %.1f cm and %.1f degrees; removed\n", 1e2 * r.drift_m,

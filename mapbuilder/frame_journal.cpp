@@ -71,18 +71,21 @@ bool FrameJournal::Restore(BuildFrame* frame) {
   reader.Read(&features.keypoints);
   reader.Read(&features.descriptors);
   reader.Read(&brightness);
+  PictureQuality quality;
+  reader.Read(&quality);
   if (!reader.Complete()) {
     return false;
   }
   frame->features = std::move(features);
   frame->brightness = brightness;
+  frame->quality = quality;
   ++restored_;
   return true;
 }
 
 void FrameJournal::Store(const BuildFrame& frame) {
   ByteWriter writer;
-  writer.Add(frame.features.keypoints).Add(frame.features.descriptors).Add(frame.brightness);
+  writer.Add(frame.features.keypoints).Add(frame.features.descriptors).Add(frame.brightness).Add(frame.quality);
   journal_->Put(KeyOf(frame), writer.Take());
 }
 

@@ -25,12 +25,21 @@ cv::Mat MeasureBrightness(const GroundImage& image) {
   return brightness;
 }
 
+void Extract(const LoadedSurvey& from, const FeatureExtractor& extractor, BuildFrame* frame) {
+  const CameraModel& camera = from.survey.camera.camera;
+  const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame->info), camera.width_px, camera.height_px);
+  const GroundImage image = from.rectifier->Rectify(raw);
+  frame->features = extractor.Extract(image);
+  frame->brightness = MeasureBrightness(image);
+  frame->quality = MeasureQuality(image);
+}
+
 }  // namespace
 
-std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders) {
+std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFrames bad_frames) {
   std::vector<LoadedSurvey> surveys;
   for (const std::filesystem::path& folder : folders) {
-    LoadedSurvey loaded{ReadSurvey(folder), nullptr};
+    LoadedSurvey loaded{ReadSurvey(folder, bad_frames), nullptr};
     loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera);
     const double resolution_m = loaded.survey.camera.floor.resolution_m;
     if (!surveys.empty() && std::abs(surveys.front().survey.camera.floor.resolution_m - resolution_m) > 1e-9) {
@@ -63,14 +72,16 @@ std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& sur
       progress.Advance();
       return;
     }
-    const LoadedSurvey& from = surveys[static_cast<std::size_t>(frame.survey)];
-    const CameraModel& camera = from.survey.camera.camera;
-    const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame.info), camera.width_px, camera.height_px);
-    const GroundImage image = from.rectifier->Rectify(raw);
-    frame.features = extractor->Extract(image);
-    frame.brightness = MeasureBrightness(image);
-    if (options.journal != nullptr) {
-      options.journal->Store(frame);
+    try {
+      Extract(surveys[static_cast<std::size_t>(frame.survey)], *extractor, &frame);
+      if (options.journal != nullptr) {
+        options.journal->Store(frame);
+      }
+    } catch (const InputError& error) {
+      if (options.bad_frames == BadFrames::kRefuse) {
+        throw;
+      }
+      frame.unreadable = error.what();
     }
     progress.Advance();
   });

@@ -4,12 +4,14 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/geometry/pose2.h"
 #include "core/io/survey.h"
 #include "core/vision/feature_extractor.h"
 #include "core/vision/rectifier.h"
+#include "mapbuilder/picture_quality.h"
 #include "mapbuilder/progress.h"
 
 namespace floorloc {
@@ -24,8 +26,10 @@ struct LoadedSurvey {
 struct BuildFrame {
   int survey = 0;  ///< index of its survey
   SurveyFrame info;
-  Features features;                         ///< base frame
-  cv::Mat brightness;                        ///< CV_32F, mean grey of coarse cells of the rectified picture; 0: unseen
+  Features features;   ///< base frame
+  cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified picture; 0: unseen
+  PictureQuality quality;
+  std::string unreadable;                    ///< why the picture can't be used; empty: it can
   std::optional<Pose2> odom_from_base;       ///< when the survey has odometry at the frame's time
   std::optional<Pose2> prior_map_from_base;  ///< a pose known from another system
 };
@@ -34,7 +38,8 @@ struct BuildFrame {
 constexpr int kBrightnessCellPx = 24;
 
 /// Reads the surveys and builds their rectifiers. All must have one resolution. Throws InputError.
-std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders);
+std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders,
+                                      BadFrames bad_frames = BadFrames::kRefuse);
 
 class FrameJournal;
 
@@ -43,10 +48,11 @@ struct ExtractionOptions {
   int threads = 0;  ///< 0: one per core
   ProgressOutput progress;
   FrameJournal* journal = nullptr;  ///< what an earlier run of the build did, and where this one notes what it does
+  BadFrames bad_frames = BadFrames::kRefuse;  ///< kLeaveOut: BuildFrame::unreadable instead of an error
 };
 
-/// Rectifies every frame of every survey and extracts its features. Throws InputError for a picture that cannot be
-/// used.
+/// Rectifies every frame of every survey and extracts its features. Throws InputError for a picture that can't be
+/// used, unless the options say otherwise.
 std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& surveys, const ExtractionOptions& options);
 
 }  // namespace floorloc

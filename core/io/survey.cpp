@@ -67,27 +67,62 @@ int LineOf(const std::string& filename, const std::string& frames_csv) {
   return 1;
 }
 
-std::vector<SurveyFrame> ReadFrames(const fs::path& folder) {
-  const fs::path file = folder / "frames.csv";
-  if (!Exists(file)) {
-    return ListPictures(folder);
+void SortByTime(Survey* survey) {
+  const auto earlier = [](const SurveyFrame& a, const SurveyFrame& b) { return a.stamp_ns < b.stamp_ns; };
+  for (std::size_t i = 1; i < survey->frames.size(); ++i) {
+    survey->rows_out_of_order += earlier(survey->frames[i], survey->frames[i - 1]) ? 1 : 0;
   }
-  const std::string text = ReadTextFile(file);
-  std::vector<SurveyFrame> frames = ParseFramesCsv(text, file);
-  for (const SurveyFrame& frame : frames) {
-    if (!IsFile(folder / frame.filename)) {
-      throw InputError(file, LineOf(frame.filename, text),
-                       "the picture " + (folder / frame.filename).string() + " is missing; add it or delete the row");
-    }
-  }
-  return frames;
+  std::stable_sort(survey->frames.begin(), survey->frames.end(), earlier);
 }
 
-std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const std::vector<SurveyFrame>& frames) {
+// Keeps the rows that can be used; the reasons of the others go to left_out.
+void LeaveOutBadFrames(Survey* survey) {
+  SortByTime(survey);
+  std::vector<SurveyFrame> kept;
+  for (SurveyFrame& frame : survey->frames) {
+    if (!IsFile(survey->ImagePath(frame))) {
+      survey->left_out.push_back({frame.filename, "picture is missing"});
+    } else if (!kept.empty() && kept.back().stamp_ns == frame.stamp_ns) {
+      survey->left_out.push_back({frame.filename, "time stamp is that of another frame"});
+    } else {
+      kept.push_back(std::move(frame));
+    }
+  }
+  survey->frames = std::move(kept);
+}
+
+void ReadFrames(BadFrames bad_frames, Survey* survey) {
+  const fs::path file = survey->folder / "frames.csv";
+  if (!Exists(file)) {
+    survey->frames = ListPictures(survey->folder);
+    return;
+  }
+  const std::string text = ReadTextFile(file);
+  survey->frames = ParseFramesCsv(text, file, bad_frames);
+  if (bad_frames == BadFrames::kLeaveOut) {
+    LeaveOutBadFrames(survey);
+    if (survey->frames.empty()) {
+      throw InputError(file, "none of the listed pictures is there; copy them to " + survey->folder.string());
+    }
+    return;
+  }
+  for (const SurveyFrame& frame : survey->frames) {
+    const fs::path picture = survey->ImagePath(frame);
+    if (!IsFile(picture)) {
+      throw InputError(file, LineOf(frame.filename, text),
+                       "the picture " + picture.string() + " is missing; add it or delete the row");
+    }
+  }
+}
+
+std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const Survey& survey) {
   const std::string text = ReadTextFile(file);
   std::vector<ControlPoint> points = ParseControlPointsCsv(text, file);
   std::unordered_set<std::string> known;
-  for (const SurveyFrame& frame : frames) {
+  for (const SurveyFrame& frame : survey.frames) {
+    known.insert(frame.filename);
+  }
+  for (const LeftOutFrame& frame : survey.left_out) {
     known.insert(frame.filename);
   }
   const std::vector<TextLine> lines = ContentLines(text);
@@ -103,7 +138,7 @@ std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const std::vec
 
 }  // namespace
 
-Survey ReadSurvey(const std::filesystem::path& folder) {
+Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {
     throw InputError(folder, "is no folder; name a folder with camera.yaml, floor.yaml and frames.csv");
@@ -111,7 +146,7 @@ Survey ReadSurvey(const std::filesystem::path& folder) {
   Survey survey;
   survey.folder = folder;
   survey.camera = ReadFloorCamera(folder);
-  survey.frames = ReadFrames(folder);
+  ReadFrames(bad_frames, &survey);
   if (const fs::path file = folder / "odometry.tum"; Exists(file)) {
     survey.odometry = ReadTum(file);
   }
@@ -122,7 +157,7 @@ Survey ReadSurvey(const std::filesystem::path& folder) {
     survey.imu = ParseImuCsv(ReadTextFile(file), file);
   }
   if (const fs::path file = folder / "control_points.csv"; Exists(file)) {
-    survey.control_points = ReadControlPoints(file, survey.frames);
+    survey.control_points = ReadControlPoints(file, survey);
   }
   return survey;
 }

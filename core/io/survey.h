@@ -31,13 +31,28 @@ struct ControlPoint {
   Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
 };
 
+/// What to do about rows of frames.csv that can't be used as they are: disordered or repeated time stamps, pictures
+/// that are missing.
+enum class BadFrames {
+  kRefuse,    ///< InputError names the first one
+  kLeaveOut,  ///< rows are sorted by time, what can't be used is listed in Survey::left_out
+};
+
+/// A row of frames.csv that is not used.
+struct LeftOutFrame {
+  std::string filename;
+  std::string reason;
+};
+
 /// A survey folder, parsed and checked (images are only looked for, not read).
 struct Survey {
   std::filesystem::path folder;
   FloorCamera camera;
-  std::vector<SurveyFrame> frames;  ///< in the order of the file
-  Trajectory odometry;              ///< odom_from_base; empty when the folder has none
-  Trajectory ground_truth;          ///< map_from_base; empty when the folder has none
+  std::vector<SurveyFrame> frames;  ///< strictly increasing in time
+  std::vector<LeftOutFrame> left_out;
+  int rows_out_of_order = 0;  ///< rows of frames.csv that are earlier than the one before
+  Trajectory odometry;        ///< odom_from_base; empty when the folder has none
+  Trajectory ground_truth;    ///< map_from_base; empty when the folder has none
   std::vector<ImuSample> imu;
   std::vector<ControlPoint> control_points;
 
@@ -46,9 +61,11 @@ struct Survey {
 
 /// Reads a folder in the survey format. A folder without frames.csv but with images/ is read too: the frames are the
 /// pictures in alphabetical order, one second apart. Throws InputError that names file, line and reason.
-Survey ReadSurvey(const std::filesystem::path& folder);
+Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames = BadFrames::kRefuse);
 
-std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source);
+/// The rows in the order of the file. kLeaveOut: time stamps need not increase.
+std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
+                                        BadFrames bad_frames = BadFrames::kRefuse);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
 

@@ -80,7 +80,8 @@ void CheckInsideFolder(const std::string& filename, int line, const std::filesys
 
 }  // namespace
 
-std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source) {
+std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
+                                        BadFrames bad_frames) {
   const std::string columns = "timestamp,filename";
   std::vector<SurveyFrame> frames;
   std::unordered_set<std::string> seen;
@@ -94,7 +95,7 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
     }
     SurveyFrame frame{*stamp_ns, std::string(fields[1])};
     CheckInsideFolder(frame.filename, line.number, source);
-    if (!frames.empty()) {
+    if (!frames.empty() && bad_frames == BadFrames::kRefuse) {
       CheckLater(frame.stamp_ns, frames.back().stamp_ns, line.number, source);
     }
     if (!seen.insert(frame.filename).second) {

@@ -83,7 +83,7 @@ TEST_P(KeypointTracksTest, FewViewsAreLeftOutOnDemand) {
 TEST_P(KeypointTracksTest, OldMapPointsAreJoined) {
   FloorPoints floor(200, GetParam(), 5);
   const Pose2 pose(0.3, 0.5, 0.4);
-  const MapKeypoints old{floor.points, std::vector<std::uint16_t>(200, 3), floor.descriptors};
+  const MapKeypoints old{floor.points, std::vector<std::uint16_t>(200, 3), floor.descriptors, {}, {}};
   const BuildFrame frame = floor.See(pose, 1e-4);
   const std::vector<KeypointTrack> tracks = FindTracks({frame}, {pose}, {}, old);
   ASSERT_EQ(tracks.size(), old.size()) << "no new ones";

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/frame_screening.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <unordered_map>
+
+#include "core/io/input_error.h"
+#include "mapbuilder/standstill.h"
+
+namespace floorloc {
+namespace {
+
+// A survey with a larger share of broken pictures was not copied whole.
+constexpr double kMaxUnreadableShare = 0.05;
+
+// Fewer keypoints than this never register.
+constexpr std::size_t kMinKeypoints = 12;
+
+// A picture whose brighter parts stay below this grey value shows noise.
+constexpr float kMinBrightLevel = 12.0F;
+constexpr float kMaxClippedShare = 0.5F;
+
+// Sharpness below this share of that before and after means blur: on one floor it varies by about a fifth, and only
+// blur of several pixels halves it. Up to there pictures still register.
+constexpr float kMinRelativeSharpness = 0.5F;
+constexpr std::size_t kSharpnessNeighbours = 5;
+
+float Median(std::vector<float> values) {
+  if (values.empty()) {
+    return std::numeric_limits<float>::infinity();
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Screener {
+ public:
+  Screener(const std::vector<LoadedSurvey>& surveys, const std::vector<BuildFrame>& frames)
+      : surveys_(surveys), frames_(frames), reason_(frames.size()) {}
+
+  void FindUnreadable();
+  void FindBadlyExposed();
+  void FindRepeatedFiles();
+  void FindBlurred();
+  void FindStandstill(const PairRegistrationOptions& registration);
+  void FindWithoutTexture();
+  Screening Result() const;
+  const std::vector<std::string>& reasons() const { return reason_; }
+
+ private:
+  std::vector<int> Remaining(int survey) const;
+  bool HasControlPoint(int frame) const;
+  void WarnOfLastingBlur(const std::vector<int>& remaining);
+
+  const std::vector<LoadedSurvey>& surveys_;
+  const std::vector<BuildFrame>& frames_;
+  std::vector<std::string> reason_;
+  std::vector<std::string> warnings_;
+};
+
+// Frames of a survey that nothing speaks against so far, in the order of time.
+std::vector<int> Screener::Remaining(int survey) const {
+  std::vector<int> remaining;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (frames_[i].survey == survey && reason_[i].empty()) {
+      remaining.push_back(static_cast<int>(i));
+    }
+  }
+  return remaining;
+}
+
+bool Screener::HasControlPoint(int frame) const {
+  const BuildFrame& f = frames_[static_cast<std::size_t>(frame)];
+  const auto& points = surveys_[static_cast<std::size_t>(f.survey)].survey.control_points;
+  return std::any_of(points.begin(), points.end(),
+                     [&](const ControlPoint& point) { return point.filename == f.info.filename; });
+}
+
+void Screener::FindUnreadable() {
+  std::size_t count = 0;
+  std::string first;
+  for (const LoadedSurvey& loaded : surveys_) {
+    count += loaded.survey.left_out.size();
+    for (const LeftOutFrame& frame : loaded.survey.left_out) {
+      first = first.empty() ? (loaded.survey.folder / frame.filename).string() + ": the " + frame.reason : first;
+    }
+  }
+  const std::size_t listed = frames_.size() + count;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const BuildFrame& frame = frames_[i];
+    if (!frame.unreadable.empty()) {
+      const Survey& survey = surveys_[static_cast<std::size_t>(frame.survey)].survey;
+      const std::string path = survey.ImagePath(frame.info).string() + ": ";
+      reason_[i] = frame.unreadable.starts_with(path) ? frame.unreadable.substr(path.size()) : frame.unreadable;
+      first = first.empty() ? frame.unreadable : first;
+      ++count;
+    }
+  }
+  const double limit = std::max(1.0, kMaxUnreadableShare * static_cast<double>(listed));
+  if (static_cast<double>(count) > limit || count == listed) {
+    throw InputError(first + " (" + std::to_string(count) + " of " + std::to_string(listed) +
+                     " frames can't be used like this one; up to 5 % would have been left out)");
+  }
+}
+
+void Screener::FindBadlyExposed() {
+  std::vector<float> keypoints;
+  for (const BuildFrame& frame : frames_) {
+    keypoints.push_back(static_cast<float>(frame.features.keypoints.size()));
+  }
+  const float usual_keypoints = Median(keypoints);
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const PictureQuality& quality = frames_[i].quality;
+    const bool few = 2.0F * keypoints[i] < usual_keypoints || frames_[i].features.keypoints.size() < kMinKeypoints;
+    if (!reason_[i].empty()) {
+      continue;
+    }
+    if (quality.bright_level < kMinBrightLevel) {
+      reason_[i] = "too dark";
+    } else if (quality.clipped_share > kMaxClippedShare && few) {
+      reason_[i] = "overexposed";
+    }
+  }
+}
+
+void Screener::FindWithoutTexture() {
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (reason_[i].empty() && frames_[i].features.keypoints.size() < kMinKeypoints) {
+      reason_[i] = "no texture";
+    }
+  }
+}
+
+// The sensor's noise makes every picture unlike all others: equal ones are copies.
+void Screener::FindRepeatedFiles() {
+  std::unordered_map<std::uint64_t, std::size_t> first_with;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!reason_[i].empty()) {
+      continue;
+    }
+    const auto [first, is_new] = first_with.try_emplace(frames_[i].quality.pixel_hash, i);
+    if (!is_new) {
+      reason_[i] = "the same picture as an earlier one";
+    }
+  }
+}
+
+void Screener::FindBlurred() {
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    const std::vector<int> remaining = Remaining(static_cast<int>(s));
+    std::vector<float> sharpness;
+    for (const int i : remaining) {
+      sharpness.push_back(frames_[static_cast<std::size_t>(i)].quality.sharpness);
+    }
+    for (std::size_t k = 0; k < remaining.size(); ++k) {
+      // Where the floor itself changes, one side is like this frame.
+      const auto at = sharpness.begin() + static_cast<std::ptrdiff_t>(k);
+      const auto reach_before = static_cast<std::ptrdiff_t>(std::min(k, kSharpnessNeighbours));
+      const auto reach_after = static_cast<std::ptrdiff_t>(std::min(remaining.size() - k - 1, kSharpnessNeighbours));
+      const float around = std::min(Median({at - reach_before, at}), Median({at + 1, at + 1 + reach_after}));
+      if (std::isfinite(around) && *at < kMinRelativeSharpness * around) {
+        reason_[static_cast<std::size_t>(remaining[k])] = "blurred";
+      }
+    }
+    WarnOfLastingBlur(Remaining(static_cast<int>(s)));
+  }
+}
+
+// Long stretches of little sharpness may be a smooth floor: they are only named.
+void Screener::WarnOfLastingBlur(const std::vector<int>& remaining) {
+  std::vector<float> sharpness;
+  for (const int i : remaining) {
+    sharpness.push_back(frames_[static_cast<std::size_t>(i)].quality.sharpness);
+  }
+  const float usual = Median(sharpness);
+  std::vector<std::string> files;
+  for (std::size_t k = 0; k < remaining.size(); ++k) {
+    if (sharpness[k] < kMinRelativeSharpness * usual) {
+      files.push_back(frames_[static_cast<std::size_t>(remaining[k])].info.filename);
+    }
+  }
+  if (!files.empty()) {
+    warnings_.push_back(std::to_string(files.size()) + " pictures from " + files.front() + " to " + files.back() +
+                        " are less than half as sharp as the others: blurred, or of a smoother floor; look at them");
+  }
+}
+
+void Screener::FindStandstill(const PairRegistrationOptions& registration) {
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    const FloorPlane& floor = surveys_[s].survey.camera.floor;
+    const StandstillResult still = FindStandingFrames(frames_, Remaining(static_cast<int>(s)), floor.roi, registration);
+    for (const int frame : still.repeated) {
+      if (!HasControlPoint(frame)) {
+        reason_[static_cast<std::size_t>(frame)] = "the robot stood still";
+      }
+    }
+    if (still.moved_by_odometry > 0) {
+      warnings_.push_back(std::to_string(still.moved_by_odometry) +
+                          " pictures repeat the one before although odometry moved on: check whether the camera "
+                          "delivered old pictures");
+    }
+  }
+}
+
+Screening Screener::Result() const {
+  Screening result;
+  result.warnings = warnings_;
+  for (const LoadedSurvey& loaded : surveys_) {
+    const Survey& survey = loaded.survey;
+    for (const LeftOutFrame& frame : survey.left_out) {
+      result.dropped.emplace_back(frame.filename, frame.reason);
+    }
+    if (survey.rows_out_of_order > 0) {
+      result.warnings.push_back((survey.folder / "frames.csv").string() + ": " +
+                                std::to_string(survey.rows_out_of_order) +
+                                " rows are earlier than the row before; the frames were taken in the order of their "
+                                "time stamps");
+    }
+  }
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!reason_[i].empty()) {
+      result.dropped.emplace_back(frames_[i].info.filename, reason_[i]);
+    }
+  }
+  return result;
+}
+
+// Removes the control points of pictures that are not among the frames, and returns how many.
+std::size_t RemoveLostControlPoints(const std::vector<BuildFrame>& frames, std::vector<LoadedSurvey>* surveys) {
+  std::vector<std::set<std::string>> kept(surveys->size());
+  for (const BuildFrame& frame : frames) {
+    kept[static_cast<std::size_t>(frame.survey)].insert(frame.info.filename);
+  }
+  std::size_t lost = 0;
+  for (std::size_t s = 0; s < surveys->size(); ++s) {
+    lost += std::erase_if((*surveys)[s].survey.control_points,
+                          [&](const ControlPoint& point) { return !kept[s].contains(point.filename); });
+  }
+  return lost;
+}
+
+}  // namespace
+
+Screening ScreenFrames(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& registration,
+                       std::vector<BuildFrame>* frames) {
+  Screener screener(*surveys, *frames);
+  screener.FindUnreadable();
+  screener.FindBadlyExposed();
+  screener.FindWithoutTexture();
+  screener.FindRepeatedFiles();
+  screener.FindBlurred();
+  screener.FindStandstill(registration);
+  const std::vector<std::string> reasons = screener.reasons();
+  Screening result = screener.Result();
+
+  std::vector<BuildFrame> kept;
+  for (std::size_t i = 0; i < frames->size(); ++i) {
+    if (reasons[i].empty()) {
+      kept.push_back(std::move((*frames)[i]));
+    }
+  }
+  if (kept.empty()) {
+    throw InputError("no picture of the survey can be used: " + result.dropped.front().first + " is left out (" +
+                     result.dropped.front().second + "), and so are all others; look at the pictures");
+  }
+  *frames = std::move(kept);
+  if (const std::size_t lost = RemoveLostControlPoints(*frames, surveys); lost > 0) {
+    result.warnings.push_back(std::to_string(lost) +
+                              " control points are in pictures that were left out, and not used");
+  }
+  return result;
+}
+
+}  // namespace floorloc

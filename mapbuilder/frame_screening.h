@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+/// What was found wrong with the frames of a build.
+struct Screening {
+  std::vector<std::pair<std::string, std::string>> dropped;  ///< file name, reason
+  std::vector<std::string> warnings;                         ///< sentences
+};
+
+/// Takes frames out that would harm the map or add nothing to it: unreadable, too dark, overexposed, without texture,
+/// much less sharp than the frames around them, repeated while the robot stood still; with them go their control
+/// points. Throws InputError when more than a few pictures can't be read, or no frame is left.
+Screening ScreenFrames(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& registration,
+                       std::vector<BuildFrame>* frames);
+
+}  // namespace floorloc

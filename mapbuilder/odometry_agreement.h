@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+/// One motion between two frames of a survey, as each sees it: first_from_second of the middle of the view, which stays
+/// where it is when a homography is turned, mirrored or scaled about it.
+struct MotionPair {
+  Pose2 by_odometry;
+  Pose2 by_pictures;
+};
+
+/// How motions that pictures measure relate to those that odometry tells. Medians: single wrong motions do not count.
+struct MotionAgreement {
+  int motions = 0;             ///< compared; the rest means nothing when 0
+  double scale = 1.0;          ///< length by pictures over length by odometry
+  double direction_rad = 0.0;  ///< from odometry's direction of motion to the pictures', counter-clockwise
+  double scatter = 0.0;        ///< what is left without scale and direction, share of the motion
+  bool mirrored = false;       ///< pictures turn right where odometry turns left
+};
+
+MotionAgreement CompareMotions(const std::vector<MotionPair>& motions);
+
+/// Registers a sample of frames without help from odometry and compares. Returns warnings. Throws InputError
+/// when scale, direction or handedness of floor.yaml and odometry.tum can't both be right, or when no frame lies within
+/// the time of odometry.tum.
+std::vector<std::string> CheckOdometry(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
+                                       const PairRegistrationOptions& registration);
+
+}  // namespace floorloc
