@@ -8,6 +8,7 @@ namespace floorloc {
 // Each adds one subcommand with its options and a callback that does the work. A callback returns when the work is
 // done and throws (InputError, MapError, std::invalid_argument, ...) when it failed: main prints the sentence.
 void AddBuildCommand(CLI::App& app);
+void AddCalibrateCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);

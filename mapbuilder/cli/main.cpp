@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", FLOORLOC_VERSION);
   floorloc::AddBuildCommand(app);
+  floorloc::AddCalibrateCommand(app);
   floorloc::AddLocalizeCommand(app);
   floorloc::AddInfoCommand(app);
   floorloc::AddVerifyCommand(app);

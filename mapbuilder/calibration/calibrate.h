@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+#include "mapbuilder/calibration/calibration_pictures.h"
+#include "mapbuilder/calibration/camera_calibration.h"
+#include "mapbuilder/calibration/constraint_check.h"
+#include "mapbuilder/calibration/floor_calibration.h"
+#include "mapbuilder/calibration/floor_region.h"
+
+namespace floorloc {
+
+/// A picture of the board on the floor, and where it lies.
+struct FloorPicture {
+  std::filesystem::path file;
+  Pose2 base_from_board;
+};
+
+struct CalibrateOptions {
+  std::filesystem::path images;
+  Board board;
+  double board_thickness_m = 0.0;
+  std::vector<FloorPicture> floor_pictures;  ///< none: camera.yaml only
+  std::string camera_name = "camera";
+  CameraCalibrationOptions camera;
+  FloorRegionOptions region;
+  PictureReadingOptions reading;
+
+  /// Throws std::invalid_argument with what makes no sense.
+  void Check() const;
+};
+
+/// Everything that is known after a calibration.
+struct CalibrationResult {
+  CalibrationPictures pictures;
+  CameraCalibration camera;
+  std::vector<Complaint> warnings;
+  std::optional<FloorCalibration> floor;
+  std::vector<BoardView> floor_views;  ///< of the floor pictures
+  std::optional<FloorPlane> plane;
+};
+
+/// Pictures of a board -> camera and floor. Floor pictures count for the camera too. Throws InputError when the
+/// pictures do not constrain the camera, with what to add.
+CalibrationResult Calibrate(const CalibrateOptions& options);
+
+/// Writes camera.yaml and calibration.json, with floor pictures also floor.yaml and floor_grid.jpg (of the first one).
+/// Makes the folder. Throws InputError.
+void WriteCalibration(const CalibrateOptions& options, const CalibrationResult& result,
+                      const std::filesystem::path& folder);
+
+}  // namespace floorloc

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "mapbuilder/calibration/calibrate.h"
+
+namespace floorloc {
+
+/// The calibration with standard deviations, every picture's reprojection error, warnings and the floor.
+std::string ToJson(const CalibrateOptions& options, const CalibrationResult& result);
+
+/// The same for people: a few lines, and one for each picture that could not be used.
+std::string ToText(const CalibrationResult& result);
+
+}  // namespace floorloc

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "core/geometry/floor_plane.h"
+
+namespace floorloc {
+
+/// Corners of a board in a picture, raw pixels.
+struct SeenAndExpected {
+  std::vector<Eigen::Vector2d> seen_px;
+  std::vector<Eigen::Vector2d> expected_px;
+};
+
+/// A picture of the rectified floor to be looked at: from above, forward up, with a metric grid, and the corners where
+/// they are seen (crosses) and where the board's pose says (circles). raw: CV_8UC3 of the camera's size.
+cv::Mat DrawFloorGrid(const FloorCamera& camera, const cv::Mat& raw, const SeenAndExpected& corners);
+
+}  // namespace floorloc

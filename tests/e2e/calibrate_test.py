@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""calibrate through the real floorloc-mapbuilder: pictures of a board in, files that the rest of the product reads out;
+and everything that can go wrong. Usage: calibrate_test.py MAPBUILDER BOARD_PICTURES"""
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import yaml
+
+BOARD_PICTURES = sys.argv.pop(2)
+
+from builder import run, run_ok  # noqa: E402  (builder takes its argument from sys.argv too)
+
+CHESSBOARD = ["--board", "9x6", "--square", "0.02"]
+CHARUCO = ["--board", "9x6", "--square", "0.025", "--charuco", "DICT_4X4_50", "--marker", "0.018"]
+
+
+def floor_point(floor_yaml, u, v):
+    h = yaml.safe_load(floor_yaml.read_text())["homography"]
+    x, y, w = (h[3 * row] * u + h[3 * row + 1] * v + h[3 * row + 2] for row in range(3))
+    return x / w, y / w
+
+
+class Calibrate(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
+        cls.root = Path(cls.shared.name)
+        for kind in ("chessboard", "charuco", "flat"):
+            (cls.root / kind).mkdir()
+            subprocess.run([BOARD_PICTURES, cls.root / kind, kind], check=True, timeout=120)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.shared.cleanup()
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
+        self.addCleanup(temporary.cleanup)
+        self.out = Path(temporary.name) / "calibrated"
+
+    def floor_options(self, kind):
+        folder = self.root / kind
+        return ["--floor-image", folder / "floor.jpg", "--board-pose", (folder / "board_pose.txt").read_text()]
+
+    def assert_refused(self, *arguments, code=1, says):
+        result = run("calibrate", "--out", self.out, *arguments)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertRegex(result.stderr, says)
+        self.assertFalse((self.out / "camera.yaml").exists())
+        if code == 1:
+            sentence = [line for line in result.stderr.splitlines() if not line.startswith("boards:")]
+            self.assertEqual(len(sentence), 1, result.stderr)
+
+    def assert_like_truth(self, kind, report):
+        truth = yaml.safe_load((self.root / kind / "camera.yaml").read_text())["camera_matrix"]["data"]
+        found = yaml.safe_load((self.out / "camera.yaml").read_text())["camera_matrix"]["data"]
+        for index in (0, 4, 2, 5):
+            self.assertAlmostEqual(found[index], truth[index], delta=1.5)
+        self.assertLess(report["rms_px"], 0.2)
+        for u, v in ((100, 60), (240, 180), (400, 300), (100, 300)):
+            expected = floor_point(self.root / kind / "floor.yaml", u, v)
+            self.assertLess(math.dist(expected, floor_point(self.out / "floor.yaml", u, v)), 0.002)
+
+    def test_chessboard_gives_camera_and_floor(self):
+        report = json.loads(run_ok("calibrate", "--images", self.root / "chessboard", *CHESSBOARD,
+                                   *self.floor_options("chessboard"), "--out", self.out, "--json"))
+        self.assert_like_truth("chessboard", report)
+        self.assertEqual(json.loads((self.out / "calibration.json").read_text()), report)
+        self.assertEqual(len(report["pictures"]), 13)
+        self.assertEqual(report["pictures_used"], 13)
+        self.assertLess(report["floor"]["pictures"][0]["rms_m"], 2e-4)
+        self.assertAlmostEqual(report["floor"]["camera_position_m"][2], 0.4, delta=0.002)
+        self.assertAlmostEqual(report["floor"]["pitch_down_deg"], 60, delta=0.2)
+        self.assertEqual((self.out / "floor_grid.jpg").read_bytes()[:2], b"\xff\xd8")
+
+    def test_the_rest_of_the_product_reads_the_files(self):
+        run_ok("calibrate", "--images", self.root / "chessboard", *CHESSBOARD, *self.floor_options("chessboard"),
+               "--out", self.out)
+        run_ok("simulate", "--texture", "concrete", "--size", "1.2x0.9", "--trajectory", "random", "--frames", "2",
+               "--camera-yaml", self.out / "camera.yaml", "--floor-yaml", self.out / "floor.yaml",
+               "--out", self.out / "survey")
+
+    def test_charuco_gives_camera_and_floor(self):
+        report = json.loads(run_ok("calibrate", "--images", self.root / "charuco", *CHARUCO,
+                                   *self.floor_options("charuco"), "--out", self.out, "--json"))
+        self.assert_like_truth("charuco", report)
+
+    def test_without_floor_picture_there_is_only_a_camera(self):
+        said = run_ok("calibrate", "--images", self.root / "chessboard", *CHESSBOARD, "--out", self.out)
+        self.assertIn("floor.yaml is not written", said)
+        self.assertTrue((self.out / "camera.yaml").exists())
+        self.assertFalse((self.out / "floor.yaml").exists())
+
+    def test_roi_and_resolution_can_be_given(self):
+        run_ok("calibrate", "--images", self.root / "chessboard", *CHESSBOARD, *self.floor_options("chessboard"),
+               "--roi", "0.3,0.45,-0.1,0.1", "--resolution", "0.0011", "--out", self.out)
+        floor = yaml.safe_load((self.out / "floor.yaml").read_text())
+        self.assertEqual(floor["roi"], {"x_min": 0.3, "x_max": 0.45, "y_min": -0.1, "y_max": 0.1})
+        self.assertEqual(floor["resolution"], 0.0011)
+
+    def test_bad_pictures_are_left_out_and_named(self):
+        folder = self.out.parent / "mixed"
+        shutil.copytree(self.root / "chessboard", folder)
+        (folder / "torn.jpg").write_bytes((folder / "100.jpg").read_bytes()[:3000])
+        (folder / "text.jpg").write_text("no picture")
+        shutil.copy(self.root / "charuco" / "104.jpg", folder / "other.jpg")
+        said = run_ok("calibrate", "--images", folder, *CHESSBOARD, "--out", self.out)
+        self.assertRegex(said, "left out: torn.jpg: cannot be decoded")
+        self.assertRegex(said, "left out: text.jpg: is no JPEG or PNG")
+        self.assertRegex(said, "left out: other.jpg: no board found")
+
+    def test_too_few_pictures_are_refused(self):
+        folder = self.out.parent / "few"
+        folder.mkdir()
+        for name in ("100.jpg", "101.jpg"):
+            shutil.copy(self.root / "chessboard" / name, folder)
+        self.assert_refused("--images", folder, *CHESSBOARD, says="found in 2 of 2 pictures, at least 3 are needed")
+
+    def test_another_board_is_refused(self):
+        self.assert_refused("--images", self.root / "chessboard", "--board", "8x5", "--square", "0.02",
+                            says="found in [012] of 13 pictures.*check --board")
+
+    def test_boards_without_tilt_are_refused(self):
+        folder = self.out.parent / "flat"
+        shutil.copytree(self.root / "flat", folder)
+        (folder / "floor.jpg").unlink()  # the only one that is tilted
+        self.assert_refused("--images", folder, *CHESSBOARD,
+                            says="do not constrain the camera.*tilted by 20 to 45 degrees")
+
+    def test_what_makes_no_sense_is_refused(self):
+        images = ["--images", self.root / "chessboard"]
+        self.assert_refused("--images", self.root / "none", *CHESSBOARD, says="is no readable folder")
+        self.assert_refused(*images, "--board", "9by6", "--square", "0.02", says="not COLUMNSxROWS")
+        self.assert_refused(*images, "--board", "9x6", "--square", "20", says="--square takes metres")
+        self.assert_refused(*images, "--board", "9x7", "--square", "0.02", *self.floor_options("chessboard"),
+                            says="looks the same when turned")
+        self.assert_refused(*images, *CHESSBOARD, "--floor-image", "floor.jpg", says="one pose for each floor picture")
+        self.assert_refused(*images, *CHESSBOARD, "--floor-image", self.root / "none.jpg", "--board-pose", "0,0,0",
+                            says="none.jpg: does not exist")
+        self.assert_refused(*images, *CHESSBOARD, "--floor-image", "floor.jpg", "--board-pose", "0,zero,0",
+                            says="is not x,y,yaw")
+        self.assert_refused(*images, *CHESSBOARD, "--charuco", "DICT_4X4_50", code=2, says="--marker")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/calibration/constraint_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/board_renderer.h"
+
+namespace floorloc {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const Board kBoard{9, 6, 0.02, {}};
+
+std::vector<Complaint> ComplaintsAbout(const std::vector<BoardPlacement>& placements) {
+  const CameraModel camera = MakeBoardCamera();
+  CameraCalibrationInput input{kBoard, camera.width_px, camera.height_px, {}};
+  for (const BoardPlacement& placement : placements) {
+    const auto seed = static_cast<unsigned>(input.views.size());
+    const Eigen::Isometry3d pose = PlaceBoard(camera, kBoard, placement);
+    input.views.push_back({"picture", SeeBoard(camera, kBoard, pose, 0.05, seed)});
+  }
+  return CheckConstraints(input, CalibrateCamera(input, {}));
+}
+
+std::string Fatal(const std::vector<Complaint>& complaints) {
+  std::string text;
+  for (const Complaint& complaint : complaints) {
+    text += complaint.fatal ? complaint.sentence + "\n" : "";
+  }
+  return text;
+}
+
+std::string All(const std::vector<Complaint>& complaints) {
+  std::string text;
+  for (const Complaint& complaint : complaints) {
+    text += complaint.sentence + "\n";
+  }
+  return text;
+}
+
+std::vector<BoardPlacement> Good(int count = 18) { return VariedPlacements(MakeBoardCamera(), kBoard, count); }
+
+TEST(CheckConstraints, HasNothingToSayAboutGoodPictures) { EXPECT_THAT(All(ComplaintsAbout(Good())), IsEmpty()); }
+
+TEST(CheckConstraints, RefusesBoardsThatAreNotTilted) {
+  std::vector<BoardPlacement> flat = Good();
+  for (BoardPlacement& placement : flat) {
+    placement.tilt_x_rad = placement.tilt_y_rad = 0.0;
+  }
+  EXPECT_THAT(Fatal(ComplaintsAbout(flat)), HasSubstr("tilted by 20 to 45 degrees"));
+}
+
+TEST(CheckConstraints, WarnsOfBoardsThatAreHardlyTilted) {
+  std::vector<BoardPlacement> flat = Good();
+  for (BoardPlacement& placement : flat) {
+    placement.tilt_x_rad *= 0.2;
+    placement.tilt_y_rad *= 0.2;
+  }
+  const std::vector<Complaint> complaints = ComplaintsAbout(flat);
+  EXPECT_THAT(Fatal(complaints), IsEmpty());
+  EXPECT_THAT(All(complaints), HasSubstr("tilted by no more than"));
+}
+
+TEST(CheckConstraints, RefusesBoardsOnlyInTheMiddle) {
+  std::vector<BoardPlacement> middle = Good();
+  for (BoardPlacement& placement : middle) {
+    placement.middle_px = {240, 180};
+    placement.distance_m *= 2.5;
+  }
+  EXPECT_THAT(Fatal(ComplaintsAbout(middle)), HasSubstr("only seen in the middle"));
+}
+
+TEST(CheckConstraints, NamesThePartOfThePictureWithoutBoards) {
+  std::vector<BoardPlacement> left = Good();
+  std::erase_if(left, [](const BoardPlacement& placement) { return placement.middle_px.x() > 250; });
+  for (BoardPlacement& placement : left) {
+    placement.middle_px.x() = std::min(placement.middle_px.x(), 150.0);
+  }
+  const std::string text = All(ComplaintsAbout(left));
+  EXPECT_THAT(text, HasSubstr("the upper right"));
+  EXPECT_THAT(text, HasSubstr("the lower right"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("left")));
+}
+
+TEST(CheckConstraints, WarnsOfFewPictures) { EXPECT_THAT(All(ComplaintsAbout(Good(6))), HasSubstr("only 6 pictures")); }
+
+TEST(CheckConstraints, SaysThatOneDistanceIsNotEnough) {
+  std::vector<BoardPlacement> same;
+  for (int i = 0; i < 9; ++i) {
+    const BoardPlacement varied = Good()[static_cast<std::size_t>(i)];
+    same.push_back({varied.middle_px, 3.0, 0.3 * varied.tilt_x_rad, 0.3 * varied.tilt_y_rad, 0.0});
+  }
+  EXPECT_THAT(All(ComplaintsAbout(same)), HasSubstr("equally far away"));
+}
+
+TEST(CalibratedRadiusPx, IsTheFarthestCornersDistance) {
+  CameraCalibrationInput input{kBoard, 480, 360, {{"one", {{0, 1}, {{100, 100}, {240, 200}}}}}};
+  CameraCalibration calibration;
+  calibration.camera.cx = 240;
+  calibration.camera.cy = 180;
+  calibration.views.push_back({"one", true, Eigen::Isometry3d::Identity(), 0.0, 0.0});
+  EXPECT_NEAR(CalibratedRadiusPx(input, calibration), std::hypot(140, 80), 1e-9);
+  calibration.views[0].used = false;
+  EXPECT_EQ(CalibratedRadiusPx(input, calibration), 0.0);
+}
+
+}  // namespace
+}  // namespace floorloc
