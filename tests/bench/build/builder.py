@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""floorloc-mapbuilder as the benchmark calls it."""
+
+import subprocess
+
+from limited_process import run_limited
+
+
+def parse_tum(text):
+    """Rows as (timestamp as written, position, heading); the rotation is about z."""
+    rows = []
+    for line in text.splitlines():
+        fields = line.split()
+        if fields and not line.startswith("#"):
+            x, y, qz, qw = (float(fields[i]) for i in (1, 2, 6, 7))
+            rows.append((fields[0], complex(x, y), complex(qw, qz) ** 2))
+    return rows
+
+
+def build_map(binaries, surveys, folder, limits):
+    """Builds the surveys' map in the folder; the outcome and the poses of the frames as parse_tum gives them."""
+    program = (binaries / "floorloc-mapbuilder").resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    map_file = folder / "map.floormap"
+    poses = folder / "poses.tum"
+    command = [program, "build", "--out", map_file]
+    for survey in surveys:
+        command += ["--survey", survey]
+    outcome = run_limited(command, limits)
+    if outcome.failure:
+        return outcome, []
+    subprocess.run([program, "export", map_file, "--poses", poses], check=True, stdout=subprocess.DEVNULL)
+    return outcome, parse_tum(poses.read_text(encoding="utf-8"))
