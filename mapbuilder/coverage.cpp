@@ -49,6 +49,22 @@ CoverageGrid::CoverageGrid(const std::vector<std::optional<Pose2>>& map_from_bas
   }
 }
 
+double CoverageGrid::AreaBeyondM2(const CoverageGrid& other) const {
+  std::int64_t beyond = 0;
+  for (const auto& [key, count] : counts_) {
+    const std::int64_t x = key >> 32;  // the inverse of CellKey
+    const auto y = static_cast<std::int32_t>(key & 0xFFFFFFFFLL);
+    bool near = false;
+    for (std::int64_t dx = -1; dx <= 1; ++dx) {
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        near = near || other.counts_.contains(CellKey(x + dx, y + dy));
+      }
+    }
+    beyond += near ? 0 : 1;
+  }
+  return static_cast<double>(beyond) * kCellM * kCellM;
+}
+
 int CoverageGrid::CountAt(const Eigen::Vector2d& point_in_map) const {
   const auto it = counts_.find(CellKey(point_in_map, kCellM));
   return it == counts_.end() ? 0 : it->second;

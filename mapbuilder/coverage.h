@@ -20,6 +20,8 @@ class CoverageGrid {
 
   int CountAt(const Eigen::Vector2d& point_in_map) const;
   double AreaM2() const { return static_cast<double>(counts_.size()) * kCellM * kCellM; }
+  /// Of the cells that lie more than one cell away from what the other grid covers.
+  double AreaBeyondM2(const CoverageGrid& other) const;
   /// Of the covered floor; all zero when there is none.
   RectM Extent() const { return extent_; }
 

@@ -10,6 +10,7 @@ namespace floorloc {
 void AddBuildCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
+void AddDiffCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);

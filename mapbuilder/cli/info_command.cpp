@@ -38,6 +38,10 @@ nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
                               {"keypoints", map.keypoints.size()},
                               {"mosaic", {{"tile_px", map.mosaic.tile_px}, {"max_zoom", map.mosaic.max_zoom}}},
                               {"extractor", ToParameters(info.extractor)}};
+  json["parents"] = nlohmann::json::array();
+  for (const MapParent& parent : info.parents) {
+    json["parents"].push_back({{"relation", parent.relation}, {"id", parent.id}, {"version", parent.content_version}});
+  }
   json["surveys"] = nlohmann::json::parse(info.surveys_json, nullptr, false);
   json["report"] = nlohmann::json::parse(info.report_json, nullptr, false);
   return json;
@@ -49,6 +53,9 @@ void PrintText(const FloorMap& map, std::size_t frames, std::uintmax_t bytes) {
               info.content_version.c_str());
   std::printf("built        %s by floorloc %s, format %d\n", info.created.c_str(), info.builder_version.c_str(),
               info.format_version);
+  for (const MapParent& parent : info.parents) {
+    std::printf("%-12s %s\n", parent.relation.c_str(), parent.content_version.c_str());
+  }
   std::printf("floor        %.2f m2, x %.2f to %.2f m, y %.2f to %.2f m\n", info.area_m2, info.extent.x_min,
               info.extent.x_max, info.extent.y_min, info.extent.y_max);
   std::printf("frames       %zu\n", frames);

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   floorloc::AddLocalizeCommand(app);
   floorloc::AddInfoCommand(app);
   floorloc::AddVerifyCommand(app);
+  floorloc::AddDiffCommand(app);
   floorloc::AddExportCommand(app);
   floorloc::AddEvaluateCommand(app);
   floorloc::AddCompareCommand(app);

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/map_diff.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <tuple>
+
+#include "core/map/extractor_parameters.h"
+#include "core/vision/guided_matcher.h"
+#include "mapbuilder/coverage.h"
+
+namespace floorloc {
+namespace {
+
+// Two maps' views of one floor point: as near as the views that are fused, and twice that for poses that moved.
+constexpr double kSamePointPx = 3.5;
+constexpr double kMaxBinaryShare = 0.22;
+constexpr double kMaxFloatShare = 0.55;
+
+struct LoadedMap {
+  explicit LoadedMap(const MapDatabase& database)
+      : map(database.ReadMap()), frames(database.ReadFrames()), coverage(MakeCoverage()) {
+    const auto surveys = nlohmann::json::parse(map.info.surveys_json, nullptr, false);
+    for (std::size_t i = 0; i < map.info.cameras.size(); ++i) {
+      const bool known = surveys.is_array() && i < surveys.size() && surveys[i].is_object();
+      survey_names.push_back(known ? surveys[i].value("folder", "") : "");
+    }
+  }
+
+  CoverageGrid MakeCoverage() const {
+    std::vector<std::optional<Pose2>> poses;
+    std::vector<RectM> floors;
+    for (const MapFrame& frame : frames) {
+      poses.emplace_back(frame.map_from_base);
+      floors.push_back(map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi);
+    }
+    return {poses, floors};
+  }
+
+  FloorMap map;
+  std::vector<MapFrame> frames;
+  CoverageGrid coverage;
+  std::vector<std::string> survey_names;  // folders
+};
+
+std::string RelationOf(const MapInfo& before, const MapInfo& after) {
+  if (before.content_version == after.content_version) {
+    return "same content";
+  }
+  for (const MapParent& parent : after.parents) {
+    if (parent.content_version == before.content_version) {
+      return parent.relation;
+    }
+  }
+  for (const MapParent& parent : before.parents) {
+    if (parent.content_version == after.content_version) {
+      return parent.relation == "extends" ? "is extended by" : "is merged into";
+    }
+  }
+  return before.id == after.id ? "another version" : "another map";
+}
+
+void CompareFrames(const LoadedMap& before, const LoadedMap& after, MapDiff* diff) {
+  using Name = std::tuple<std::string, std::string, std::int64_t>;
+  const auto name_of = [](const LoadedMap& map, const MapFrame& frame) {
+    return Name(map.survey_names[static_cast<std::size_t>(frame.survey)], frame.filename, frame.stamp_ns);
+  };
+  std::map<Name, Pose2> old_pose;
+  for (const MapFrame& frame : before.frames) {
+    old_pose.emplace(name_of(before, frame), frame.map_from_base);
+  }
+  double squares = 0.0;
+  for (const MapFrame& frame : after.frames) {
+    const auto old = old_pose.find(name_of(after, frame));
+    if (old == old_pose.end()) {
+      ++diff->frames_added;
+      continue;
+    }
+    ++diff->frames_kept;
+    const Pose2 motion = old->second.Between(frame.map_from_base);
+    const double moved_m = motion.translation().norm();
+    squares += moved_m * moved_m;
+    diff->moves.max_rad = std::max(diff->moves.max_rad, std::abs(motion.yaw()));
+    if (moved_m > diff->moves.max_m) {
+      diff->moves.max_m = moved_m;
+      diff->moves.farthest = frame.filename;
+      diff->moves.farthest_pose = old->second;
+    }
+  }
+  diff->frames_removed = static_cast<int>(before.frames.size()) - diff->frames_kept;
+  diff->moves.rms_m = std::sqrt(squares / std::max(1, diff->frames_kept));
+}
+
+bool Alike(const Match& match, const cv::Mat& descriptors) {
+  if (descriptors.depth() == CV_8U) {
+    return match.distance <= kMaxBinaryShare * 8.0 * descriptors.cols;
+  }
+  return match.distance <= kMaxFloatShare * cv::norm(descriptors.row(match.query), cv::NORM_L2);
+}
+
+std::optional<MapDiff::Keypoints> CompareKeypoints(const FloorMap& before, const FloorMap& after) {
+  const cv::Mat& a = before.keypoints.descriptors;
+  const cv::Mat& b = after.keypoints.descriptors;
+  if (before.info.extractor.type != after.info.extractor.type || a.type() != b.type() || a.cols != b.cols) {
+    return std::nullopt;
+  }
+  const double radius_m = kSamePointPx * before.info.camera().floor.resolution_m;
+  const GuidedMatcher matcher(after.keypoints.keypoints, b, 4.0 * radius_m);
+  std::vector<bool> taken(after.keypoints.size(), false);
+  MapDiff::Keypoints count;
+  for (const Match& match :
+       matcher.FindNearest({before.keypoints.keypoints, a}, {Pose2(), radius_m, kKeypointAngleNoiseRad, 1})) {
+    if (!taken[static_cast<std::size_t>(match.train)] && Alike(match, a)) {
+      taken[static_cast<std::size_t>(match.train)] = true;
+      ++count.kept;
+    }
+  }
+  count.gone = static_cast<int>(before.keypoints.size()) - count.kept;
+  count.added = static_cast<int>(after.keypoints.size()) - count.kept;
+  return count;
+}
+
+class ParameterList {
+ public:
+  void Compare(const std::string& name, const std::string& before, const std::string& after) {
+    if (before != after) {
+      differences_.push_back({name, before, after});
+    }
+  }
+  void Compare(const std::string& name, double before, double after) { Compare(name, Text(before), Text(after)); }
+  std::vector<Difference> Take() { return std::move(differences_); }
+
+ private:
+  static std::string Text(double number) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.9g", number);
+    return text;
+  }
+  std::vector<Difference> differences_;
+};
+
+void CompareCameras(const std::string& survey, const FloorCamera& a, const FloorCamera& b, ParameterList* list) {
+  const std::string prefix = "camera of " + survey + ": ";
+  const auto compare = [&](const char* name, double before, double after) {
+    list->Compare(prefix + name, before, after);
+  };
+  list->Compare(prefix + "distortion_model", ToString(a.camera.distortion_model), ToString(b.camera.distortion_model));
+  compare("fx", a.camera.fx, b.camera.fx);
+  compare("fy", a.camera.fy, b.camera.fy);
+  compare("cx", a.camera.cx, b.camera.cx);
+  compare("cy", a.camera.cy, b.camera.cy);
+  for (std::size_t i = 0; i < std::min(a.camera.distortion.size(), b.camera.distortion.size()); ++i) {
+    compare(("distortion " + std::to_string(i)).c_str(), a.camera.distortion[i], b.camera.distortion[i]);
+  }
+  for (int i = 0; i < 9; ++i) {
+    compare(("homography " + std::to_string(i)).c_str(), a.floor.base_from_pixel(i / 3, i % 3),
+            b.floor.base_from_pixel(i / 3, i % 3));
+  }
+  compare("roi x_min", a.floor.roi.x_min, b.floor.roi.x_min);
+  compare("roi x_max", a.floor.roi.x_max, b.floor.roi.x_max);
+  compare("roi y_min", a.floor.roi.y_min, b.floor.roi.y_min);
+  compare("roi y_max", a.floor.roi.y_max, b.floor.roi.y_max);
+  compare("resolution", a.floor.resolution_m, b.floor.resolution_m);
+}
+
+std::vector<Difference> CompareParameters(const LoadedMap& before, const LoadedMap& after) {
+  ParameterList list;
+  list.Compare("builder", before.map.info.builder_version, after.map.info.builder_version);
+  const std::map<std::string, std::string> old_options = ToParameters(before.map.info.extractor);
+  for (const auto& [name, value] : ToParameters(after.map.info.extractor)) {
+    list.Compare("extractor " + name, old_options.at(name), value);
+  }
+  list.Compare("mosaic resolution", before.map.mosaic.resolution_m, after.map.mosaic.resolution_m);
+  for (std::size_t i = 0; i < before.survey_names.size(); ++i) {
+    const auto same = std::find(after.survey_names.begin(), after.survey_names.end(), before.survey_names[i]);
+    if (same != after.survey_names.end()) {
+      CompareCameras(*same, before.map.info.cameras[i],
+                     after.map.info.cameras[static_cast<std::size_t>(same - after.survey_names.begin())], &list);
+    }
+  }
+  return list.Take();
+}
+
+}  // namespace
+
+MapDiff CompareMaps(const MapDatabase& before_map, const MapDatabase& after_map) {
+  const LoadedMap before(before_map);
+  const LoadedMap after(after_map);
+  MapDiff diff;
+  diff.relation = RelationOf(before.map.info, after.map.info);
+  diff.before_m2 = before.map.info.area_m2;
+  diff.after_m2 = after.map.info.area_m2;
+  diff.gained_m2 = after.coverage.AreaBeyondM2(before.coverage);
+  diff.lost_m2 = before.coverage.AreaBeyondM2(after.coverage);
+  CompareFrames(before, after, &diff);
+  diff.keypoints = CompareKeypoints(before.map, after.map);
+  diff.parameters = CompareParameters(before, after);
+  return diff;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/map/map_database.h"
+
+namespace floorloc {
+
+/// A number or name that two maps have differently.
+struct Difference {
+  std::string name, before, after;
+};
+
+/// How the frames that both maps have moved.
+struct FrameMoves {
+  double rms_m = 0.0;
+  double max_m = 0.0;
+  double max_rad = 0.0;
+  std::string farthest;  ///< file name of the frame that moved max_m
+  Pose2 farthest_pose;   ///< in the first map
+};
+
+/// What changed from one map to another. Both are taken to be in one frame, as versions of one map are.
+struct MapDiff {
+  /// "same content", "extends", "merges" (the second was made from the first), "is extended by", "is merged into" (the
+  /// other way round), "another version" (one id) or "another map".
+  std::string relation;
+  double before_m2 = 0.0;
+  double after_m2 = 0.0;
+  double gained_m2 = 0.0;  ///< floor of the second map that is not at the first one's, more than a cell of 2 cm away
+  double lost_m2 = 0.0;
+  int frames_kept = 0;  ///< by survey, file name and time
+  int frames_removed = 0;
+  int frames_added = 0;
+  FrameMoves moves;  ///< of the frames kept
+  /// By place and descriptor; empty when the maps' descriptors can't be compared.
+  struct Keypoints {
+    int kept = 0;
+    int gone = 0;
+    int added = 0;
+  };
+  std::optional<Keypoints> keypoints;
+  std::vector<Difference> parameters;  ///< extractor, cameras of surveys with the same name, mosaic, builder
+};
+
+MapDiff CompareMaps(const MapDatabase& before, const MapDatabase& after);
+
+}  // namespace floorloc
