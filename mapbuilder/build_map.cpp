@@ -225,7 +225,8 @@ BuildReport BuildMap(const BuildOptions& requested) {
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(options.extractor)->descriptor_type());
   clock.Finish("keypoints");
 
-  const Exposure exposure = EstimateExposure(frames, surveys, placement.links);
+  const Exposure exposure =
+      EstimateExposure({frames, surveys, placement.links, placement.map_from_base, nullptr, options.threads});
   const PlacedFrames placed = CollectPlaced(frames, placement, exposure);
   writer.WriteFrames(placed.frames);
   writer.WriteLinks(placed.links);

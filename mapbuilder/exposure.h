@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapbuilder/mosaic_patch.h"
 #include "mapbuilder/pair_registration.h"
 #include "mapbuilder/survey_frames.h"
 
@@ -12,13 +13,27 @@ namespace floorloc {
 
 /// What to multiply a rectified picture with, so that the mosaic shows the floor and not the camera.
 struct Exposure {
-  std::vector<double> frame_gain;   ///< per frame
-  std::vector<cv::Mat> flat_field;  ///< per survey: CV_32F gain of every pixel of the rectified picture
+  std::vector<double> frame_gain;        ///< per frame
+  std::vector<cv::Vec3f> white_balance;  ///< per frame: factors of blue, green and red; may be empty
+  std::vector<cv::Mat> flat_field;       ///< per survey: CV_32F gain of every pixel of the rectified picture
+  std::vector<cv::Mat> light;            ///< per frame, as MeasureLight() gives it; may be empty
+
+  /// Of blue, green and red of a frame.
+  cv::Vec3f GainOf(std::size_t frame) const;
 };
 
-/// Vignetting and lamps that ride on the robot from the mean of all frames; then one gain per frame from the brightness
-/// of the floor that linked frames share (least squares on log gains).
-Exposure EstimateExposure(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
-                          const std::vector<Link>& links);
+struct ExposureInput {
+  const std::vector<BuildFrame>& frames;
+  const std::vector<LoadedSurvey>& surveys;
+  const std::vector<Link>& links;
+  const std::vector<std::optional<Pose2>>& map_from_base;
+  MosaicBackground background = nullptr;  ///< whose light the frames shall take on; may be empty
+  int threads = 0;
+};
+
+/// Vignetting and lamps that ride on the robot from the median over a survey's frames; then gains per frame and channel
+/// from the floor that linked frames share, within and across surveys: robust least squares on log gains, so that
+/// shadows and lamps count little. Throws InputError for a picture that can't be read.
+Exposure EstimateExposure(const ExposureInput& input);
 
 }  // namespace floorloc

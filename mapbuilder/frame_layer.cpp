@@ -81,7 +81,7 @@ FrameLayer::FrameLayer(const Source& source, const NodeChoices& choices, const M
       raw_px_.at<cv::Vec2f>(row, column) = px;
       const auto index = static_cast<std::size_t>((nodes_.y + row) * grid.nodes() + nodes_.x + column);
       const NodeChoice::Chosen share = choices[index].Of(source.candidate);
-      const cv::Vec3f gain = source.view.FlatGain(point) * source.gain;
+      const cv::Vec3f gain = source.gain.At(source.view, point);
       const cv::Vec4f gain4(gain[0], gain[1], gain[2], 1.0F / 255.0F);
       factor_.at<cv::Vec4f>(row, column) = share.detail_share * gain4;
       light_.at<cv::Vec4f>(row, column) = (share.light_share - share.detail_share) * gain4.mul(picture_->LightAt(px));

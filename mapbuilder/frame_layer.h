@@ -6,6 +6,7 @@
 
 #include "mapbuilder/floor_picture.h"
 #include "mapbuilder/frame_choice.h"
+#include "mapbuilder/light_consensus.h"
 
 namespace floorloc {
 
@@ -24,7 +25,7 @@ class FrameLayer {
   struct Source {
     int candidate;  ///< as it is called in the choices
     const FrameView& view;
-    cv::Vec3f gain;  ///< of blue, green and red
+    FrameGain gain;
     std::shared_ptr<const FloorPicture> picture;
   };
   FrameLayer(const Source& source, const NodeChoices& choices, const MosaicGrid& grid);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/frame_view.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -26,7 +25,9 @@ SurveyView::SurveyView(std::shared_ptr<const Rectifier> survey_rectifier, cv::Ma
     : rectifier(std::move(survey_rectifier)), depth(DepthOf(rectifier->mask())), flat_gain(std::move(gain)) {}
 
 FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base)
-    : survey_(&survey), map_from_base_(map_from_base), base_from_map_(map_from_base.Inverse()) {}
+    : survey_(&survey),
+      map_from_base_(Eigen::Translation2d(map_from_base.translation()) * Eigen::Rotation2Dd(map_from_base.yaw())),
+      base_from_map_(map_from_base_.inverse()) {}
 
 cv::Rect FrameView::Footprint(const MosaicGrid& grid) const {
   const RectM& roi = survey_->rectifier->camera().floor.roi;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 
@@ -24,6 +25,8 @@ class FrameView {
  public:
   FrameView(const SurveyView& survey, const Pose2& map_from_base);
 
+  Eigen::Vector2d BaseFromMap(const Eigen::Vector2d& p) const { return base_from_map_ * p; }
+  Eigen::Vector2d MapFromBase(const Eigen::Vector2d& p) const { return map_from_base_ * p; }
   /// The nodes that the frame can touch, one more at each side; may be empty.
   cv::Rect Footprint(const MosaicGrid& grid) const;
   /// Cells that come nearer to the view's border than this reach across it, pixels of the rectified picture.
@@ -39,8 +42,8 @@ class FrameView {
   float Look(const cv::Mat& picture, const Eigen::Vector2d& point_in_map, float outside) const;
 
   const SurveyView* survey_;
-  Pose2 map_from_base_;
-  Pose2 base_from_map_;
+  Eigen::Isometry2d map_from_base_;
+  Eigen::Isometry2d base_from_map_;
 };
 
 }  // namespace floorloc

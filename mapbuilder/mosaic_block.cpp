@@ -30,6 +30,14 @@ std::vector<RectM> FloorsInBase(const MosaicInput& input) {
   return floors;
 }
 
+std::vector<SurveyView> ViewsOf(const MosaicInput& input) {
+  std::vector<SurveyView> views;
+  for (std::size_t s = 0; s < input.surveys.size(); ++s) {
+    views.emplace_back(input.surveys[s].rectifier, input.exposure.flat_field[s]);
+  }
+  return views;
+}
+
 // How many pixels of the survey's own resolution become one of the mosaic.
 int ShrinkFor(const MosaicInput& input, double resolution_m) {
   return std::max(1, static_cast<int>(resolution_m / input.surveys.front().survey.camera.floor.resolution_m + 1e-6));
@@ -88,11 +96,9 @@ BlockBlender::BlockBlender(const MosaicInput& input, double resolution_m, int th
       shrink_(ShrinkFor(input, resolution_m)),
       batch_(BatchFor(input, shrink_)),
       index_(input.map_from_base, FloorsInBase(input)),
-      pictures_([this](int frame) { return Load(frame); }, kKeptBytes) {
-  for (std::size_t s = 0; s < input.surveys.size(); ++s) {
-    surveys_.emplace_back(input.surveys[s].rectifier, input.exposure.flat_field[s]);
-  }
-}
+      surveys_(ViewsOf(input)),
+      light_(input, index_, surveys_),
+      pictures_([this](int frame) { return Load(frame); }, kKeptBytes) {}
 
 FloorPicture BlockBlender::Load(int frame) const {
   const BuildFrame& f = input_.frames[static_cast<std::size_t>(frame)];
@@ -130,8 +136,7 @@ NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<in
     ParallelFor(static_cast<int>(layers.size()), threads_, [&](int i) {
       const int candidate = chosen[first + static_cast<std::size_t>(i)];
       const auto c = static_cast<std::size_t>(candidate);
-      const auto gain = static_cast<float>(input_.exposure.frame_gain[static_cast<std::size_t>(frames[c])]);
-      const FrameLayer::Source source{candidate, views[c], cv::Vec3f::all(gain), pictures_.Get(frames[c])};
+      const FrameLayer::Source source{candidate, views[c], light_.GainOf(frames[c]), pictures_.Get(frames[c])};
       layers[static_cast<std::size_t>(i)].emplace(source, choices, grid);
     });
     ParallelFor(stripes, threads_, [&](int stripe) {

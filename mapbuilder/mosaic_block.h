@@ -7,6 +7,7 @@
 #include "mapbuilder/frame_choice.h"
 #include "mapbuilder/frame_index.h"
 #include "mapbuilder/frame_layer.h"
+#include "mapbuilder/light_consensus.h"
 #include "mapbuilder/mosaic.h"
 
 namespace floorloc {
@@ -32,6 +33,7 @@ class BlockBlender {
   std::size_t batch_;  // pictures in memory at once, beside those kept
   FrameIndex index_;
   std::vector<SurveyView> surveys_;
+  LightConsensus light_;
   PictureCache pictures_;
   PatchSums sums_;  // of the present block
 };

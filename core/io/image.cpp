@@ -2,6 +2,7 @@
 #include "core/io/image.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -46,8 +47,9 @@ void CheckBeforeDecoding(std::span<const std::uint8_t> bytes, const cv::Size& ex
   }
 }
 
+// shrink: that of the flags.
 cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& expected,
-               const std::filesystem::path& source) {
+               const std::filesystem::path& source, int shrink = 1) {
   CheckBeforeDecoding(bytes, expected, source);
   // imdecode only reads the buffer, but a cv::Mat header cannot say so.
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
@@ -57,7 +59,9 @@ cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& e
   } catch (const cv::Exception&) {
     picture.release();
   }
-  if (picture.size() != expected) {
+  // Some decoders round shrunken sizes up, others down.
+  if (std::abs(picture.cols * shrink - expected.width) >= shrink ||
+      std::abs(picture.rows * shrink - expected.height) >= shrink) {
     throw InputError(source, "the picture is damaged; copy it again or remove it");
   }
   return picture;
@@ -81,6 +85,11 @@ cv::Mat ReadGrayImage(const std::filesystem::path& file, int width_px, int heigh
 
 cv::Mat ReadColorImage(const std::filesystem::path& file, int width_px, int height_px) {
   return DecodeColor(ReadBinaryFile(file), width_px, height_px, file);
+}
+
+cv::Mat ReadSmallColorImage(const std::filesystem::path& file, int width_px, int height_px) {
+  constexpr int kShrink = 8;
+  return Decode(ReadBinaryFile(file), cv::IMREAD_REDUCED_COLOR_8, {width_px, height_px}, file, kShrink);
 }
 
 }  // namespace floorloc

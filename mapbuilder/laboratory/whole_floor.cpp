@@ -105,7 +105,7 @@ WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const W
   const std::optional<Placement> truth = PlaceByTruth(frames, survey);
   const Placement placement = truth ? *truth : PlaceByBuilder(frames, surveys, options);
   const CoverageGrid coverage(placement.map_from_base, std::vector<RectM>(frames.size(), survey.camera.floor.roi));
-  const Exposure exposure = EstimateExposure(frames, surveys, placement.links);
+  const Exposure exposure = EstimateExposure({frames, surveys, placement.links, placement.map_from_base});
   WholeFloor floor;
   floor.picture = Compose({frames, surveys, placement.map_from_base, exposure, coverage.Extent()}, options);
   floor.true_poses = truth.has_value();

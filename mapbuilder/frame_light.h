@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+/// The coarse cells that the light of a survey's frames is measured in, kCellPx pixels of the rectified picture a side.
+struct LightGrid {
+  static constexpr int kCellPx = 24;
+
+  GroundGrid ground;
+  cv::Mat seen;  ///< CV_8UC1 per cell, 255 where all of it shows floor
+
+  explicit LightGrid(const Rectifier& rectifier);
+
+  /// Middle of a cell, base frame.
+  Eigen::Vector2d BaseFromCell(double u, double v) const {
+    return ground.BaseFromPixel((u + 0.5) * kCellPx - 0.5, (v + 0.5) * kCellPx - 0.5);
+  }
+  Eigen::Vector2d CellFromBase(const Eigen::Vector2d& p) const {
+    return (ground.PixelFromBase(p).array() + 0.5) / kCellPx - 0.5;
+  }
+};
+
+/// Per survey.
+std::vector<LightGrid> MakeLightGrids(const std::vector<LoadedSurvey>& surveys);
+
+struct LightInput {
+  const std::vector<BuildFrame>& frames;
+  const std::vector<LoadedSurvey>& surveys;
+  const std::vector<std::optional<Pose2>>& map_from_base;
+  int threads = 0;
+};
+
+/// Colour of every cell of every frame: CV_8UC3 of its survey's grid, zero where a cell is not seen; empty for frames
+/// that were not placed. Throws InputError for a picture that can't be read.
+std::vector<cv::Mat> MeasureLight(const LightInput& input);
+
+}  // namespace floorloc
