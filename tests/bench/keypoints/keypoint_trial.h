@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/bench/extractors/extractor_tally.h"
+#include "tests/bench/extractors/scene.h"
+#include "tests/bench/keypoints/pruning_rule.h"
+
+namespace floorloc {
+
+/// A row of the table: maps of one rule and budget.
+struct KeypointTally {
+  PruningRule rule = PruningRule::kUseful;
+  double budget_per_m2 = 0.0;
+  std::size_t keypoints = 0;   ///< of all maps
+  std::size_t file_bytes = 0;  ///< of all maps' files without their mosaics
+  double area_m2 = 0.0;        ///< of all maps
+  std::map<std::string, GroupTally> groups;
+};
+
+/// Builds the scene's map in the folder, and for every tally fuses its keypoints anew by the tally's rule and budget,
+/// localizes the scene's frames with them on all cores, and adds what came out to the tally; `advance` is called after
+/// each. Throws what the builder throws.
+void TryBudgets(const Scene& scene, const std::filesystem::path& folder, std::vector<KeypointTally>* tallies,
+                const std::function<void()>& advance);
+
+}  // namespace floorloc
