@@ -181,8 +181,10 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   options.placement.registration.resolution_m = floor.resolution_m;
   options.fusion = options.fusion.ForCamera(floor, options.extractor.max_keypoints);
   if (options.max_keypoints_per_m2 > 0.0) {
-    options.fusion.max_per_m2 = options.max_keypoints_per_m2;
+    options.fusion.pruning.max_per_m2 = options.max_keypoints_per_m2;
   }
+  options.fusion.threads = options.threads;
+  options.fusion.seed = options.seed;
   options.placement.registration.registration.seed = options.seed;
   options.mosaic.threads = options.threads;
   options.mosaic.progress = options.progress;
@@ -218,7 +220,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   FillReport(placement, frames, coverage, &report);
   clock.Finish("poses");
 
-  const MapKeypoints keypoints = FuseKeypoints(frames, placement.map_from_base, floors, options.fusion);
+  const MapKeypoints keypoints = FuseKeypoints({frames, placement.map_from_base, floors}, options.fusion);
   report.keypoints = static_cast<int>(keypoints.size());
   report.mean_observations = std::accumulate(keypoints.observations.begin(), keypoints.observations.end(), 0.0) /
                              std::max<double>(1.0, static_cast<double>(keypoints.size()));

@@ -1,214 +1,233 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/fuse_keypoints.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <unordered_map>
 
-#include "core/vision/guided_matcher.h"
-#include "mapbuilder/cell_key.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/distinctiveness.h"
+#include "mapbuilder/fuse_track.h"
+#include "mapbuilder/keypoint_usefulness.h"
+#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {
 
-// A map point in the making.
-struct Track {
-  Eigen::Vector2d position_sum = Eigen::Vector2d::Zero();
-  Eigen::Vector2d angle_sum = Eigen::Vector2d::Zero();  // of unit vectors
-  double size_sum = 0.0;
-  double response_sum = 0.0;
-  int last_frame = -1;
-  std::vector<std::pair<int, int>> views;  // frame, keypoint
+constexpr int kNone = -1;
 
-  double count() const { return static_cast<double>(views.size()); }
-  Eigen::Vector2d Position() const { return position_sum / count(); }
-  double Angle() const { return std::atan2(angle_sum.y(), angle_sum.x()); }
+// A track on its way to become a map point.
+struct Candidate {
+  KeypointTrack track;
+  int old = kNone;   // index of the old map point that it is
+  int looked = 0;    // new frames in whose view it is
+  int old_seen = 0;  // the old map's observations
+  int old_looked = 0;
+  float response = 0.0F;
+
+  bool StaysAsItIs() const { return old != kNone && looked == 0; }
+  int views() const { return static_cast<int>(track.views.size()); }
 };
 
-class Fuser {
- public:
-  Fuser(const std::vector<BuildFrame>& frames, const FusionOptions& options) : frames_(frames), options_(options) {}
-
-  void AddFrame(int frame, const Pose2& map_from_base) {
-    const Features& features = frames_[static_cast<std::size_t>(frame)].features;
-    for (std::size_t i = 0; i < features.keypoints.size(); ++i) {
-      const Keypoint& k = features.keypoints[i];
-      const Eigen::Vector2d position = map_from_base * k.Position();
-      const double angle = WrapAngle(map_from_base.yaw() + k.angle_rad);
-      Track& track = FindOrCreate({frame, static_cast<int>(i)}, position, angle);
-      track.position_sum += position;
-      track.angle_sum += Eigen::Vector2d(std::cos(angle), std::sin(angle));
-      track.size_sum += k.size_m;
-      track.response_sum += k.response;
-      track.last_frame = frame;
-      track.views.emplace_back(frame, static_cast<int>(i));
+// Where keypoints can be: extractors keep off the edges of the picture, and of what is masked there.
+std::vector<RectM> DetectableFloor(const std::vector<BuildFrame>& frames) {
+  std::vector<Eigen::AlignedBox2d> of_survey;
+  for (const BuildFrame& frame : frames) {
+    const auto survey = static_cast<std::size_t>(frame.survey);
+    of_survey.resize(std::max(of_survey.size(), survey + 1));
+    Eigen::AlignedBox2d& box = of_survey[survey];
+    for (const Keypoint& k : frame.features.keypoints) {
+      box.extend(k.Position());
     }
   }
-
-  const std::vector<Track>& tracks() const { return tracks_; }
-
- private:
-  // Share by which two views' descriptors differ, relative to what is allowed: below 1 they may be one point.
-  double Difference(const std::pair<int, int>& a, const std::pair<int, int>& b) const {
-    const cv::Mat da = frames_[static_cast<std::size_t>(a.first)].features.descriptors.row(a.second);
-    const cv::Mat db = frames_[static_cast<std::size_t>(b.first)].features.descriptors.row(b.second);
-    if (da.depth() == CV_8U) {
-      return cv::norm(da, db, cv::NORM_HAMMING) / (8.0 * da.cols) / options_.max_binary_share;
-    }
-    return cv::norm(da, db, cv::NORM_L2) / (cv::norm(da, cv::NORM_L2) + 1e-9) / options_.max_float_share;
+  std::vector<RectM> floors;
+  for (const BuildFrame& frame : frames) {
+    const Eigen::AlignedBox2d& box = of_survey[static_cast<std::size_t>(frame.survey)];
+    floors.push_back(box.isEmpty() ? RectM() : RectM{box.min().x(), box.max().x(), box.min().y(), box.max().y()});
   }
-
-  Track& FindOrCreate(const std::pair<int, int>& view, const Eigen::Vector2d& p, double angle) {
-    const float size =
-        frames_[static_cast<std::size_t>(view.first)].features.keypoints[static_cast<std::size_t>(view.second)].size_m;
-    int best = -1;
-    double best_difference = 1.0;
-    for (int dx = -1; dx <= 1; ++dx) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        const auto cell = grid_.find(CellKey(p + options_.radius_m * Eigen::Vector2d(dx, dy), options_.radius_m));
-        if (cell == grid_.end()) {
-          continue;
-        }
-        for (const int t : cell->second) {
-          const Track& track = tracks_[static_cast<std::size_t>(t)];
-          const double track_size = track.size_sum / track.count();
-          if (track.last_frame == view.first || (track.Position() - p).norm() > options_.radius_m ||
-              std::abs(WrapAngle(track.Angle() - angle)) > options_.angle_rad || size > kMaxSizeRatio * track_size ||
-              track_size > kMaxSizeRatio * size) {
-            continue;
-          }
-          const double difference = Difference(view, track.views.front());
-          if (difference < best_difference) {
-            best_difference = difference;
-            best = t;
-          }
-        }
-      }
-    }
-    if (best < 0) {
-      best = static_cast<int>(tracks_.size());
-      tracks_.emplace_back();
-      grid_[CellKey(p, options_.radius_m)].push_back(best);
-    }
-    return tracks_[static_cast<std::size_t>(best)];
-  }
-
-  const std::vector<BuildFrame>& frames_;
-  const FusionOptions& options_;
-  std::vector<Track> tracks_;
-  std::unordered_map<std::int64_t, std::vector<int>> grid_;
-};
-
-cv::Mat MajorityDescriptor(const std::vector<cv::Mat>& rows) {
-  cv::Mat majority = cv::Mat::zeros(1, rows.front().cols, CV_8U);
-  for (int byte = 0; byte < majority.cols; ++byte) {
-    for (int bit = 0; bit < 8; ++bit) {
-      int ones = 0;
-      for (const cv::Mat& row : rows) {
-        ones += row.at<std::uint8_t>(0, byte) >> bit & 1;
-      }
-      // A tie is decided by the first view.
-      const int twice = 2 * ones - static_cast<int>(rows.size());
-      const bool set = twice > 0 || (twice == 0 && (rows.front().at<std::uint8_t>(0, byte) >> bit & 1) != 0);
-      majority.at<std::uint8_t>(0, byte) |= static_cast<std::uint8_t>(set ? 1 << bit : 0);
-    }
-  }
-  return majority;
+  return floors;
 }
 
-cv::Mat FusedDescriptor(const std::vector<BuildFrame>& frames, const Track& track) {
-  std::vector<cv::Mat> rows;
+float MeanResponse(const KeypointTrack& track, const std::vector<BuildFrame>& frames) {
+  float sum = 0.0F;
   for (const auto& [frame, keypoint] : track.views) {
-    rows.push_back(frames[static_cast<std::size_t>(frame)].features.descriptors.row(keypoint));
+    sum += frames[static_cast<std::size_t>(frame)].features.keypoints[static_cast<std::size_t>(keypoint)].response;
   }
-  if (rows.front().depth() == CV_8U) {
-    return MajorityDescriptor(rows);
-  }
-  cv::Mat mean = cv::Mat::zeros(1, rows.front().cols, CV_32F);
-  for (const cv::Mat& row : rows) {
-    mean += row;
-  }
-  return mean / static_cast<double>(rows.size());
+  return sum / static_cast<float>(track.views.size());
 }
 
-int NewestSurvey(const std::vector<BuildFrame>& frames, const Track& track) {
+std::vector<Candidate> FindCandidates(const FusionInput& input, const CoverageGrid& detectable,
+                                      const TrackOptions& options) {
+  const MapKeypoints none;
+  const MapKeypoints& old = input.old != nullptr ? *input.old : none;
+  std::vector<KeypointTrack> tracks = FindTracks(input.frames, input.map_from_base, options, old);
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    Candidate c;
+    c.looked = std::max(detectable.CountAt(tracks[i].position_m), static_cast<int>(tracks[i].views.size()));
+    if (i < old.size()) {
+      c.old = static_cast<int>(i);
+      c.old_seen = std::max<int>(1, old.observations[i]);
+      c.response = old.keypoints[i].response;
+      if (input.old_coverage != nullptr) {
+        c.old_looked = std::max(c.old_seen, input.old_coverage->CountAt(old.keypoints[i].Position()));
+      }
+    } else {
+      c.response = MeanResponse(tracks[i], input.frames);
+    }
+    c.track = std::move(tracks[i]);
+    candidates.push_back(std::move(c));
+  }
+  return candidates;
+}
+
+// How often the new frames see what is there.
+RepeatRates LearnRates(const std::vector<Candidate>& candidates) {
+  std::vector<PointHistory> histories;
+  for (const Candidate& c : candidates) {
+    if (c.views() > 0) {
+      histories.push_back({c.views(), c.looked, c.response, 255});
+    }
+  }
+  return RepeatRates(histories);
+}
+
+bool IsGone(const Candidate& c, const RepeatRates& rates, const FusionOptions& options) {
+  if (c.old == kNone || c.views() > 0 || c.looked < options.min_frames_gone) {
+    return false;
+  }
+  double rate = rates.OfResponse(c.response);
+  if (c.old_looked > 0) {
+    rate = std::min(rate, rates.Of({c.old_seen, c.old_looked, c.response, 255}));
+  }
+  return std::pow(1.0 - rate, c.looked) < options.gone_probability;
+}
+
+// The whole history, where the old map's part is not known as it would usually be.
+PointHistory HistoryOf(const Candidate& c, const RepeatRates& rates) {
+  int old_looked = c.old_looked;
+  if (c.old != kNone && old_looked == 0) {
+    old_looked = static_cast<int>(std::lround(c.old_seen / std::max(rates.OfResponse(c.response), 0.01)));
+  }
+  return {c.old_seen + c.views(), old_looked + c.looked, c.response, 255};
+}
+
+std::uint16_t Limited(int count) { return static_cast<std::uint16_t>(std::min(count, 65535)); }
+
+std::uint16_t LastSurvey(const Candidate& c, const FusionInput& input) {
+  if (c.views() == 0) {
+    return input.old->last_survey[static_cast<std::size_t>(c.old)];
+  }
   int newest = 0;
-  for (const auto& [frame, keypoint] : track.views) {
-    newest = std::max(newest, frames[static_cast<std::size_t>(frame)].survey);
+  for (const auto& [frame, keypoint] : c.track.views) {
+    newest = std::max(newest, input.frames[static_cast<std::size_t>(frame)].survey);
   }
-  return newest;
+  return Limited(input.first_survey + newest);
 }
 
-// The best tracks of every cell of the budget grid: most observations first, then the strongest.
-std::vector<int> ChooseWithinBudget(const std::vector<Track>& tracks, std::vector<int> candidates,
-                                    const FusionOptions& options) {
-  const double cell_m = options.budget_cell_m;
-  const auto budget = static_cast<std::size_t>(std::max(1.0, options.max_per_m2 * cell_m * cell_m));
-  std::stable_sort(candidates.begin(), candidates.end(), [&](int a, int b) {
-    const Track& x = tracks[static_cast<std::size_t>(a)];
-    const Track& y = tracks[static_cast<std::size_t>(b)];
-    return x.views.size() != y.views.size() ? x.views.size() > y.views.size()
-                                            : x.response_sum * y.count() > y.response_sum * x.count();
-  });
-  std::unordered_map<std::int64_t, std::size_t> used;
-  std::vector<int> chosen;
-  for (const int t : candidates) {
-    const Eigen::Vector2d p = tracks[static_cast<std::size_t>(t)].Position();
-    if (used[CellKey(p, cell_m)]++ < budget) {
-      chosen.push_back(t);
+// An empty row per point, of the descriptors' kind.
+cv::Mat MakeDescriptors(const FusionInput& input, std::size_t rows) {
+  cv::Mat like = input.old != nullptr ? input.old->descriptors : cv::Mat();
+  for (std::size_t i = 0; i < input.frames.size() && like.empty(); ++i) {
+    like = input.frames[i].features.descriptors;
+  }
+  return {static_cast<int>(rows), like.cols, like.type()};
+}
+
+// Distinctiveness is left open.
+MapKeypoints FusePoints(const FusionInput& input, const std::vector<Candidate>& candidates,
+                        const FusionOptions& options) {
+  constexpr std::size_t kChunk = 4096;
+  MapKeypoints map;
+  map.keypoints.resize(candidates.size());
+  map.observations.resize(candidates.size());
+  map.last_survey.resize(candidates.size());
+  map.descriptors = MakeDescriptors(input, candidates.size());
+  const double usual_m = 0.25 * options.tracks.radius_m;
+  ParallelFor(static_cast<int>((candidates.size() + kChunk - 1) / kChunk), options.threads, [&](int chunk) {
+    const std::size_t begin = static_cast<std::size_t>(chunk) * kChunk;
+    TrackFuser fuser(input.frames, input.map_from_base, map.descriptors, usual_m);
+    for (std::size_t i = begin; i < std::min(candidates.size(), begin + kChunk); ++i) {
+      const Candidate& c = candidates[i];
+      const int row = static_cast<int>(i);
+      FusedPoint point;
+      if (c.old == kNone) {
+        point = fuser.Fuse(c.track, &map.descriptors, row);
+      } else if (c.views() > 0) {
+        point = fuser.Refresh(*input.old, c.old, c.track, &map.descriptors, row);
+      } else {
+        point = {input.old->keypoints[static_cast<std::size_t>(c.old)], c.old_seen};
+        input.old->descriptors.row(c.old).copyTo(map.descriptors.row(row));
+      }
+      map.keypoints[i] = point.keypoint;
+      map.observations[i] = Limited(point.observations);
+      map.last_survey[i] = LastSurvey(c, input);
     }
+  });
+  return map;
+}
+
+// Of the points in the new frames' view those that the budget allows, and all others. Ascending.
+std::vector<int> Choose(const MapKeypoints& map, const std::vector<Candidate>& candidates, const RepeatRates& rates,
+                        const CoverageGrid& coverage, const PruningOptions& options) {
+  std::vector<int> chosen;
+  std::vector<int> in_view;
+  std::vector<Eigen::Vector2d> places;
+  std::vector<PointHistory> histories;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].StaysAsItIs()) {
+      chosen.push_back(static_cast<int>(i));
+      continue;
+    }
+    in_view.push_back(static_cast<int>(i));
+    places.push_back(map.keypoints[i].Position());
+    histories.push_back(HistoryOf(candidates[i], rates));
+    histories.back().distinctiveness = map.distinctiveness[i];
+  }
+  IgnoreTwinsWhereCommon(places, options.cell_m, &histories);
+  for (const int i : ChooseEvenly(places, Usefulness(histories, rates), coverage, options)) {
+    chosen.push_back(in_view[static_cast<std::size_t>(i)]);
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
 
+MapKeypoints Select(const MapKeypoints& map, const std::vector<int>& chosen) {
+  MapKeypoints selected;
+  selected.descriptors.create(static_cast<int>(chosen.size()), map.descriptors.cols, map.descriptors.type());
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const auto from = static_cast<std::size_t>(chosen[i]);
+    selected.keypoints.push_back(map.keypoints[from]);
+    selected.observations.push_back(map.observations[from]);
+    selected.distinctiveness.push_back(map.distinctiveness[from]);
+    selected.last_survey.push_back(map.last_survey[from]);
+    map.descriptors.row(chosen[i]).copyTo(selected.descriptors.row(static_cast<int>(i)));
+  }
+  return selected;
+}
+
 }  // namespace
 
 FusionOptions FusionOptions::ForCamera(const FloorPlane& floor, int keypoints_per_frame) const {
-  constexpr double kReferenceResolutionM = 7e-4;
-  constexpr double kReferenceViewM2 = 0.129;
-  constexpr double kReferenceKeypoints = 700.0;
-  const double view_m2 = floor.roi.width_m() * floor.roi.height_m();
   FusionOptions adapted = *this;
-  adapted.radius_m *= floor.resolution_m / kReferenceResolutionM;
-  adapted.max_per_m2 *= kReferenceViewM2 / view_m2 * (keypoints_per_frame / kReferenceKeypoints);
-  adapted.budget_cell_m *= std::sqrt(view_m2 / kReferenceViewM2);
+  adapted.tracks = tracks.ForCamera(floor);
+  adapted.pruning = pruning.ForCamera(floor, keypoints_per_frame);
   return adapted;
 }
 
-MapKeypoints FuseKeypoints(const std::vector<BuildFrame>& frames,
-                           const std::vector<std::optional<Pose2>>& map_from_base,
-                           const std::vector<RectM>& floor_in_base, const FusionOptions& options) {
-  Fuser fuser(frames, options);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (map_from_base[i]) {
-      fuser.AddFrame(static_cast<int>(i), *map_from_base[i]);
-    }
-  }
-  const CoverageGrid coverage(map_from_base, floor_in_base);
-  const std::vector<Track>& tracks = fuser.tracks();
-  std::vector<int> candidates;
-  for (std::size_t t = 0; t < tracks.size(); ++t) {
-    if (tracks[t].views.size() > 1 || coverage.CountAt(tracks[t].Position()) < options.min_coverage) {
-      candidates.push_back(static_cast<int>(t));
-    }
-  }
-  MapKeypoints map;
-  for (const int t : ChooseWithinBudget(tracks, std::move(candidates), options)) {
-    const Track& track = tracks[static_cast<std::size_t>(t)];
-    const Eigen::Vector2d p = track.Position();
-    map.keypoints.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(track.Angle()),
-                             static_cast<float>(track.size_sum / track.count()),
-                             static_cast<float>(track.response_sum / track.count())});
-    // How alike the map's keypoints are is not measured here.
-    map.distinctiveness.push_back(255);
-    map.last_survey.push_back(static_cast<std::uint16_t>(NewestSurvey(frames, track)));
-    map.observations.push_back(static_cast<std::uint16_t>(std::min<std::size_t>(track.views.size(), 65535)));
-    map.descriptors.push_back(FusedDescriptor(frames, track));
-  }
-  return map;
+MapKeypoints FuseKeypoints(const FusionInput& input, const FusionOptions& options) {
+  const CoverageGrid coverage(input.map_from_base, input.floor_in_base);
+  const CoverageGrid detectable(input.map_from_base, DetectableFloor(input.frames));
+  std::vector<Candidate> candidates = FindCandidates(input, detectable, options.tracks);
+  const RepeatRates rates = LearnRates(candidates);
+  std::erase_if(candidates, [&](const Candidate& c) {
+    const bool unconfirmed = c.old == kNone && c.views() == 1;
+    return (unconfirmed && coverage.CountAt(c.track.position_m) >= options.min_coverage) || IsGone(c, rates, options);
+  });
+  MapKeypoints map = FusePoints(input, candidates, options);
+  map.distinctiveness =
+      MeasureDistinctiveness(map.keypoints, map.descriptors, {.threads = options.threads, .seed = options.seed});
+  return Select(map, Choose(map, candidates, rates, coverage, options.pruning));
 }
 
 }  // namespace floorloc

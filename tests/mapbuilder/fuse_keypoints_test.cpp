@@ -5,58 +5,17 @@
 
 #include <algorithm>
 #include <opencv2/core.hpp>
-#include <random>
 
 #include "mapbuilder/coverage.h"
+#include "tests/mapbuilder/floor_points.h"
 
 namespace floorloc {
 namespace {
 
-const RectM kFloor{0.0, 0.4, -0.2, 0.2};
-
-// Keypoints of a floor, and frames that see those within their region of interest.
-class FloorPoints {
- public:
-  FloorPoints(int count, bool binary, std::uint32_t seed) : random_(seed) {
-    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
-    for (int i = 0; i < count; ++i) {
-      const float x = unit(random_);
-      const float y = unit(random_);
-      points.push_back({x, y, 6.0F * unit(random_) - 3.0F, 0.02F, unit(random_)});
-    }
-    descriptors = cv::Mat(count, 32, binary ? CV_8U : CV_32F);
-    cv::RNG(seed).fill(descriptors, cv::RNG::UNIFORM, 0, 256);
-  }
-
-  BuildFrame See(const Pose2& map_from_base, double noise_m) {
-    std::normal_distribution<double> normal(0.0, noise_m);
-    const Pose2 base_from_map = map_from_base.Inverse();
-    BuildFrame frame;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Eigen::Vector2d p = base_from_map * points[i].Position();
-      if (!kFloor.Contains(p)) {
-        continue;
-      }
-      Keypoint k = points[i];
-      k.x_m = static_cast<float>(p.x() + normal(random_));
-      k.y_m = static_cast<float>(p.y() + normal(random_));
-      k.angle_rad = static_cast<float>(WrapAngle(k.angle_rad - map_from_base.yaw()));
-      frame.features.keypoints.push_back(k);
-      frame.features.descriptors.push_back(descriptors.row(static_cast<int>(i)));
-    }
-    return frame;
-  }
-
-  std::vector<Keypoint> points;
-  cv::Mat descriptors;
-
- private:
-  std::mt19937 random_;
-};
-
 MapKeypoints Fuse(const std::vector<BuildFrame>& frames, const std::vector<std::optional<Pose2>>& poses,
                   const FusionOptions& options = {}) {
-  return FuseKeypoints(frames, poses, std::vector<RectM>(frames.size(), kFloor), options);
+  const std::vector<RectM> floors(frames.size(), kFloorInView);
+  return FuseKeypoints({frames, poses, floors}, options);
 }
 
 class FuseKeypointsTest : public ::testing::TestWithParam<bool> {};
@@ -69,7 +28,7 @@ TEST_P(FuseKeypointsTest, ViewsOfOnePointBecomeOnePoint) {
   for (const auto& pose : poses) {
     frames.push_back(floor.See(*pose, 1e-4));
     for (std::size_t i = 0; i < floor.points.size(); ++i) {
-      seen[i] += kFloor.Contains(pose->Inverse() * floor.points[i].Position()) ? 1 : 0;
+      seen[i] += floor.InView(i, *pose) ? 1 : 0;
     }
   }
   FusionOptions all;
@@ -130,10 +89,9 @@ TEST_P(FuseKeypointsTest, TheBudgetHolds) {
   FloorPoints floor(5000, GetParam(), 5);
   const Pose2 pose(0.3, 0.5, 0.0);
   FusionOptions options;
-  options.max_per_m2 = 1000.0;
+  options.pruning.max_per_m2 = 1000.0;
   const MapKeypoints map = Fuse({floor.See(pose, 0.0)}, {pose}, options);
-  EXPECT_LE(map.size(), 250U);  // up to 25 cells of 0.01 m2 with 10 each
-  EXPECT_GE(map.size(), 140U);
+  EXPECT_NEAR(static_cast<double>(map.size()), 160.0, 10.0);  // 0.16 m2
 }
 
 TEST_P(FuseKeypointsTest, DroppedFramesGiveNothing) {
@@ -161,7 +119,7 @@ TEST(FuseKeypointsTest, BitsAreDecidedByTheMajority) {
 TEST(CoverageTest, MeasuresTheFloorThatFramesSee) {
   const std::vector<std::optional<Pose2>> poses = {Pose2(0.0, 0.0, 0.0), Pose2(0.2, 0.0, 0.0), std::nullopt,
                                                    Pose2(-3.0, 1.0, 0.7)};
-  const CoverageGrid grid(poses, std::vector<RectM>(poses.size(), kFloor));
+  const CoverageGrid grid(poses, std::vector<RectM>(poses.size(), kFloorInView));
   EXPECT_NEAR(grid.AreaM2(), 0.24 + 0.16, 0.02);
   EXPECT_EQ(grid.CountAt({0.1, 0.0}), 1);
   EXPECT_EQ(grid.CountAt({0.3, 0.0}), 2);
@@ -172,7 +130,7 @@ TEST(CoverageTest, MeasuresTheFloorThatFramesSee) {
 }
 
 TEST(CoverageTest, NothingCoversNothing) {
-  const CoverageGrid grid({std::nullopt}, {kFloor});
+  const CoverageGrid grid({std::nullopt}, {kFloorInView});
   EXPECT_EQ(grid.AreaM2(), 0.0);
   EXPECT_EQ(grid.Extent().width_m(), 0.0);
 }

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/distinctiveness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <random>
+
+#include "core/vision/descriptor_index.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+namespace {
+
+// Neighbours looked at; more than can lie at one place, in most cases.
+constexpr int kNeighbours = 6;
+// Buckets of the hash index, of which the nearest neighbours need few.
+constexpr int kProbes = 48;
+constexpr int kChunk = 2048;
+
+// Mean distance of two random descriptors, of at least two.
+double ChanceDistance(const cv::Mat& descriptors, std::uint32_t seed) {
+  constexpr int kPairs = 2000;
+  const int norm = descriptors.depth() == CV_8U ? cv::NORM_HAMMING : cv::NORM_L2;
+  const auto rows = static_cast<std::uint_fast32_t>(descriptors.rows);
+  std::mt19937 random(seed);
+  double sum = 0.0;
+  for (int i = 0; i < kPairs; ++i) {
+    const std::uint_fast32_t a = random() % rows;
+    const std::uint_fast32_t b = (a + 1 + random() % (rows - 1)) % rows;  // another one
+    sum += cv::norm(descriptors.row(static_cast<int>(a)), descriptors.row(static_cast<int>(b)), norm);
+  }
+  return std::max(sum / kPairs, 1e-9);
+}
+
+// Distance of the nearest neighbour of another place. When all that were found are of this place, the others are
+// farther than the last one.
+double RivalDistance(const std::vector<Keypoint>& keypoints, std::size_t self, const std::vector<Neighbour>& found,
+                     const DistinctivenessOptions& options, double chance) {
+  for (const Neighbour& n : found) {
+    const Eigen::Vector2d place = keypoints[static_cast<std::size_t>(n.index)].Position();
+    if ((place - keypoints[self].Position()).norm() > options.same_place_m) {
+      return n.distance;
+    }
+  }
+  return found.size() < kNeighbours ? chance : found.back().distance;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> MeasureDistinctiveness(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors,
+                                                 const DistinctivenessOptions& options) {
+  std::vector<std::uint8_t> result(keypoints.size(), 255);
+  if (keypoints.size() < 2) {
+    return result;
+  }
+  const double chance = ChanceDistance(descriptors, options.seed);
+  IndexOptions index_options;
+  index_options.seed = options.seed;
+  const std::unique_ptr<DescriptorIndex> index = CreateDescriptorIndex(descriptors, index_options);
+  const int chunks = (descriptors.rows + kChunk - 1) / kChunk;
+  ParallelFor(chunks, options.threads, [&](int chunk) {
+    const cv::Range rows(chunk * kChunk, std::min(descriptors.rows, (chunk + 1) * kChunk));
+    const auto found = index->Search(descriptors.rowRange(rows), {.count = kNeighbours, .probes = kProbes});
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const std::size_t self = static_cast<std::size_t>(rows.start) + i;
+      const double share = RivalDistance(keypoints, self, found[i], options, chance) / chance;
+      result[self] = static_cast<std::uint8_t>(std::lround(255.0 * std::min(1.0, share)));
+    }
+  });
+  return result;
+}
+
+}  // namespace floorloc

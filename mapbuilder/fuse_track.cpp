@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/fuse_track.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace floorloc {
+namespace {
+
+// Of an old point's look, against one of each new view: a single view doesn't change it, several do.
+constexpr int kOldVotes = 2;
+
+}  // namespace
+
+Eigen::Vector2d RobustMean(const std::vector<WeightedPlace>& places, double usual) {
+  constexpr int kRounds = 5;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    double weights = 0.0;
+    for (const WeightedPlace& p : places) {
+      const double distance = round == 0 ? 0.0 : (p.place - mean).norm();
+      const double weight = p.weight * (distance > usual ? usual / distance : 1.0);
+      sum += weight * p.place;
+      weights += weight;
+    }
+    mean = sum / weights;
+    if (places.size() < 3) {
+      break;  // two can't say which of them is wrong
+    }
+  }
+  return mean;
+}
+
+TrackFuser::TrackFuser(const std::vector<BuildFrame>& frames, const std::vector<std::optional<Pose2>>& map_from_base,
+                       const cv::Mat& like, double usual_m)
+    : frames_(frames), map_from_base_(map_from_base), usual_m_(usual_m), vote_(like) {}
+
+FusedPoint TrackFuser::Fuse(const KeypointTrack& track, cv::Mat* descriptors, int row) {
+  assert(!track.views.empty());
+  Start();
+  AddViews(track);
+  return Finish(descriptors, row);
+}
+
+FusedPoint TrackFuser::Refresh(const MapKeypoints& old, int index, const KeypointTrack& track, cv::Mat* descriptors,
+                               int row) {
+  Start();
+  const auto i = static_cast<std::size_t>(index);
+  AddViews(track);  // first: they decide ties
+  vote_.Add(old.descriptors, index, kOldVotes);
+  AddKeypoint(old.keypoints[i], std::max<int>(1, old.observations[i]));
+  return Finish(descriptors, row);
+}
+
+void TrackFuser::Start() {
+  places_.clear();
+  angle_sum_.setZero();
+  size_sum_ = response_sum_ = 0.0;
+  count_ = 0;
+}
+
+void TrackFuser::AddViews(const KeypointTrack& track) {
+  for (const auto& [frame, keypoint] : track.views) {
+    const auto f = static_cast<std::size_t>(frame);
+    const Features& features = frames_[f].features;
+    Keypoint k = features.keypoints[static_cast<std::size_t>(keypoint)];
+    const Pose2& map_from_base = *map_from_base_[f];
+    const Eigen::Vector2d place = map_from_base * k.Position();
+    k.x_m = static_cast<float>(place.x());
+    k.y_m = static_cast<float>(place.y());
+    k.angle_rad = static_cast<float>(map_from_base.yaw() + k.angle_rad);
+    AddKeypoint(k, 1);
+    vote_.Add(features.descriptors, keypoint);
+  }
+}
+
+void TrackFuser::AddKeypoint(const Keypoint& in_map, int count) {
+  places_.push_back({in_map.Position(), static_cast<double>(count)});
+  angle_sum_ += count * Eigen::Vector2d(std::cos(in_map.angle_rad), std::sin(in_map.angle_rad));
+  size_sum_ += static_cast<double>(count) * in_map.size_m;
+  response_sum_ += static_cast<double>(count) * in_map.response;
+  count_ += count;
+}
+
+FusedPoint TrackFuser::Finish(cv::Mat* descriptors, int row) {
+  vote_.Finish(descriptors, row);
+  const Eigen::Vector2d place = RobustMean(places_, usual_m_);
+  return {{static_cast<float>(place.x()), static_cast<float>(place.y()),
+           static_cast<float>(std::atan2(angle_sum_.y(), angle_sum_.x())), static_cast<float>(size_sum_ / count_),
+           static_cast<float>(response_sum_ / count_)},
+          count_};
+}
+
+}  // namespace floorloc

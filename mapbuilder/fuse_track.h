@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/map/floor_map.h"
+#include "mapbuilder/descriptor_vote.h"
+#include "mapbuilder/keypoint_tracks.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+/// A map point without its descriptor.
+struct FusedPoint {
+  Keypoint keypoint;
+  int observations = 0;
+};
+
+/// An observed place, and how much it counts.
+struct WeightedPlace {
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double weight = 1.0;
+};
+
+/// Weighted mean with outliers held back: places farther than `usual` from it count less the farther they are (Huber's
+/// estimate, by reweighting).
+Eigen::Vector2d RobustMean(const std::vector<WeightedPlace>& places, double usual);
+
+/// Makes one map point of a track's views and, when the track is that of an old map point, of the old one.
+class TrackFuser {
+ public:
+  /// like: any matrix of the descriptors' kind. usual_m: a view's usual distance from its point.
+  TrackFuser(const std::vector<BuildFrame>& frames, const std::vector<std::optional<Pose2>>& map_from_base,
+             const cv::Mat& like, double usual_m);
+
+  /// Writes the fused descriptor to the row. The track has at least one view.
+  FusedPoint Fuse(const KeypointTrack& track, cv::Mat* descriptors, int row);
+  /// The same, refreshing an old point.
+  FusedPoint Refresh(const MapKeypoints& old, int index, const KeypointTrack& track, cv::Mat* descriptors, int row);
+
+ private:
+  void Start();
+  void AddViews(const KeypointTrack& track);
+  FusedPoint Finish(cv::Mat* descriptors, int row);
+  void AddKeypoint(const Keypoint& in_map, int count);
+
+  const std::vector<BuildFrame>& frames_;
+  const std::vector<std::optional<Pose2>>& map_from_base_;
+  double usual_m_;
+  DescriptorVote vote_;
+  std::vector<WeightedPlace> places_;
+  Eigen::Vector2d angle_sum_ = Eigen::Vector2d::Zero();  // of unit vectors
+  double size_sum_ = 0.0;
+  double response_sum_ = 0.0;
+  int count_ = 0;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/keypoint_usefulness.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "mapbuilder/cell_key.h"
+
+namespace floorloc {
+namespace {
+
+constexpr std::size_t kBins = 16;
+
+// The rate among like points counts as so many frames.
+constexpr double kPriorFrames = 2.0;
+
+// Before anything is known; bins of few points stay near it.
+constexpr double kUnknownRate = 0.5;
+constexpr double kUnknownFrames = 4.0;
+
+// Nearer than most views of one point are to each other.
+constexpr std::uint8_t kTwinDistinctiveness = 32;
+constexpr double kManyTwins = 0.2;
+
+// A point's first view made it known: it does not tell how often it is seen.
+double OtherViews(const PointHistory& point) { return point.seen - 1; }
+double OtherFrames(const PointHistory& point) { return std::max(point.looked, point.seen) - 1; }
+
+}  // namespace
+
+RepeatRates::RepeatRates(const std::vector<PointHistory>& points) {
+  std::vector<float> responses;
+  for (const PointHistory& point : points) {
+    responses.push_back(point.response);
+  }
+  std::sort(responses.begin(), responses.end());
+  for (std::size_t bin = 1; bin < kBins && !responses.empty(); ++bin) {
+    upper_responses_.push_back(responses[responses.size() * bin / kBins]);
+  }
+  std::vector<double> views(upper_responses_.size() + 1, kUnknownRate * kUnknownFrames);
+  std::vector<double> frames(views.size(), kUnknownFrames);
+  rates_.resize(views.size());
+  for (const PointHistory& point : points) {
+    const auto upper = std::upper_bound(upper_responses_.begin(), upper_responses_.end(), point.response);
+    const auto bin = static_cast<std::size_t>(upper - upper_responses_.begin());
+    views[bin] += OtherViews(point);
+    frames[bin] += OtherFrames(point);
+  }
+  std::transform(views.begin(), views.end(), frames.begin(), rates_.begin(), [](double v, double f) { return v / f; });
+}
+
+double RepeatRates::OfResponse(float response) const {
+  const auto upper = std::upper_bound(upper_responses_.begin(), upper_responses_.end(), response);
+  return rates_[static_cast<std::size_t>(upper - upper_responses_.begin())];
+}
+
+double RepeatRates::Of(const PointHistory& point) const {
+  return (OtherViews(point) + kPriorFrames * OfResponse(point.response)) / (OtherFrames(point) + kPriorFrames);
+}
+
+std::vector<double> Usefulness(const std::vector<PointHistory>& points, const RepeatRates& rates) {
+  std::vector<double> usefulness;
+  for (const PointHistory& point : points) {
+    usefulness.push_back(rates.Of(point) * point.distinctiveness / 255.0);
+  }
+  return usefulness;
+}
+
+void IgnoreTwinsWhereCommon(const std::vector<Eigen::Vector2d>& places, double cell_m,
+                            std::vector<PointHistory>* points) {
+  struct Cell {
+    int points = 0;
+    int twins = 0;
+  };
+  std::unordered_map<std::int64_t, Cell> cells;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Cell& cell = cells[CellKey(places[i], cell_m)];
+    ++cell.points;
+    cell.twins += (*points)[i].distinctiveness < kTwinDistinctiveness ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Cell& cell = cells[CellKey(places[i], cell_m)];
+    if (cell.twins > kManyTwins * cell.points) {
+      (*points)[i].distinctiveness = 255;
+    }
+  }
+}
+
+}  // namespace floorloc
