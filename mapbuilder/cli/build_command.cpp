@@ -9,12 +9,14 @@
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/cli/video_input.h"
 
 namespace floorloc {
 namespace {
 
 struct Arguments {
   BuildOptions options;
+  VideoArguments video;
   std::string features = "auto";
   std::string poses_file;
   std::vector<double> poses_sigma;
@@ -44,7 +46,7 @@ std::string FingerprintOf(const CLI::App& command) {
   std::string fingerprint;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    if (name != "--resume" && name != "--threads" && name != "--json") {
+    if (name != "--resume" && name != "--threads" && name != "--json" && name != "--keep-frames") {
       for (const std::string& value : option->results()) {
         fingerprint += name + "=" + value + StateOfFile(value) + "\n";
       }
@@ -76,7 +78,10 @@ void Run(Arguments& a) {
     a.options.placement.prior_sigma_rad = a.poses_sigma[1];
   }
   a.options.progress = ProgressOutput::Stderr();
-  const BuildReport report = BuildOrSayHowToResume(a.options);
+  const VideoInput video(a.video, a.options.out, a.options.progress, &a.options.surveys);
+  BuildReport report = BuildOrSayHowToResume(a.options);
+  report.warnings.insert(report.warnings.end(), video.warnings().begin(), video.warnings().end());
+  video.Finish();
   if (a.json) {
     std::cout << ToJson(report, true) << "\n";
   } else {
@@ -87,9 +92,10 @@ void Run(Arguments& a) {
 }  // namespace
 
 void AddBuildCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("build", "Builds a map from survey folders");
+  CLI::App* command = app.add_subcommand("build", "Builds a map from survey folders or videos");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("--survey", a->options.surveys, "Survey folder(s)")->required();
+  command->add_option("--survey", a->options.surveys, "Survey folder(s)");
+  AddVideoOptions(command, &a->video);
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
   command
       ->add_option("--features", a->features,
