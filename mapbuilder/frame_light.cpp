@@ -30,8 +30,8 @@ cv::Mat SmallPixels(const LightGrid& grid, const FloorCamera& camera) {
 
 }  // namespace
 
-LightGrid::LightGrid(const Rectifier& rectifier) : ground(rectifier.grid()) {
-  const cv::Mat& mask = rectifier.mask();
+LightGrid::LightGrid(const LoadedSurvey& survey) : ground(survey.rectifier->grid()) {
+  const cv::Mat mask = survey.FloorMask();
   seen = cv::Mat::zeros(std::max(1, mask.rows / kCellPx), std::max(1, mask.cols / kCellPx), CV_8UC1);
   for (int v = 0; v < seen.rows; ++v) {
     for (int u = 0; u < seen.cols; ++u) {
@@ -44,7 +44,7 @@ LightGrid::LightGrid(const Rectifier& rectifier) : ground(rectifier.grid()) {
 std::vector<LightGrid> MakeLightGrids(const std::vector<LoadedSurvey>& surveys) {
   std::vector<LightGrid> grids;
   for (const LoadedSurvey& survey : surveys) {
-    grids.emplace_back(*survey.rectifier);
+    grids.emplace_back(survey);
   }
   return grids;
 }

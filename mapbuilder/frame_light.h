@@ -16,7 +16,7 @@ struct LightGrid {
   GroundGrid ground;
   cv::Mat seen;  ///< CV_8UC1 per cell, 255 where all of it shows floor
 
-  explicit LightGrid(const Rectifier& rectifier);
+  explicit LightGrid(const LoadedSurvey& survey);
 
   /// Middle of a cell, base frame.
   Eigen::Vector2d BaseFromCell(double u, double v) const {

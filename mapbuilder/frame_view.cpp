@@ -21,8 +21,8 @@ cv::Mat DepthOf(const cv::Mat& mask) {
 
 }  // namespace
 
-SurveyView::SurveyView(std::shared_ptr<const Rectifier> survey_rectifier, cv::Mat gain)
-    : rectifier(std::move(survey_rectifier)), depth(DepthOf(rectifier->mask())), flat_gain(std::move(gain)) {}
+SurveyView::SurveyView(const LoadedSurvey& survey, cv::Mat gain)
+    : rectifier(survey.rectifier), depth(DepthOf(survey.FloorMask())), flat_gain(std::move(gain)) {}
 
 FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base)
     : survey_(&survey),

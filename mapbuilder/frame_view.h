@@ -8,6 +8,7 @@
 #include "core/geometry/pose2.h"
 #include "core/vision/rectifier.h"
 #include "mapbuilder/mosaic_grid.h"
+#include "mapbuilder/survey_frames.h"
 
 namespace floorloc {
 
@@ -17,7 +18,7 @@ struct SurveyView {
   cv::Mat depth;      ///< CV_32F, of the rectified picture: pixels to the border of what is seen; 0 outside
   cv::Mat flat_gain;  ///< CV_32F, of the rectified picture
 
-  SurveyView(std::shared_ptr<const Rectifier> rectifier, cv::Mat flat_gain);
+  SurveyView(const LoadedSurvey& survey, cv::Mat flat_gain);
 };
 
 /// A placed frame, seen from the mosaic.

@@ -33,7 +33,7 @@ std::vector<RectM> FloorsInBase(const MosaicInput& input) {
 std::vector<SurveyView> ViewsOf(const MosaicInput& input) {
   std::vector<SurveyView> views;
   for (std::size_t s = 0; s < input.surveys.size(); ++s) {
-    views.emplace_back(input.surveys[s].rectifier, input.exposure.flat_field[s]);
+    views.emplace_back(input.surveys[s], input.exposure.flat_field[s]);
   }
   return views;
 }
@@ -102,9 +102,10 @@ BlockBlender::BlockBlender(const MosaicInput& input, double resolution_m, int th
 
 FloorPicture BlockBlender::Load(int frame) const {
   const BuildFrame& f = input_.frames[static_cast<std::size_t>(frame)];
-  const Survey& survey = input_.surveys[static_cast<std::size_t>(f.survey)].survey;
+  const LoadedSurvey& from = input_.surveys[static_cast<std::size_t>(f.survey)];
+  const Survey& survey = from.survey;
   const CameraModel& camera = survey.camera.camera;
-  return MakeFloorPicture(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), cv::Mat(),
+  return MakeFloorPicture(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), from.raw_mask,
                           shrink_);
 }
 

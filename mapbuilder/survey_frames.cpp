@@ -28,19 +28,44 @@ cv::Mat MeasureBrightness(const GroundImage& image) {
 void Extract(const LoadedSurvey& from, const FeatureExtractor& extractor, BuildFrame* frame) {
   const CameraModel& camera = from.survey.camera.camera;
   const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame->info), camera.width_px, camera.height_px);
-  const GroundImage image = from.rectifier->Rectify(raw);
+  GroundImage image = from.rectifier->Rectify(raw);
+  if (!from.raw_mask.empty()) {
+    image.mask = from.FloorMask();
+    image.gray.setTo(0, image.mask == 0);
+  }
   frame->features = extractor.Extract(image);
   frame->brightness = MeasureBrightness(image);
   frame->quality = MeasureQuality(image);
 }
 
+cv::Mat ReadMask(const Survey& survey) {
+  const std::filesystem::path file = survey.folder / "mask.png";
+  if (!std::filesystem::exists(file)) {
+    return {};
+  }
+  const cv::Mat mask = ReadGrayImage(file, survey.camera.camera.width_px, survey.camera.camera.height_px) > 0;
+  if (cv::countNonZero(mask) == 0) {
+    throw InputError(file, "masks everything; paint white what is floor");
+  }
+  return mask;
+}
+
 }  // namespace
+
+cv::Mat LoadedSurvey::FloorMask() const {
+  if (raw_mask.empty()) {
+    return rectifier->mask();
+  }
+  // Pixels that mix with what is masked do not count.
+  return (rectifier->RectifyPicture(raw_mask) == 255) & rectifier->mask();
+}
 
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFrames bad_frames) {
   std::vector<LoadedSurvey> surveys;
   for (const std::filesystem::path& folder : folders) {
     LoadedSurvey loaded{ReadSurvey(folder, bad_frames), nullptr};
     loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera);
+    loaded.raw_mask = ReadMask(loaded.survey);
     const double resolution_m = loaded.survey.camera.floor.resolution_m;
     if (!surveys.empty() && std::abs(surveys.front().survey.camera.floor.resolution_m - resolution_m) > 1e-9) {
       throw InputError(folder / "floor.yaml", "has another resolution than the first survey (" +

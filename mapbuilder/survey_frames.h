@@ -20,6 +20,12 @@ namespace floorloc {
 struct LoadedSurvey {
   Survey survey;
   std::shared_ptr<const Rectifier> rectifier;
+  /// mask.png of the folder: CV_8UC1 of the camera's pictures, 0 where they show no floor (the robot's body); may be
+  /// empty.
+  cv::Mat raw_mask = {};
+
+  /// CV_8UC1 of the rectified picture, 255 where it shows floor.
+  cv::Mat FloorMask() const;
 };
 
 /// One frame of a survey, as far as the builder keeps it in memory: its picture is not kept.
