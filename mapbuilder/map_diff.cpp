@@ -6,20 +6,14 @@
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <tuple>
 
 #include "core/map/extractor_parameters.h"
-#include "core/vision/guided_matcher.h"
 #include "mapbuilder/coverage.h"
+#include "mapbuilder/same_points.h"
 
 namespace floorloc {
 namespace {
-
-// Two maps' views of one floor point: as near as the views that are fused, and twice that for poses that moved.
-constexpr double kSamePointPx = 3.5;
-constexpr double kMaxBinaryShare = 0.22;
-constexpr double kMaxFloatShare = 0.55;
 
 struct LoadedMap {
   explicit LoadedMap(const MapDatabase& database)
@@ -95,30 +89,15 @@ void CompareFrames(const LoadedMap& before, const LoadedMap& after, MapDiff* dif
   diff->moves.rms_m = std::sqrt(squares / std::max(1, diff->frames_kept));
 }
 
-bool Alike(const Match& match, const cv::Mat& descriptors) {
-  if (descriptors.depth() == CV_8U) {
-    return match.distance <= kMaxBinaryShare * 8.0 * descriptors.cols;
-  }
-  return match.distance <= kMaxFloatShare * cv::norm(descriptors.row(match.query), cv::NORM_L2);
-}
-
 std::optional<MapDiff::Keypoints> CompareKeypoints(const FloorMap& before, const FloorMap& after) {
   const cv::Mat& a = before.keypoints.descriptors;
   const cv::Mat& b = after.keypoints.descriptors;
   if (before.info.extractor.type != after.info.extractor.type || a.type() != b.type() || a.cols != b.cols) {
     return std::nullopt;
   }
-  const double radius_m = kSamePointPx * before.info.camera().floor.resolution_m;
-  const GuidedMatcher matcher(after.keypoints.keypoints, b, 4.0 * radius_m);
-  std::vector<bool> taken(after.keypoints.size(), false);
   MapDiff::Keypoints count;
-  for (const Match& match :
-       matcher.FindNearest({before.keypoints.keypoints, a}, {Pose2(), radius_m, kKeypointAngleNoiseRad, 1})) {
-    if (!taken[static_cast<std::size_t>(match.train)] && Alike(match, a)) {
-      taken[static_cast<std::size_t>(match.train)] = true;
-      ++count.kept;
-    }
-  }
+  count.kept = static_cast<int>(
+      FindSamePoints(before.keypoints, after.keypoints, before.info.camera().floor.resolution_m).size());
   count.gone = static_cast<int>(before.keypoints.size()) - count.kept;
   count.added = static_cast<int>(after.keypoints.size()) - count.kept;
   return count;

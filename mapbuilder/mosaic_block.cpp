@@ -40,6 +40,9 @@ std::vector<SurveyView> ViewsOf(const MosaicInput& input) {
 
 // How many pixels of the survey's own resolution become one of the mosaic.
 int ShrinkFor(const MosaicInput& input, double resolution_m) {
+  if (input.surveys.empty()) {
+    return 1;  // background only
+  }
   return std::max(1, static_cast<int>(resolution_m / input.surveys.front().survey.camera.floor.resolution_m + 1e-6));
 }
 

@@ -15,6 +15,7 @@ void AddEvaluateCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddLocalizeCommand(CLI::App& app);
+void AddMergeCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 void AddVerifyCommand(CLI::App& app);
 

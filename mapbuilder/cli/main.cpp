@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   floorloc::AddInfoCommand(app);
   floorloc::AddVerifyCommand(app);
   floorloc::AddDiffCommand(app);
+  floorloc::AddMergeCommand(app);
   floorloc::AddExportCommand(app);
   floorloc::AddEvaluateCommand(app);
   floorloc::AddCompareCommand(app);

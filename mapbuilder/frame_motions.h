@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "mapbuilder/old_map.h"
+
+namespace floorloc {
+
+/// How the floor of a map moves when its frames get new poses: as the frames around, weighted by how near they are.
+class FrameMotions {
+ public:
+  FrameMotions(const OldMap& map, const std::vector<Pose2>& new_from_base);
+
+  /// new_from_old at a point of the old frame.
+  Pose2 At(const Eigen::Vector2d& point_in_old) const;
+  /// Where a point of the new frame was in the old one.
+  Eigen::Vector2d BackFrom(const Eigen::Vector2d& point_in_new) const;
+
+ private:
+  struct Motion {
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();  // of the frame's view, old frame
+    Pose2 new_from_old;
+  };
+  using Cells = std::unordered_map<std::int64_t, std::vector<int>>;
+
+  Pose2 MeanNear(const Eigen::Vector2d& point, const Cells& cells, bool in_new) const;
+
+  std::vector<Motion> motions_;
+  Cells old_cells_, new_cells_;  // of the centers
+  double cell_m_ = 1.0;
+};
+
+}  // namespace floorloc

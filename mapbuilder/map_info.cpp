@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/map_info.h"
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "core/io/text_file.h"
+
+namespace floorloc {
+namespace {
+
+std::string NewUuid() {
+  std::string uuid = ReadTextFile("/proc/sys/kernel/random/uuid");
+  std::erase(uuid, '\n');
+  return uuid;
+}
+
+std::string UtcNow() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+nlohmann::ordered_json ProvenanceOf(const Survey& survey) {
+  return {{"folder", std::filesystem::absolute(survey.folder).lexically_normal().filename().string()},
+          {"camera", survey.camera.camera.name},
+          {"frames", survey.frames.size()},
+          {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
+          {"odometry", !survey.odometry.empty()},
+          {"control_points", survey.control_points.size()}};
+}
+
+// One object per survey, whatever the map says.
+void AppendProvenance(const MapInfo& info, nlohmann::ordered_json* provenance) {
+  const auto surveys = nlohmann::ordered_json::parse(info.surveys_json, nullptr, false);
+  for (std::size_t i = 0; i < info.cameras.size(); ++i) {
+    provenance->push_back(surveys.is_array() && i < surveys.size() ? surveys[i] : nlohmann::ordered_json::object());
+  }
+}
+
+MapInfo NewInfo(const std::string& name, const std::string& id) {
+  MapInfo info;
+  info.builder_version = FLOORLOC_VERSION;
+  info.id = id;
+  info.name = name;
+  info.created = UtcNow();
+  return info;
+}
+
+}  // namespace
+
+MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& surveys, const OldMap* old) {
+  MapInfo info = NewInfo(name, old != nullptr ? old->map.info.id : NewUuid());
+  nlohmann::ordered_json provenance = nlohmann::json::array();
+  if (old != nullptr) {
+    const MapInfo& before = old->map.info;
+    info.cameras = before.cameras;
+    info.parents = {{"extends", before.id, before.content_version}};
+    AppendProvenance(before, &provenance);
+  }
+  for (const LoadedSurvey& loaded : surveys) {
+    info.cameras.push_back(loaded.survey.camera);
+    provenance.push_back(ProvenanceOf(loaded.survey));
+  }
+  info.surveys_json = provenance.dump();
+  return info;
+}
+
+MapInfo MakeMergedInfo(const std::string& name, const OldMap& first, const OldMap& second) {
+  MapInfo info = NewInfo(name, first.map.info.id);
+  info.extractor = first.map.info.extractor;
+  nlohmann::ordered_json provenance = nlohmann::json::array();
+  for (const OldMap* map : {&first, &second}) {
+    const MapInfo& before = map->map.info;
+    info.cameras.insert(info.cameras.end(), before.cameras.begin(), before.cameras.end());
+    info.parents.push_back({"merges", before.id, before.content_version});
+    AppendProvenance(before, &provenance);
+  }
+  info.surveys_json = provenance.dump();
+  return info;
+}
+
+}  // namespace floorloc

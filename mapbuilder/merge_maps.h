@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mapbuilder/tie_maps.h"
+
+namespace floorloc {
+
+struct MergeOptions {
+  std::filesystem::path first;   ///< gives the merged map its frame and its id
+  std::filesystem::path second;  ///< where both have floor, the first's mosaic is shown
+  std::filesystem::path out;     ///< may be one of them
+  TieOptions tie;
+  int jpeg_quality = 90;
+};
+
+struct MergeReport {
+  int frames = 0;         ///< of the merged map
+  int shared_frames = 0;  ///< of the second map, that see floor of the first
+  double bent_m = 0.0;    ///< how far one of the second map's frames moved beyond the rigid motion, at most
+  int keypoints = 0;
+  int shared_keypoints = 0;  ///< floor points that both maps had
+  double area_m2 = 0.0;
+  std::string content_version;
+};
+
+/// Two maps -> one. Throws MapError when they have other features or resolutions, or do not overlap.
+MergeReport MergeMaps(const MergeOptions& options);
+
+}  // namespace floorloc

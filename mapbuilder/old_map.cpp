@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/old_map.h"
+
+namespace floorloc {
+
+OldMap::OldMap(const std::filesystem::path& path)
+    : file(path),
+      database(path),
+      map(database.ReadMap()),
+      frames(database.ReadFrames()),
+      links(database.ReadLinks()),
+      coverage(Poses(), Floors()) {}
+
+std::vector<std::optional<Pose2>> OldMap::Poses() const {
+  std::vector<std::optional<Pose2>> poses;
+  for (const MapFrame& frame : frames) {
+    poses.emplace_back(frame.map_from_base);
+  }
+  return poses;
+}
+
+std::vector<RectM> OldMap::Floors() const {
+  std::vector<RectM> floors;
+  for (const MapFrame& frame : frames) {
+    if (frame.survey < 0 || frame.survey >= survey_count()) {
+      throw MapError(file.string() + " is damaged (a frame of no survey); restore it from a copy or build it again");
+    }
+    floors.push_back(map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi);
+  }
+  return floors;
+}
+
+CoverageGrid CoverageOfAll(const OldMap& old, const std::vector<std::optional<Pose2>>& map_from_base,
+                           const std::vector<RectM>& floor_in_base) {
+  std::vector<std::optional<Pose2>> poses = old.Poses();
+  std::vector<RectM> floors = old.Floors();
+  poses.insert(poses.end(), map_from_base.begin(), map_from_base.end());
+  floors.insert(floors.end(), floor_in_base.begin(), floor_in_base.end());
+  return {poses, floors};
+}
+
+}  // namespace floorloc

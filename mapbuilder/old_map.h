@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/map/map_database.h"
+#include "mapbuilder/coverage.h"
+
+namespace floorloc {
+
+/// A finished map that another one is made from: all of it but the mosaic, which stays in the file.
+struct OldMap {
+  /// Throws MapError.
+  explicit OldMap(const std::filesystem::path& path);
+
+  std::filesystem::path file;
+  MapDatabase database;
+  FloorMap map;
+  std::vector<MapFrame> frames;
+  std::vector<MapLink> links;
+  CoverageGrid coverage;  ///< by its frames
+
+  int survey_count() const { return static_cast<int>(map.info.cameras.size()); }
+  /// Of each frame.
+  std::vector<std::optional<Pose2>> Poses() const;
+  std::vector<RectM> Floors() const;
+};
+
+/// Of a map's frames and of further ones.
+CoverageGrid CoverageOfAll(const OldMap& old, const std::vector<std::optional<Pose2>>& map_from_base,
+                           const std::vector<RectM>& floor_in_base);
+
+}  // namespace floorloc
