@@ -42,8 +42,8 @@ class PartialSurveys(unittest.TestCase):
         run_ok(*FLOOR, "--out", cls.root / "second", "--seed", "2")
         run_ok(*FLOOR, "--out", cls.root / "later", "--seed", "3", "--trajectory", "random", "--frames", "24")
         cls.west, cls.east = cls.root / "west", cls.root / "east"
-        cls.west_frames = keep_frames(cls.root / "first", cls.west, lambda pose: pose[0] < 0.75)
-        cls.east_frames = keep_frames(cls.root / "second", cls.east, lambda pose: pose[0] > 0.45)
+        cls.west_frames = keep_frames(cls.root / "first", cls.west, lambda pose: pose[0] < 0.8)
+        cls.east_frames = keep_frames(cls.root / "second", cls.east, lambda pose: pose[0] > 0.68)
         cls.old = cls.root / "old.floormap"
         run_ok("build", "--survey", cls.west, "--out", cls.old, *TRUE_POSES, cls.west / "groundtruth.tum")
 

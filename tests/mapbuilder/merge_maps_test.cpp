@@ -41,7 +41,7 @@ TEST_F(OldMapTest, PointsMoveWithTheFramesAroundThem) {
   const OldMap map(file_);
   const Pose2 motion(0.3, -0.2, 0.7);
   const FrameMotions rigid(map, {motion * map.frames[0].map_from_base, motion * map.frames[1].map_from_base});
-  for (const Eigen::Vector2d p : {Eigen::Vector2d(0.1, 0.1), Eigen::Vector2d(1.0, 0.2), Eigen::Vector2d(5.0, 5.0)}) {
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.1, 0.1), Eigen::Vector2d(1.0, 0.2), Eigen::Vector2d(5.0, 5.0)}) {
     EXPECT_LT((rigid.At(p) * p - motion * p).norm(), 1e-9);
     EXPECT_LT((rigid.BackFrom(motion * p) - p).norm(), 1e-9);
   }
