@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/pair_registration.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <opencv2/core.hpp>
 #include <optional>
 
 #include "core/localization/oriented_matches.h"
@@ -13,21 +16,38 @@ namespace {
 
 constexpr double kGridCellPx = 40.0;
 
-// Where nothing says how two frames lie to each other, repeating floors offer several ways that look right.
-constexpr double kMaxRivalShare = 0.7;
+// Keypoints are looked for again within this many inlier radii of where a motion predicts them.
+constexpr double kRefineRadii = 1.5;
 
-std::vector<OrientedMatch> FindMatches(const Features& first, const Features& second, const FramePair& pair,
-                                       const PairRegistrationOptions& options) {
-  const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellPx * options.resolution_m);
-  MatchGuide guide;
+// Where nothing says how two frames lie to each other, repeating floors offer several ways that look right. The best
+// must lead by this many standard errors.
+constexpr double kMinLead = 2.0;
+
+// Keypoints are alike up to this share of differing bits, or this distance as a share of the descriptors' norm.
+constexpr double kAlikeBits = 0.25;
+constexpr double kAlikeNorm = 0.7;
+
+constexpr int kMinSharedKeypoints = 30;
+
+MatchGuide GuideOf(const FramePair& pair) {
   if (pair.first_from_second) {
-    guide = {*pair.first_from_second, pair.radius_m, pair.yaw_radius_rad + kKeypointAngleNoiseRad};
-  } else {
-    constexpr double kAnywhereM = 1e3;
-    guide = {Pose2(), kAnywhereM, std::numbers::pi};
+    return {*pair.first_from_second, pair.radius_m, pair.yaw_radius_rad + kKeypointAngleNoiseRad};
   }
+  constexpr double kAnywhereM = 1e3;
+  return {Pose2(), kAnywhereM, std::numbers::pi};
+}
+
+std::vector<OrientedMatch> FindMatches(const GuidedMatcher& matcher, const Features& first, const Features& second,
+                                       const MatchGuide& guide, const PairRegistrationOptions& options) {
   const float ratio = first.descriptors.depth() == CV_8U ? options.max_ratio_binary : options.max_ratio_float;
   return ToOrientedMatches(FilterByRatio(matcher.FindNearest(second, guide), ratio), second.keypoints, first.keypoints);
+}
+
+double LargestAlikeDistance(const Features& features) {
+  if (features.descriptors.depth() == CV_8U) {
+    return kAlikeBits * 8.0 * features.descriptors.cols;
+  }
+  return kAlikeNorm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
 }
 
 // Errors of calibration turn and shift the overlap as a whole: about its middle, not about the base frame's origin.
@@ -47,6 +67,90 @@ Eigen::Matrix3d SystematicCovariance(const std::vector<OrientedMatch>& matches, 
   return jacobian * Eigen::Vector3d(t, t, r).asDiagonal() * jacobian.transpose();
 }
 
+Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, const RegistrationResult& result,
+              const PairRegistrationOptions& options) {
+  Link link;
+  link.first = pair.first;
+  link.second = pair.second;
+  link.first_from_second = result.target_from_source;
+  link.covariance = result.covariance + SystematicCovariance(matches, result, options);
+  link.inliers = static_cast<int>(result.inliers.size());
+  link.rms_m = result.rms_m;
+  return link;
+}
+
+// A motion that is beyond chance, with how alike the frames are under it.
+struct Hypothesis {
+  Pose2 first_from_second;
+  PairAgreement agreement;
+};
+
+// Best first.
+std::vector<Hypothesis> FindHypotheses(const GuidedMatcher& matcher, const Features& second, const RectM& floor,
+                                       const std::vector<OrientedMatch>& matches,
+                                       const PairRegistrationOptions& options) {
+  const RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
+  const SearchRegion region{floor.width_m() * floor.height_m()};
+  std::vector<Hypothesis> hypotheses;
+  for (const PoseCandidate& candidate : FindPoseCandidates(matches, registration)) {
+    const int inliers = static_cast<int>(candidate.inliers.size());
+    if (inliers < registration.min_inliers || LogChancePoses(static_cast<int>(matches.size()), inliers, region,
+                                                             registration) > std::log10(registration.max_p_wrong)) {
+      continue;
+    }
+    hypotheses.push_back({candidate.target_from_source,
+                          MeasureAgreement(matcher, second, floor, candidate.target_from_source, options)});
+  }
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.agreement.mean > b.agreement.mean; });
+  return hypotheses;
+}
+
+// Nothing is known of the motion: all that are beyond chance are compared.
+std::optional<Link> RegisterAnywhere(const Features& first, const Features& second, const RectM& floor,
+                                     const FramePair& pair, const PairRegistrationOptions& options) {
+  const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellPx * options.resolution_m);
+  const std::vector<OrientedMatch> all = FindMatches(matcher, first, second, GuideOf(pair), options);
+  const std::vector<Hypothesis> hypotheses = FindHypotheses(matcher, second, floor, all, options);
+  if (hypotheses.empty()) {
+    return std::nullopt;
+  }
+  const PairAgreement& best = hypotheses.front().agreement;
+  const PairAgreement rival = hypotheses.size() > 1 ? hypotheses[1].agreement : PairAgreement{0.0, 0.0};
+  if (hypotheses.size() > 1 &&
+      best.mean - rival.mean < kMinLead * std::hypot(best.standard_error, rival.standard_error)) {
+    return std::nullopt;
+  }
+  const RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
+  const MatchGuide guide{hypotheses.front().first_from_second, kRefineRadii * registration.inlier_radius_m,
+                         kKeypointAngleNoiseRad};
+  const std::vector<OrientedMatch> matches = FindMatches(matcher, first, second, guide, options);
+  const RegistrationResult result = RegisterSe2(matches, {floor.width_m() * floor.height_m()}, registration);
+  if (!result.ok()) {
+    return std::nullopt;
+  }
+  Link link = MakeLink(pair, matches, result, options);
+  link.agreement = best.mean;
+  link.rival_agreement = rival.mean;
+  return link;
+}
+
+std::optional<Link> RegisterNear(const Features& first, const Features& second, const RectM& floor,
+                                 const FramePair& pair, const PairRegistrationOptions& options) {
+  const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellPx * options.resolution_m);
+  const std::vector<OrientedMatch> matches = FindMatches(matcher, first, second, GuideOf(pair), options);
+  const RegistrationResult result = RegisterSe2(matches, {std::numbers::pi * pair.radius_m * pair.radius_m},
+                                                options.registration.ScaledTo(options.resolution_m));
+  if (!result.ok()) {
+    return std::nullopt;
+  }
+  Link link = MakeLink(pair, matches, result, options);
+  if (options.measure_agreement) {
+    link.agreement = MeasureAgreement(matcher, second, floor, link.first_from_second, options).mean;
+  }
+  return link;
+}
+
 std::optional<Link> RegisterPair(const std::vector<BuildFrame>& frames, const RectM& floor, const FramePair& pair,
                                  const PairRegistrationOptions& options) {
   const Features& first = frames[static_cast<std::size_t>(pair.first)].features;
@@ -54,23 +158,8 @@ std::optional<Link> RegisterPair(const std::vector<BuildFrame>& frames, const Re
   if (first.keypoints.empty() || second.keypoints.empty()) {
     return std::nullopt;
   }
-  const std::vector<OrientedMatch> matches = FindMatches(first, second, pair, options);
-  const double searched_m2 =
-      pair.first_from_second ? std::numbers::pi * pair.radius_m * pair.radius_m : floor.width_m() * floor.height_m();
-  RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
-  if (!pair.first_from_second) {
-    registration.max_rival_share = kMaxRivalShare;
-  }
-  const RegistrationResult result = RegisterSe2(matches, {searched_m2}, registration);
-  if (!result.ok()) {
-    return std::nullopt;
-  }
-  return Link{pair.first,
-              pair.second,
-              result.target_from_source,
-              result.covariance + SystematicCovariance(matches, result, options),
-              static_cast<int>(result.inliers.size()),
-              result.rms_m};
+  return pair.first_from_second ? RegisterNear(first, second, floor, pair, options)
+                                : RegisterAnywhere(first, second, floor, pair, options);
 }
 
 }  // namespace
@@ -80,6 +169,32 @@ RegistrationOptions PairRegistrationOptions::DefaultRegistration() {
   registration.min_inliers = 12;
   registration.max_p_wrong = 1e-5;
   return registration;
+}
+
+PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& second, const RectM& floor,
+                               const Pose2& first_from_second, const PairRegistrationOptions& options) {
+  const RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
+  const double largest = LargestAlikeDistance(second);
+  std::vector<double> alike(second.keypoints.size(), 0.0);
+  const MatchGuide guide{first_from_second, kRefineRadii * registration.inlier_radius_m, kKeypointAngleNoiseRad};
+  for (const Match& match : first.FindNearest(second, guide)) {
+    alike[static_cast<std::size_t>(match.query)] = std::max(0.0, 1.0 - match.distance / largest);
+  }
+  double sum = 0.0;
+  double squares = 0.0;
+  int shared = 0;
+  for (std::size_t i = 0; i < alike.size(); ++i) {
+    if (floor.Contains(first_from_second * second.keypoints[i].Position())) {
+      ++shared;
+      sum += alike[i];
+      squares += alike[i] * alike[i];
+    }
+  }
+  if (shared < kMinSharedKeypoints) {
+    return {};
+  }
+  const double mean = sum / shared;
+  return {mean, std::sqrt(std::max(0.0, squares / shared - mean * mean) / shared)};
 }
 
 std::vector<Link> RegisterPairs(const std::vector<BuildFrame>& frames, const std::vector<RectM>& floor_in_base,

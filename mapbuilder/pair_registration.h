@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/registration/registration.h"
+#include "core/vision/guided_matcher.h"
 #include "mapbuilder/pair_selection.h"
 #include "mapbuilder/survey_frames.h"
 
@@ -17,6 +18,10 @@ struct Link {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive in the first's frame
   int inliers = 0;
   double rms_m = 0.0;
+  /// How alike the keypoints of the shared floor are, 0 ... 1; 0: not measured.
+  double agreement = 0.0;
+  /// That of the second best motion that is beyond chance; 0: there was none. Floors that repeat themselves have one.
+  double rival_agreement = 0.0;
 };
 
 struct PairRegistrationOptions {
@@ -27,11 +32,24 @@ struct PairRegistrationOptions {
   /// What keypoints alone do not show: calibration and mounting errors, per pair of frames.
   double systematic_m = 2e-4;
   double systematic_rad = 4e-4;
+  bool measure_agreement = false;  ///< also where the motion is known beforehand
   int threads = 0;
   ProgressOutput progress;
 
   static RegistrationOptions DefaultRegistration();
 };
+
+/// How alike two frames are under a motion between them.
+struct PairAgreement {
+  double mean = 0.0;            ///< similarity over all keypoints of the shared floor, 0 ... 1
+  double standard_error = 1.0;  ///< of the mean
+};
+
+/// Looks for every keypoint of the second frame that the motion puts into the first's floor. Unlike the number of
+/// inliers this does not favour the motion with the larger overlap: on a floor that repeats itself, that is often the
+/// wrong one.
+PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& second, const RectM& floor,
+                               const Pose2& first_from_second, const PairRegistrationOptions& options);
 
 /// Registers every pair; pairs that do not match give no link. Deterministic for any number of threads.
 std::vector<Link> RegisterPairs(const std::vector<BuildFrame>& frames, const std::vector<RectM>& floor_in_base,

@@ -4,11 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <set>
 #include <unordered_map>
 
-#include "core/vision/descriptor_index.h"
 #include "mapbuilder/cell_key.h"
 
 namespace floorloc {
@@ -18,10 +15,6 @@ namespace {
 constexpr double kOdometryShare = 0.3;
 constexpr double kOdometryRadiusM = 0.03;
 constexpr double kOdometryYawRad = 0.1;
-
-// Keypoints per frame that take part in the search by appearance, and neighbours asked for each.
-constexpr int kSimilarKeypoints = 250;
-constexpr int kSimilarNeighbours = 8;
 
 using SpatialHash = std::unordered_map<std::int64_t, std::vector<int>>;
 
@@ -34,22 +27,6 @@ void VisitNeighbours(const SpatialHash& hash, std::int64_t x, std::int64_t y, co
       }
     }
   }
-}
-
-// Votes of frame i for other frames: how many of its keypoints have their neighbours there.
-std::map<int, int> CountVotes(const DescriptorIndex& index, const std::vector<int>& owner, const cv::Mat& descriptors,
-                              int self) {
-  std::map<int, int> votes;
-  for (const std::vector<Neighbour>& neighbours : index.FindNeighbours(descriptors, kSimilarNeighbours)) {
-    std::set<int> seen;
-    for (const Neighbour& n : neighbours) {
-      const int frame = owner[static_cast<std::size_t>(n.index)];
-      if (frame != self && seen.insert(frame).second) {
-        ++votes[frame];
-      }
-    }
-  }
-  return votes;
 }
 
 }  // namespace
@@ -70,46 +47,6 @@ std::vector<FramePair> SelectConsecutivePairs(const std::vector<BuildFrame>& fra
       pair.yaw_radius_rad = kOdometryYawRad + kOdometryShare * std::abs(motion.yaw());
     }
     pairs.push_back(pair);
-  }
-  return pairs;
-}
-
-std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, int pairs_per_frame) {
-  cv::Mat all;
-  std::vector<int> owner;
-  std::vector<cv::Mat> picked(frames.size());
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    // Features come spread evenly, strongest first.
-    const cv::Mat& descriptors = frames[i].features.descriptors;
-    if (descriptors.rows > 0) {
-      picked[i] = descriptors.rowRange(0, std::min(descriptors.rows, kSimilarKeypoints));
-      all.push_back(picked[i]);
-      owner.insert(owner.end(), static_cast<std::size_t>(picked[i].rows), static_cast<int>(i));
-    }
-  }
-  if (all.empty()) {
-    return {};
-  }
-  const auto index = CreateDescriptorIndex(all, IndexOptions{});
-  std::set<std::pair<int, int>> chosen;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (picked[i].rows == 0) {
-      continue;
-    }
-    const int self = static_cast<int>(i);
-    std::vector<std::pair<int, int>> ranked;  // votes, frame
-    for (const auto& [frame, votes] : CountVotes(*index, owner, picked[i], self)) {
-      ranked.emplace_back(votes, frame);
-    }
-    std::sort(ranked.rbegin(), ranked.rend());
-    ranked.resize(std::min(ranked.size(), static_cast<std::size_t>(pairs_per_frame)));
-    for (const auto& [votes, frame] : ranked) {
-      chosen.emplace(std::min(self, frame), std::max(self, frame));
-    }
-  }
-  std::vector<FramePair> pairs;
-  for (const auto& [first, second] : chosen) {
-    pairs.push_back({first, second, std::nullopt, 0.0, 0.0});
   }
   return pairs;
 }

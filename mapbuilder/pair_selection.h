@@ -22,9 +22,6 @@ struct FramePair {
 /// Frames that follow each other within a survey, with the motion that odometry saw where there is some.
 std::vector<FramePair> SelectConsecutivePairs(const std::vector<BuildFrame>& frames);
 
-/// Pairs by appearance alone: frames whose keypoints have most of each other's nearest neighbours.
-std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, int pairs_per_frame);
-
 struct NearbyOptions {
   double min_overlap = 0.25;  ///< of the second frame's floor inside the first's
   double radius_m = 0.1;      ///< uncertainty of the poses

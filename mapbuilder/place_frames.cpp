@@ -9,6 +9,8 @@
 #include "core/io/input_error.h"
 #include "core/registration/least_squares.h"
 #include "mapbuilder/join_parts.h"
+#include "mapbuilder/robust_pose_graph.h"
+#include "mapbuilder/similar_pairs.h"
 #include "mapbuilder/spanning_forest.h"
 
 namespace floorloc {
@@ -19,16 +21,15 @@ constexpr double kOdometrySigmaM = 0.02;
 constexpr double kOdometrySigmaShare = 0.1;
 constexpr double kOdometrySigmaRad = 0.05;
 
-// Links that the optimum contradicts by more than this are false.
-constexpr double kMaxLinkSigma = 8.0;
-
 // A map of which more overlaps than this do not match is folded onto itself.
 constexpr double kMaxUnmatchedShare = 0.15;
 
 // A part without a known place is put this far to the right of everything else.
 constexpr double kPartGapM = 1.0;
 
+// Look-alike places crowd out the true neighbours on floors that repeat themselves.
 constexpr int kSimilarPairsPerFrame = 6;
+constexpr int kSimilarPairsPerFrameIfRepeating = 20;
 
 class Placer {
  public:
@@ -62,12 +63,13 @@ class Placer {
   std::vector<Link> LinksAndOdometry() const;
   bool HasSeparateParts() const;
   void JoinSeparateParts();
+  void AddSimilarCandidates(int pairs_per_frame);
   void CloseLoopsInGrowingRounds();
+  void CloseLoops(int end, const NearbyOptions& options);
   void Optimize(int frame_count);
   std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
   void AddOuterKnowledge();
   void AlignTo(const std::vector<OrientedMatch>& pairs);
-  void RejectContradictingLinks();
   void SetPartsApart(const std::vector<int>& part, int largest);
   Placement Finish();
   void CountUnmatchedOverlaps(Placement* placement) const;
@@ -78,12 +80,14 @@ class Placer {
   const std::vector<BuildFrame>& frames_;
   const std::vector<LoadedSurvey>& surveys_;
   const PlacementOptions& options_;
+  PairRegistrationOptions registration_ = options_.registration;
+  double min_agreement_ = 0.0;  // of links, on floors that repeat themselves
   int count_;
   std::vector<RectM> floors_;
   std::vector<Pose2> root_pose_;
   PoseGraph graph_;
+  std::vector<Link> candidates_;  // found by appearance, to be believed when others bear them out
   std::set<std::pair<int, int>> linked_;
-  int rejected_links_ = 0;
 };
 
 void Placer::MakeOdometryLinks() {
@@ -104,9 +108,11 @@ void Placer::AddLinks(const std::vector<FramePair>& pairs) {
       fresh.push_back(pair);
     }
   }
-  for (Link& link : RegisterPairs(frames_, floors_, fresh, options_.registration)) {
-    linked_.emplace(link.first, link.second);
-    graph_.links.push_back(std::move(link));
+  for (Link& link : RegisterPairs(frames_, floors_, fresh, registration_)) {
+    if (link.agreement >= min_agreement_) {
+      linked_.emplace(link.first, link.second);
+      graph_.links.push_back(std::move(link));
+    }
   }
 }
 
@@ -116,6 +122,18 @@ std::vector<Link> Placer::LinksAndOdometry() const {
   return all;
 }
 
+void Placer::AddSimilarCandidates(int pairs_per_frame) {
+  std::set<std::pair<int, int>> known = linked_;
+  for (const Link& link : candidates_) {
+    known.emplace(link.first, link.second);
+  }
+  std::vector<FramePair> pairs =
+      SelectSimilarPairs(frames_, FindComponents(count_, LinksAndOdometry()), {pairs_per_frame, registration_.threads});
+  std::erase_if(pairs, [&](const FramePair& pair) { return known.contains({pair.first, pair.second}); });
+  const std::vector<Link> similar = RegisterPairs(frames_, floors_, pairs, registration_);
+  candidates_.insert(candidates_.end(), similar.begin(), similar.end());
+}
+
 bool Placer::HasSeparateParts() const {
   const std::vector<int> component = FindComponents(count_, LinksAndOdometry());
   return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; });
@@ -123,9 +141,13 @@ bool Placer::HasSeparateParts() const {
 
 // Parts that neither order nor odometry joins: only appearance can tell where they belong.
 void Placer::JoinSeparateParts() {
-  const std::vector<Link> similar =
-      RegisterPairs(frames_, floors_, SelectSimilarPairs(frames_, kSimilarPairsPerFrame), options_.registration);
-  for (const Link& link : FindJoiningLinks(count_, LinksAndOdometry(), similar)) {
+  AddSimilarCandidates(kSimilarPairsPerFrame);
+  if (FloorRepeats(candidates_)) {
+    AddSimilarCandidates(kSimilarPairsPerFrameIfRepeating);
+    registration_.measure_agreement = true;
+    min_agreement_ = MinAgreement(candidates_);
+  }
+  for (const Link& link : FindJoiningLinks(count_, LinksAndOdometry(), candidates_)) {
     if (linked_.emplace(link.first, link.second).second) {
       graph_.links.push_back(link);
     }
@@ -164,13 +186,13 @@ void Placer::Optimize(int frame_count) {
 
 void Placer::CloseLoopsInGrowingRounds() {
   constexpr int kFirstRound = 150;
+  constexpr int kGrowth = 4;
   NearbyOptions wide;
   int done = 0;
   while (done < count_) {
-    const int end = std::min(count_, std::max(kFirstRound, done + done / 3));
-    Optimize(end);
+    const int end = std::min(count_, std::max(kFirstRound, done + done / kGrowth));
     wide.first_new = done;
-    AddLinks(SelectNearbyPairs(PlacedUpTo(end), floors_, wide));
+    CloseLoops(end, wide);
     done = end;
   }
   // With the drift removed, the places are known to millimetres: overlaps that were missed are found now.
@@ -180,6 +202,25 @@ void Placer::CloseLoopsInGrowingRounds() {
   narrow.yaw_radius_rad = 0.05;
   AddLinks(SelectNearbyPairs(PlacedUpTo(count_), floors_, narrow));
   Optimize(count_);
+}
+
+// Links neighbours, and again as long as that moves frames to new neighbours.
+void Placer::CloseLoops(int end, const NearbyOptions& options) {
+  constexpr int kMaxPasses = 4;
+  Optimize(end);
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    const std::vector<Pose2> before = graph_.map_from_base;
+    AddLinks(SelectNearbyPairs(PlacedUpTo(end), floors_, options));
+    Optimize(end);
+    double moved_m = 0.0;
+    for (int i = options.first_new; i < end; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      moved_m = std::max(moved_m, (before[index].translation() - PoseOf(i).translation()).norm());
+    }
+    if (moved_m < 0.5 * options.radius_m) {
+      return;
+    }
+  }
 }
 
 // Moves the whole graph so that `pairs` (source: where it is, target: where it should be) agree.
@@ -222,13 +263,6 @@ void Placer::AddOuterKnowledge() {
     throw InputError("one control point or pose does not fix the map's place and heading; give at least two");
   }
   AlignTo(pairs);
-}
-
-void Placer::RejectContradictingLinks() {
-  const auto contradicts = [&](const Link& link) {
-    return LinkResidual(link, PoseOf(link.first), PoseOf(link.second)) > kMaxLinkSigma;
-  };
-  rejected_links_ += static_cast<int>(std::erase_if(graph_.links, contradicts));
 }
 
 // Parts whose relation to the largest is unknown go beside it.
@@ -291,9 +325,7 @@ void Placer::ReportDrift(Placement* placement) const {
 
 Placement Placer::Finish() {
   graph_.fixed = graph_.priors.empty() && graph_.control_points.empty() ? std::vector<int>{0} : std::vector<int>{};
-  OptimizePoses(&graph_);
-  RejectContradictingLinks();
-  const PoseGraphSummary summary = OptimizePoses(&graph_);
+  const RobustPoseGraphSummary summary = OptimizePosesRobustly(&graph_);
 
   const std::vector<int> part = FindComponents(count_, graph_.links);
   std::map<int, int> size;
@@ -336,7 +368,7 @@ Placement Placer::Finish() {
   placement.rms_m = graph_.links.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(graph_.links.size()));
   placement.rms_sigma = summary.rms_sigma;
   placement.links = graph_.links;
-  placement.rejected_links = rejected_links_;
+  placement.rejected_links = summary.rejected_links;
   CountUnmatchedOverlaps(&placement);
   ReportDrift(&placement);
   return placement;

@@ -3,60 +3,13 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <array>
 #include <cmath>
-#include <numbers>
+
+#include "mapbuilder/pose_graph_factors.h"
 
 namespace floorloc {
 namespace {
-
-// Residuals beyond this many standard deviations count less and less: wrong links must not bend the map.
-constexpr double kCauchyScale = 3.0;
-
-template <typename T>
-T Wrap(const T& angle) {
-  const T two_pi(2.0 * std::numbers::pi);
-  return angle - two_pi * ceres::floor((angle + T(std::numbers::pi)) / two_pi);
-}
-
-Eigen::Matrix3d SqrtInformation(const Eigen::Matrix3d& covariance) {
-  return Eigen::Matrix3d(covariance.inverse()).llt().matrixU();
-}
-
-// first_from_second as predicted by two poses minus as measured, whitened.
-struct BetweenError {
-  Pose2 measured;
-  Eigen::Matrix3d sqrt_information;
-
-  template <typename T>
-  bool operator()(const T* a, const T* b, T* residual) const {
-    const T c = ceres::cos(a[2]);
-    const T s = ceres::sin(a[2]);
-    const T dx = b[0] - a[0];
-    const T dy = b[1] - a[1];
-    const Eigen::Matrix<T, 3, 1> error(c * dx + s * dy - T(measured.x()), -s * dx + c * dy - T(measured.y()),
-                                       Wrap(b[2] - a[2] - T(measured.yaw())));
-    Eigen::Map<Eigen::Matrix<T, 3, 1>> out(residual);
-    out = sqrt_information.cast<T>() * error;
-    return true;
-  }
-};
-
-struct PriorError {
-  Pose2 measured;
-  Eigen::Matrix3d sqrt_information;
-
-  template <typename T>
-  bool operator()(const T* pose, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> error(pose[0] - T(measured.x()), pose[1] - T(measured.y()),
-                                       Wrap(pose[2] - T(measured.yaw())));
-    Eigen::Map<Eigen::Matrix<T, 3, 1>> out(residual);
-    out = sqrt_information.cast<T>() * error;
-    return true;
-  }
-};
 
 struct ControlPointError {
   ControlPointFactor factor;
@@ -73,25 +26,22 @@ struct ControlPointError {
   }
 };
 
-using Parameters = std::vector<std::array<double, 3>>;
-
-void AddFactors(const PoseGraph& graph, Parameters* p, ceres::Problem* problem) {
+// weights: of the links; empty: robust loss.
+void AddFactors(const PoseGraph& graph, const std::vector<double>& weights, PoseParameters* p,
+                ceres::Problem* problem) {
   const auto block = [&](int frame) { return (*p)[static_cast<std::size_t>(frame)].data(); };
-  const auto between = [&](const Link& link) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<BetweenError, 3, 3, 3>(
-                                  new BetweenError{link.first_from_second, SqrtInformation(link.covariance)}),
-                              new ceres::CauchyLoss(kCauchyScale), block(link.first), block(link.second));
-  };
-  for (const Link& link : graph.links) {
-    between(link);
+  for (std::size_t i = 0; i < graph.links.size(); ++i) {
+    if (weights.empty()) {
+      AddBetween(graph.links[i], new ceres::CauchyLoss(kCauchyScale), p, problem);
+    } else if (weights[i] > 0.0) {
+      AddBetween(graph.links[i], new ceres::ScaledLoss(nullptr, weights[i], ceres::TAKE_OWNERSHIP), p, problem);
+    }
   }
   for (const Link& link : graph.odometry) {
-    between(link);
+    AddBetween(link, new ceres::CauchyLoss(kCauchyScale), p, problem);
   }
   for (const PosePriorFactor& prior : graph.priors) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<PriorError, 3, 3>(
-                                  new PriorError{prior.map_from_base, SqrtInformation(prior.covariance)}),
-                              new ceres::CauchyLoss(kCauchyScale), block(prior.frame));
+    AddPosePrior(prior, block(prior.frame), problem);
   }
   for (const ControlPointFactor& factor : graph.control_points) {
     problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ControlPointError, 2, 3>(new ControlPointError{factor}),
@@ -113,13 +63,15 @@ double LinkResidual(const Link& link, const Pose2& map_from_first, const Pose2& 
   return std::sqrt(error.dot(link.covariance.inverse() * error));
 }
 
-PoseGraphSummary OptimizePoses(PoseGraph* graph) {
-  Parameters parameters;
+namespace {
+
+PoseGraphSummary Solve(PoseGraph* graph, const std::vector<double>& weights) {
+  PoseParameters parameters;
   for (const Pose2& pose : graph->map_from_base) {
     parameters.push_back({pose.x(), pose.y(), pose.yaw()});
   }
   ceres::Problem problem;
-  AddFactors(*graph, &parameters, &problem);
+  AddFactors(*graph, weights, &parameters, &problem);
   PoseGraphSummary result;
   if (problem.NumResidualBlocks() == 0) {
     result.converged = true;
@@ -143,6 +95,34 @@ PoseGraphSummary OptimizePoses(PoseGraph* graph) {
   result.converged = summary.IsSolutionUsable();
   result.rms_sigma = graph->links.empty() ? 0.0 : std::sqrt(sum / (3.0 * static_cast<double>(graph->links.size())));
   return result;
+}
+
+}  // namespace
+
+PoseGraphSummary OptimizePoses(PoseGraph* graph) { return Solve(graph, {}); }
+
+PoseGraphSummary OptimizePosesWeighted(PoseGraph* graph, const std::vector<double>& weights) {
+  return Solve(graph, weights);
+}
+
+LinkStatistics MeasureLinks(const std::vector<Link>& links, const std::vector<std::optional<Pose2>>& map_from_base) {
+  LinkStatistics sums;
+  int count = 0;
+  for (const Link& link : links) {
+    const auto& first = map_from_base[static_cast<std::size_t>(link.first)];
+    const auto& second = map_from_base[static_cast<std::size_t>(link.second)];
+    if (first && second) {
+      const double sigmas = LinkResidual(link, *first, *second);
+      sums.rms_m += link.rms_m * link.rms_m;
+      sums.rms_sigma += sigmas * sigmas / 3.0;
+      ++count;
+    }
+  }
+  if (count > 0) {
+    sums.rms_m = std::sqrt(sums.rms_m / count);
+    sums.rms_sigma = std::sqrt(sums.rms_sigma / count);
+  }
+  return sums;
 }
 
 }  // namespace floorloc

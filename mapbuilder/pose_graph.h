@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pose2.h"
@@ -40,6 +41,18 @@ struct PoseGraphSummary {
 
 /// Optimises all poses under a Cauchy loss (Ceres, sparse Cholesky; one thread, so that sums have one order).
 PoseGraphSummary OptimizePoses(PoseGraph* graph);
+
+/// The same with every link's squared residual times its weight and no loss on the links; odometry, priors and control
+/// points keep theirs. weights: one per link, >= 0.
+PoseGraphSummary OptimizePosesWeighted(PoseGraph* graph, const std::vector<double>& weights);
+
+struct LinkStatistics {
+  double rms_m = 0.0;      ///< keypoint residual
+  double rms_sigma = 0.0;  ///< disagreement with the poses, standard deviations
+};
+
+/// Over the links whose frames have poses.
+LinkStatistics MeasureLinks(const std::vector<Link>& links, const std::vector<std::optional<Pose2>>& map_from_base);
 
 /// Residual of a link in standard deviations: sqrt(e^T Sigma^-1 e).
 double LinkResidual(const Link& link, const Pose2& map_from_first, const Pose2& map_from_second);

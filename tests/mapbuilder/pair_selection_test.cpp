@@ -98,33 +98,7 @@ TEST(PairSelectionTest, ConsecutivePairsStayWithinASurvey) {
   EXPECT_FALSE(pairs[1].first_from_second);
 }
 
-TEST(PairSelectionTest, SimilarPairsAreFramesWithTheSameDescriptors) {
-  std::vector<BuildFrame> frames(20);
-  cv::RNG random(1);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    cv::Mat& descriptors = frames[i].features.descriptors;
-    descriptors = cv::Mat(100, 32, CV_8U);
-    random.fill(descriptors, cv::RNG::UNIFORM, 0, 256);
-    if (i >= 10) {  // frame i shares half of its floor with frame i - 10
-      frames[i - 10].features.descriptors.rowRange(0, 50).copyTo(descriptors.rowRange(50, 100));
-    }
-  }
-  IndexPairs found;
-  for (const FramePair& pair : SelectSimilarPairs(frames, 2)) {
-    found.emplace(pair.first, pair.second);
-    EXPECT_LT(pair.first, pair.second);
-    EXPECT_FALSE(pair.first_from_second);
-  }
-  for (int i = 0; i < 10; ++i) {
-    EXPECT_TRUE(found.contains({i, i + 10})) << i;
-  }
-  EXPECT_LE(found.size(), 40U);
-}
-
-TEST(PairSelectionTest, FramesWithoutTextureHaveNoPairs) {
-  EXPECT_TRUE(SelectSimilarPairs(std::vector<BuildFrame>(3), 2).empty());
-  EXPECT_TRUE(SelectNearbyPairs({}, {}, {}).empty());
-}
+TEST(PairSelectionTest, FramesWithoutTextureHaveNoPairs) { EXPECT_TRUE(SelectNearbyPairs({}, {}, {}).empty()); }
 
 }  // namespace
 }  // namespace floorloc

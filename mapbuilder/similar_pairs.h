@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mapbuilder/pair_selection.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+struct SimilarPairsOptions {
+  int pairs_per_frame = 6;  ///< with frames of each other part
+  int threads = 0;          ///< 0: one per core
+};
+
+/// Pairs of frames of different parts, by appearance alone: those whose keypoints have most of each other's nearest
+/// neighbours. part: one number per frame. Near-linear in the number of frames: one index over all of them, and one
+/// over each large part, so that a frame's own part does not hide the others.
+std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, const std::vector<int>& part,
+                                          const SimilarPairsOptions& options);
+
+}  // namespace floorloc
