@@ -118,6 +118,13 @@ void FillReport(const Placement& placement, const std::vector<BuildFrame>& frame
   report->link_rms_sigma = placement.rms_sigma;
   report->drift_m = placement.drift_m;
   report->drift_rad = placement.drift_rad;
+  constexpr double kManyRejected = 0.05;
+  if (placement.rejected_links > kManyRejected * static_cast<double>(placement.links.size())) {
+    report->warnings.push_back(
+        std::to_string(placement.rejected_links) +
+        " links contradict the rest; if the floor does not repeat itself, the calibration may be "
+        "off: try --self-calibrate mounting,distortion");
+  }
   report->area_m2 = coverage.AreaM2();
   report->extent = coverage.Extent();
 }
@@ -186,6 +193,9 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   options.fusion.threads = options.threads;
   options.fusion.seed = options.seed;
   options.placement.registration.registration.seed = options.seed;
+  options.self_calibration.registration = options.placement.registration;
+  options.self_calibration.prior_sigma_m = options.placement.prior_sigma_m;
+  options.self_calibration.prior_sigma_rad = options.placement.prior_sigma_rad;
   options.mosaic.threads = options.threads;
   options.mosaic.progress = options.progress;
   if (options.mosaic.resolution_m <= 0.0) {
@@ -214,7 +224,8 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("features");
 
   const std::vector<RectM> floors = FloorsInBase(frames, surveys);
-  const Placement placement = PlaceFramesOnce(frames, surveys, options, &journal);
+  Placement placement = PlaceFramesOnce(frames, surveys, options, &journal);
+  report.self_calibration = SelfCalibrate({&frames, &surveys, &placement}, options.self_calibration);
   const CoverageGrid coverage(placement.map_from_base, floors);
   report.kept_all = options.placement.keep_all;
   FillReport(placement, frames, coverage, &report);

@@ -12,6 +12,7 @@
 #include "mapbuilder/mosaic.h"
 #include "mapbuilder/place_frames.h"
 #include "mapbuilder/progress.h"
+#include "mapbuilder/self_calibration.h"
 
 namespace floorloc {
 
@@ -21,6 +22,7 @@ struct BuildOptions {
   ExtractorOptions extractor;
   Trajectory poses;  ///< map_from_base known from another system; may be empty
   PlacementOptions placement;
+  SelfCalibrationOptions self_calibration;
   FusionOptions fusion;
   double max_keypoints_per_m2 = 0.0;  ///< budget of the map; 0: what suits the camera
   MosaicOptions mosaic;               ///< resolution_m 0: the surveys'
@@ -48,6 +50,7 @@ struct BuildReport {
   double link_rms_sigma = 0.0;
   double drift_m = 0.0;
   double drift_rad = 0.0;
+  SelfCalibration self_calibration;
   double area_m2 = 0.0;
   RectM extent;
   int keypoints = 0;

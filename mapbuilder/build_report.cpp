@@ -7,6 +7,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "mapbuilder/calibration_summary.h"
+
 namespace floorloc {
 namespace {
 
@@ -50,6 +52,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
                               {"link_rms_sigma", report.link_rms_sigma},
                               {"drift_m", report.drift_m},
                               {"drift_rad", report.drift_rad},
+                              {"self_calibration", nlohmann::ordered_json::parse(ToJson(report.self_calibration))},
                               {"area_m2", report.area_m2},
                               {"extent",
                                {{"x_min", report.extent.x_min},
@@ -103,7 +106,8 @@ std::string ToText(const BuildReport& r) {
     text << Format("  drift        odometry strayed by up to %.1f cm and %.1f degrees; removed\n", 1e2 * r.drift_m,
                    r.drift_rad * 180.0 / std::numbers::pi);
   }
-  text << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())
+  text << ToText(r.self_calibration)
+       << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())
        << Format("  keypoints    %d (%.0f per m2), seen %.1f times on average\n", r.keypoints,
                  r.area_m2 > 0 ? r.keypoints / r.area_m2 : 0.0, r.mean_observations)
        << Format("  time         %.1f s, %.1f frames/s:", r.total_s, r.total_s > 0 ? r.frames / r.total_s : 0.0);

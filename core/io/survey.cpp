@@ -115,25 +115,46 @@ void ReadFrames(BadFrames bad_frames, Survey* survey) {
   }
 }
 
-std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const Survey& survey) {
-  const std::string text = ReadTextFile(file);
-  std::vector<ControlPoint> points = ParseControlPointsCsv(text, file);
-  std::unordered_set<std::string> known;
-  for (const SurveyFrame& frame : survey.frames) {
-    known.insert(frame.filename);
-  }
-  for (const LeftOutFrame& frame : survey.left_out) {
-    known.insert(frame.filename);
-  }
-  const std::vector<TextLine> lines = ContentLines(text);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!known.contains(points[i].filename)) {
-      throw InputError(
-          file, lines[i + 1].number,
-          "the picture " + points[i].filename + " is none of the survey's frames; correct or delete the row");
+// Refuses rows of a table that name a picture which is none of the survey's frames.
+class FrameNames {
+ public:
+  explicit FrameNames(const Survey& survey) {
+    for (const SurveyFrame& frame : survey.frames) {
+      known_.insert(frame.filename);
+    }
+    for (const LeftOutFrame& frame : survey.left_out) {
+      known_.insert(frame.filename);
     }
   }
+  // row: counted from 0 below the line of column names.
+  void Require(const std::string& filename, std::size_t row, const fs::path& file, const std::string& text) const {
+    if (!known_.contains(filename)) {
+      throw InputError(file, ContentLines(text)[row + 1].number,
+                       "the picture " + filename + " is none of the survey's frames; correct or delete the row");
+    }
+  }
+
+ private:
+  std::unordered_set<std::string> known_;
+};
+
+std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const FrameNames& names) {
+  const std::string text = ReadTextFile(file);
+  std::vector<ControlPoint> points = ParseControlPointsCsv(text, file);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    names.Require(points[i].filename, i, file, text);
+  }
   return points;
+}
+
+std::vector<KnownDistance> ReadKnownDistances(const fs::path& file, const FrameNames& names) {
+  const std::string text = ReadTextFile(file);
+  std::vector<KnownDistance> distances = ParseKnownDistancesCsv(text, file);
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    names.Require(distances[i].first_filename, i, file, text);
+    names.Require(distances[i].second_filename, i, file, text);
+  }
+  return distances;
 }
 
 }  // namespace
@@ -157,7 +178,10 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames) {
     survey.imu = ParseImuCsv(ReadTextFile(file), file);
   }
   if (const fs::path file = folder / "control_points.csv"; Exists(file)) {
-    survey.control_points = ReadControlPoints(file, survey);
+    survey.control_points = ReadControlPoints(file, FrameNames(survey));
+  }
+  if (const fs::path file = folder / "known_distances.csv"; Exists(file)) {
+    survey.known_distances = ReadKnownDistances(file, FrameNames(survey));
   }
   return survey;
 }

@@ -31,6 +31,15 @@ struct ControlPoint {
   Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
 };
 
+/// One row of known_distances.csv: raw pixels of two frames (or one) and the measured distance of what they show.
+struct KnownDistance {
+  std::string first_filename;
+  Eigen::Vector2d first_raw_px = Eigen::Vector2d::Zero();
+  std::string second_filename;
+  Eigen::Vector2d second_raw_px = Eigen::Vector2d::Zero();
+  double distance_m = 0.0;
+};
+
 /// What to do about rows of frames.csv that can't be used as they are: disordered or repeated time stamps, pictures
 /// that are missing.
 enum class BadFrames {
@@ -55,6 +64,7 @@ struct Survey {
   Trajectory ground_truth;    ///< map_from_base; empty when the folder has none
   std::vector<ImuSample> imu;
   std::vector<ControlPoint> control_points;
+  std::vector<KnownDistance> known_distances;
 
   std::filesystem::path ImagePath(const SurveyFrame& frame) const { return folder / frame.filename; }
 };
@@ -68,5 +78,6 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
                                         BadFrames bad_frames = BadFrames::kRefuse);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
+std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const std::filesystem::path& source);
 
 }  // namespace floorloc

@@ -144,4 +144,24 @@ std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const s
   return points;
 }
 
+std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const std::filesystem::path& source) {
+  const std::string columns = "filename1,u1,v1,filename2,u2,v2,distance";
+  std::vector<KnownDistance> distances;
+  for (const TextLine& line : RowsBelowHeader(text, columns, source)) {
+    const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
+    const auto first = Numbers<2>(std::span(fields).subspan(1, 2), line.number, source);
+    const auto rest = Numbers<2>(std::span(fields).subspan(4, 2), line.number, source);
+    const auto distance = Numbers<1>(std::span(fields).subspan(6), line.number, source);
+    KnownDistance row{
+        std::string(fields[0]), {first[0], first[1]}, std::string(fields[3]), {rest[0], rest[1]}, distance[0]};
+    CheckInsideFolder(row.first_filename, line.number, source);
+    CheckInsideFolder(row.second_filename, line.number, source);
+    if (!(row.distance_m > 0.0)) {
+      throw InputError(source, line.number, "the distance is not positive; write it in metres");
+    }
+    distances.push_back(std::move(row));
+  }
+  return distances;
+}
+
 }  // namespace floorloc

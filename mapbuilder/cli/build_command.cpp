@@ -19,6 +19,7 @@ struct Arguments {
   VideoArguments video;
   std::string features = "auto";
   std::string poses_file;
+  std::vector<std::string> self_calibrate;
   std::vector<double> poses_sigma;
   bool json = false;
 };
@@ -70,6 +71,7 @@ void Run(Arguments& a) {
   if (a.features != "auto") {
     a.options.extractor.type = ParseExtractorType(a.features);
   }
+  a.options.self_calibration.unknowns = ParseCameraUnknowns(a.self_calibrate);
   if (!a.poses_file.empty()) {
     a.options.poses = ReadTrajectory(a.poses_file);
   }
@@ -110,6 +112,12 @@ void AddBuildCommand(CLI::App& app) {
       ->delimiter(',')
       ->expected(2)
       ->needs("--poses");
+  command
+      ->add_option("--self-calibrate", a->self_calibrate,
+                   "Correct the surveys' calibration from the pictures: mounting (pitch and roll), distortion and,\n"
+                   "with control points, known distances or --poses, height, focal")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"mounting", "height", "focal", "distortion"}));
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,
                       "Budget of the map (default: suits the camera)");

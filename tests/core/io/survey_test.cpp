@@ -31,6 +31,13 @@ TEST(ImuCsv, ReadsEurocRows) {
 }
 
 TEST(ControlPointsCsv, ReadsRows) {
+  const auto distances = ParseKnownDistancesCsv("filename1,u1,v1,filename2,u2,v2,distance\na.jpg,1,2,b.jpg,3,4,5.5\n",
+                                                "known_distances.csv");
+  ASSERT_EQ(distances.size(), 1U);
+  EXPECT_EQ(distances[0].second_filename, "b.jpg");
+  EXPECT_EQ(distances[0].first_raw_px, Eigen::Vector2d(1.0, 2.0));
+  EXPECT_EQ(distances[0].second_raw_px, Eigen::Vector2d(3.0, 4.0));
+  EXPECT_EQ(distances[0].distance_m, 5.5);
   const auto points = ParseControlPointsCsv("filename,u,v,x,y\na.jpg,1,2,3,4\na.jpg,5,6,7,8\n", "control_points.csv");
   ASSERT_EQ(points.size(), 2u);
   EXPECT_EQ(points[1].filename, "a.jpg");

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/bundle_adjustment.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include "mapbuilder/pose_graph_factors.h"
+
+namespace floorloc {
+namespace {
+
+constexpr int kTiltUnknowns = 3;
+
+// Where a sight lies in the map.
+template <typename T>
+Eigen::Matrix<T, 2, 1> InMap(const FloorSight& sight, const T* pose, const T* camera, const T* tilt) {
+  const Eigen::Map<const Eigen::Matrix<T, kCameraUnknowns, 1>> c(camera);
+  const Eigen::Map<const Eigen::Matrix<T, kTiltUnknowns, 1>> t(tilt);
+  const Eigen::Matrix<T, 2, 1> p =
+      sight.point_in_base_m.cast<T>() + sight.by_camera.cast<T>() * c + sight.by_tilt.cast<T>() * t;
+  const T cosine = ceres::cos(pose[2]);
+  const T sine = ceres::sin(pose[2]);
+  return {cosine * p[0] - sine * p[1] + pose[0], sine * p[0] + cosine * p[1] + pose[1]};
+}
+
+struct SightError {
+  FloorSight sight;
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* camera, const T* tilt, const T* point, T* residual) const {
+    const Eigen::Matrix<T, 2, 1> p = InMap(sight, pose, camera, tilt);
+    residual[0] = (p[0] - point[0]) / T(sigma_m);
+    residual[1] = (p[1] - point[1]) / T(sigma_m);
+    return true;
+  }
+};
+
+struct ControlError {
+  SightedControlPoint point;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* camera, const T* tilt, T* residual) const {
+    const Eigen::Matrix<T, 2, 1> p = InMap(point.sight, pose, camera, tilt);
+    residual[0] = (p[0] - T(point.point_in_map_m.x())) / T(point.sigma_m);
+    residual[1] = (p[1] - T(point.point_in_map_m.y())) / T(point.sigma_m);
+    return true;
+  }
+};
+
+struct DistanceError {
+  SightedDistance distance;
+
+  template <typename T>
+  bool operator()(const T* pose_a, const T* camera_a, const T* tilt_a, const T* pose_b, const T* camera_b,
+                  const T* tilt_b, T* residual) const {
+    return Measure(InMap(distance.first, pose_a, camera_a, tilt_a), InMap(distance.second, pose_b, camera_b, tilt_b),
+                   residual);
+  }
+  // Both frames of one camera: Ceres takes a block once only.
+  template <typename T>
+  bool operator()(const T* pose_a, const T* tilt_a, const T* pose_b, const T* tilt_b, const T* camera,
+                  T* residual) const {
+    return Measure(InMap(distance.first, pose_a, camera, tilt_a), InMap(distance.second, pose_b, camera, tilt_b),
+                   residual);
+  }
+
+ private:
+  template <typename T>
+  bool Measure(const Eigen::Matrix<T, 2, 1>& a, const Eigen::Matrix<T, 2, 1>& b, T* residual) const {
+    const T dx = a[0] - b[0];
+    const T dy = a[1] - b[1];
+    residual[0] = (ceres::sqrt(dx * dx + dy * dy) - T(distance.distance_m)) / T(distance.sigma_m);
+    return true;
+  }
+};
+
+struct DistanceWithinFrame {
+  SightedDistance distance;
+
+  template <typename T>
+  bool operator()(const T* camera, const T* tilt, T* residual) const {
+    const T still[3] = {T(0.0), T(0.0), T(0.0)};
+    return DistanceError{distance}(still, tilt, still, tilt, camera, residual);
+  }
+};
+
+// A value near zero with a standard deviation, for each of N unknowns.
+template <int N>
+struct NearZero {
+  Eigen::Matrix<double, N, 1> sigma;
+
+  template <typename T>
+  bool operator()(const T* value, T* residual) const {
+    for (int i = 0; i < N; ++i) {
+      residual[i] = value[i] / T(sigma[i]);
+    }
+    return true;
+  }
+};
+
+class Adjuster {
+ public:
+  explicit Adjuster(Bundle* bundle) : bundle_(*bundle) {
+    for (const Pose2& pose : bundle_.map_from_base) {
+      poses_.push_back({pose.x(), pose.y(), pose.yaw()});
+    }
+  }
+
+  BundleSummary Run() {
+    BundleSummary result;
+    result.rms_before_m = RmsOfSights();
+    AddSights();
+    AddOuterKnowledge();
+    AddPriors();
+    HoldFixed();
+    result.converged = Solve();
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      bundle_.map_from_base[i] = Pose2(poses_[i][0], poses_[i][1], poses_[i][2]);
+    }
+    result.rms_after_m = RmsOfSights();
+    result.camera_sigma = CameraSigmas();
+    return result;
+  }
+
+ private:
+  double* PoseOf(int frame) { return poses_[static_cast<std::size_t>(frame)].data(); }
+  double* TiltOf(int frame) { return bundle_.tilts[static_cast<std::size_t>(frame)].data(); }
+  int CameraNumber(int frame) const { return bundle_.camera_of_frame[static_cast<std::size_t>(frame)]; }
+  double* CameraOf(int frame) { return bundle_.cameras[static_cast<std::size_t>(CameraNumber(frame))].data(); }
+  static ceres::LossFunction* Robust() { return new ceres::CauchyLoss(kCauchyScale); }
+
+  void AddSights();
+  void AddOuterKnowledge();
+  void AddDistance(const SightedDistance& distance);
+  void AddPriors();
+  void HoldFixed();
+  bool Solve();
+  double RmsOfSights();
+  std::vector<CameraAdjustment> CameraSigmas();
+
+  Bundle& bundle_;
+  PoseParameters poses_;
+  ceres::Problem problem_;
+};
+
+void Adjuster::AddSights() {
+  for (SightedTrack& track : bundle_.tracks) {
+    for (const FloorSight& sight : track.sights) {
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<SightError, 2, 3, kCameraUnknowns, kTiltUnknowns, 2>(
+                                    new SightError{sight, bundle_.sight_sigma_m}),
+                                Robust(), PoseOf(sight.frame), CameraOf(sight.frame), TiltOf(sight.frame),
+                                track.position_m.data());
+    }
+  }
+}
+
+void Adjuster::AddOuterKnowledge() {
+  for (const SightedControlPoint& point : bundle_.control_points) {
+    const int frame = point.sight.frame;
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<ControlError, 2, 3, kCameraUnknowns, kTiltUnknowns>(new ControlError{point}),
+        Robust(), PoseOf(frame), CameraOf(frame), TiltOf(frame));
+  }
+  for (const SightedDistance& distance : bundle_.distances) {
+    AddDistance(distance);
+  }
+  for (const PosePriorFactor& prior : bundle_.priors) {
+    AddPosePrior(prior, PoseOf(prior.frame), &problem_);
+  }
+  for (const Link& link : bundle_.odometry) {
+    AddBetween(link, Robust(), &poses_, &problem_);
+  }
+}
+
+// A distance within one frame says something of its camera alone.
+void Adjuster::AddDistance(const SightedDistance& distance) {
+  const int a = distance.first.frame;
+  const int b = distance.second.frame;
+  if (a == b) {
+    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<DistanceWithinFrame, 1, kCameraUnknowns, kTiltUnknowns>(
+                                  new DistanceWithinFrame{distance}),
+                              Robust(), CameraOf(a), TiltOf(a));
+  } else if (CameraNumber(a) == CameraNumber(b)) {
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<DistanceError, 1, 3, kTiltUnknowns, 3, kTiltUnknowns, kCameraUnknowns>(
+            new DistanceError{distance}),
+        Robust(), PoseOf(a), TiltOf(a), PoseOf(b), TiltOf(b), CameraOf(a));
+  } else {
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<DistanceError, 1, 3, kCameraUnknowns, kTiltUnknowns, 3, kCameraUnknowns,
+                                        kTiltUnknowns>(new DistanceError{distance}),
+        Robust(), PoseOf(a), CameraOf(a), TiltOf(a), PoseOf(b), CameraOf(b), TiltOf(b));
+  }
+}
+
+// What is known exactly is held; what is not gets its prior.
+void Adjuster::AddPriors() {
+  CameraAdjustment sigma;
+  std::vector<int> known;
+  for (int i = 0; i < kCameraUnknowns; ++i) {
+    const double prior = bundle_.prior.camera[static_cast<std::size_t>(i)];
+    sigma[i] = prior > 0.0 ? prior : 1.0;
+    if (prior <= 0.0) {
+      known.push_back(i);
+    }
+  }
+  for (CameraAdjustment& camera : bundle_.cameras) {
+    if (!problem_.HasParameterBlock(camera.data())) {
+      continue;
+    }
+    if (static_cast<int>(known.size()) == kCameraUnknowns) {
+      problem_.SetParameterBlockConstant(camera.data());
+      continue;
+    }
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<NearZero<kCameraUnknowns>, kCameraUnknowns, kCameraUnknowns>(
+            new NearZero<kCameraUnknowns>{sigma}),
+        nullptr, camera.data());
+    if (!known.empty()) {
+      problem_.SetManifold(camera.data(), new ceres::SubsetManifold(kCameraUnknowns, known));
+    }
+  }
+  const Eigen::Vector3d tilt_sigma(bundle_.prior.tilt_rad, bundle_.prior.tilt_rad, bundle_.prior.tilt_height);
+  for (Eigen::Vector3d& tilt : bundle_.tilts) {
+    if (!problem_.HasParameterBlock(tilt.data())) {
+      continue;
+    }
+    if (bundle_.prior.tilt_rad <= 0.0) {
+      problem_.SetParameterBlockConstant(tilt.data());
+    } else {
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<NearZero<kTiltUnknowns>, kTiltUnknowns, kTiltUnknowns>(
+                                    new NearZero<kTiltUnknowns>{tilt_sigma}),
+                                nullptr, tilt.data());
+    }
+  }
+}
+
+void Adjuster::HoldFixed() {
+  for (const int frame : bundle_.fixed) {
+    if (problem_.HasParameterBlock(PoseOf(frame))) {
+      problem_.SetParameterBlockConstant(PoseOf(frame));
+    }
+  }
+}
+
+bool Adjuster::Solve() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_SCHUR;
+  options.max_num_iterations = 30;
+  options.function_tolerance = 1e-5;
+  options.logging_type = ceres::SILENT;
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (SightedTrack& track : bundle_.tracks) {
+    options.linear_solver_ordering->AddElementToGroup(track.position_m.data(), 0);
+  }
+  std::vector<double*> blocks;
+  problem_.GetParameterBlocks(&blocks);
+  for (double* block : blocks) {
+    if (!options.linear_solver_ordering->IsMember(block)) {
+      options.linear_solver_ordering->AddElementToGroup(block, 1);
+    }
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_, &summary);
+  return summary.IsSolutionUsable();
+}
+
+double Adjuster::RmsOfSights() {
+  double sum = 0.0;
+  int count = 0;
+  for (const SightedTrack& track : bundle_.tracks) {
+    std::vector<Eigen::Vector2d> places;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const FloorSight& sight : track.sights) {
+      places.push_back(InMap<double>(sight, PoseOf(sight.frame), CameraOf(sight.frame), TiltOf(sight.frame)));
+      mean += places.back() / static_cast<double>(track.sights.size());
+    }
+    for (const Eigen::Vector2d& place : places) {
+      sum += (place - mean).squaredNorm();
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
+// From the inverse of the normal matrix of everything (floor points fall out first: their blocks are diagonal).
+std::vector<CameraAdjustment> Adjuster::CameraSigmas() {
+  std::vector<CameraAdjustment> sigmas(bundle_.cameras.size(), CameraAdjustment::Zero());
+  std::vector<std::pair<std::size_t, int>> columns;  // camera, unknown: the first columns of the Jacobian
+  ceres::Problem::EvaluateOptions options;
+  for (std::size_t camera = 0; camera < bundle_.cameras.size(); ++camera) {
+    double* block = bundle_.cameras[camera].data();
+    if (!problem_.HasParameterBlock(block) || problem_.IsParameterBlockConstant(block)) {
+      continue;
+    }
+    options.parameter_blocks.push_back(block);
+    for (int i = 0; i < kCameraUnknowns; ++i) {
+      if (bundle_.prior.camera[static_cast<std::size_t>(i)] > 0.0) {
+        columns.emplace_back(camera, i);
+      }
+    }
+  }
+  const std::size_t cameras = options.parameter_blocks.size();
+  std::vector<double*> blocks;
+  problem_.GetParameterBlocks(&blocks);
+  std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(options.parameter_blocks), [&](double* block) {
+    const auto end = options.parameter_blocks.begin() + static_cast<std::ptrdiff_t>(cameras);
+    return !problem_.IsParameterBlockConstant(block) && std::find(options.parameter_blocks.begin(), end, block) == end;
+  });
+  ceres::CRSMatrix crs;
+  if (columns.empty() || !problem_.Evaluate(options, nullptr, nullptr, nullptr, &crs)) {
+    return sigmas;
+  }
+  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
+      crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(), crs.cols.data(),
+      crs.values.data());
+  const Eigen::SparseMatrix<double> normal = jacobian.transpose() * jacobian;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+  if (solver.info() != Eigen::Success) {
+    return sigmas;
+  }
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const Eigen::VectorXd inverse = solver.solve(Eigen::VectorXd::Unit(crs.num_cols, column));
+    sigmas[columns[k].first][columns[k].second] = std::sqrt(std::max(0.0, inverse[column]));
+  }
+  return sigmas;
+}
+
+}  // namespace
+
+BundleSummary AdjustBundle(Bundle* bundle) { return Adjuster(bundle).Run(); }
+
+}  // namespace floorloc

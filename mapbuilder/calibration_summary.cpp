@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/calibration_summary.h"
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace floorloc {
+namespace {
+
+struct UnknownText {
+  const char* name;
+  const char* unit;
+  double factor;  // from radians and shares
+};
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+constexpr std::array<UnknownText, kCameraUnknowns> kTexts = {{{"roll", "degrees", kDegrees},
+                                                              {"pitch", "degrees", kDegrees},
+                                                              {"height", "%", 100.0},
+                                                              {"focal", "%", 100.0},
+                                                              {"k1", "", 1.0},
+                                                              {"k2", "", 1.0}}};
+
+}  // namespace
+
+std::string ToText(const SelfCalibration& calibration) {
+  std::string text;
+  char part[128];
+  for (std::size_t survey = 0; survey < calibration.cameras.size(); ++survey) {
+    const CalibratedCamera& camera = calibration.cameras[survey];
+    std::snprintf(part, sizeof(part), "  camera       survey %zu:", survey + 1);
+    text += part;
+    for (int i = 0; i < kCameraUnknowns; ++i) {
+      const UnknownText& unknown = kTexts[static_cast<std::size_t>(i)];
+      if (camera.sigma[i] > 0.0) {
+        std::snprintf(part, sizeof(part), " %s %+.4f +- %.4f %s;", unknown.name, unknown.factor * camera.change[i],
+                      unknown.factor * camera.sigma[i], unknown.unit);
+        text += part;
+      }
+    }
+    std::snprintf(part, sizeof(part), " views of a point scatter by %.3f mm, before %.3f mm\n",
+                  1e3 * calibration.rms_after_m, 1e3 * calibration.rms_before_m);
+    text += part;
+  }
+  return text;
+}
+
+std::string ToJson(const SelfCalibration& calibration) {
+  if (calibration.cameras.empty()) {
+    return "null";
+  }
+  nlohmann::ordered_json json{{"tracks", calibration.tracks},
+                              {"rms_before_m", calibration.rms_before_m},
+                              {"rms_after_m", calibration.rms_after_m},
+                              {"cameras", nlohmann::json::array()}};
+  for (const CalibratedCamera& camera : calibration.cameras) {
+    nlohmann::ordered_json found = nlohmann::json::object();
+    for (int i = 0; i < kCameraUnknowns; ++i) {
+      if (camera.sigma[i] > 0.0) {
+        found[kTexts[static_cast<std::size_t>(i)].name] = {{"change", camera.change[i]}, {"sigma", camera.sigma[i]}};
+      }
+    }
+    json["cameras"].push_back(found);
+  }
+  return json.dump();
+}
+
+}  // namespace floorloc

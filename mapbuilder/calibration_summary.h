@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "mapbuilder/self_calibration.h"
+
+namespace floorloc {
+
+/// One line per survey: what its camera's calibration was off by. Empty without self-calibration.
+std::string ToText(const SelfCalibration& calibration);
+
+/// {"tracks", "rms_before_m", "rms_after_m", "cameras": [{unknown: {"change", "sigma"}}]}; null without
+/// self-calibration.
+std::string ToJson(const SelfCalibration& calibration);
+
+}  // namespace floorloc

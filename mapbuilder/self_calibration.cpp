@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/self_calibration.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+
+#include "core/geometry/mounting.h"
+#include "core/io/input_error.h"
+#include "mapbuilder/keypoint_tracks.h"
+
+namespace floorloc {
+namespace {
+
+// What a calibration can be off by, standard deviations: roll, pitch, height, focal length, k1, k2.
+constexpr std::array<double, kCameraUnknowns> kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1};
+
+// Until the camera is known, views of one floor point scatter more than usual.
+constexpr std::array<double, 4> kTrackRadiusFactors = {2.5, 1.5, 1.0, 1.0};
+
+constexpr double kDistanceSigmaM = 1e-3;
+
+// Sights of one survey's camera.
+class SightMaker {
+ public:
+  explicit SightMaker(const FloorCamera& camera)
+      : camera_(camera), derivative_(camera), center_(camera.CameraCenter()) {}
+
+  FloorSight Make(int frame, const Eigen::Vector2d& point_in_base) const {
+    FloorSight sight;
+    sight.frame = frame;
+    sight.point_in_base_m = point_in_base;
+    sight.by_camera = derivative_.At(camera_.RawPixelFromFloor(point_in_base));
+    const Eigen::Matrix<double, 2, 4> mounting = MountingJacobian(center_, point_in_base);
+    sight.by_tilt << mounting.col(0), mounting.col(1), mounting.col(3);
+    return sight;
+  }
+  const FloorCamera& camera() const { return camera_; }
+
+ private:
+  FloorCamera camera_;
+  AdjustmentDerivative derivative_;
+  Eigen::Vector3d center_;
+};
+
+class Calibrator {
+ public:
+  Calibrator(const CalibrationSubject& subject, const SelfCalibrationOptions& options)
+      : frames_(*subject.frames), surveys_(*subject.surveys), placement_(*subject.placement), options_(options) {}
+
+  SelfCalibration Run() {
+    RequireScale();
+    SelfCalibration result;
+    result.cameras.resize(surveys_.size());
+    for (std::size_t round = 0; round < kTrackRadiusFactors.size(); ++round) {
+      Bundle bundle = MakeBundle(kTrackRadiusFactors[round]);
+      const BundleSummary summary = AdjustBundle(&bundle);
+      if (round == 0) {
+        result.rms_before_m = summary.rms_before_m;
+      }
+      result.rms_after_m = summary.rms_after_m;
+      result.tracks = static_cast<int>(bundle.tracks.size());
+      Apply(bundle, summary, &result);
+    }
+    for (std::size_t s = 0; s < surveys_.size(); ++s) {
+      result.cameras[s].camera = surveys_[s].survey.camera;
+      surveys_[s].rectifier = std::make_shared<Rectifier>(surveys_[s].survey.camera);
+    }
+    MeasureLinksAgain();
+    return result;
+  }
+
+ private:
+  void RequireScale() const;
+  bool KnowsScale() const;
+  Bundle MakeBundle(double radius_factor);
+  void ChooseTracks(double radius_factor, const std::vector<SightMaker>& makers, Bundle* bundle) const;
+  void AddOuterKnowledge(const std::vector<SightMaker>& makers, Bundle* bundle) const;
+  void Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result);
+  void MeasureLinksAgain();
+
+  std::vector<BuildFrame>& frames_;
+  std::vector<LoadedSurvey>& surveys_;
+  Placement& placement_;
+  const SelfCalibrationOptions& options_;
+};
+
+bool Calibrator::KnowsScale() const {
+  const bool poses = std::any_of(frames_.begin(), frames_.end(),
+                                 [](const BuildFrame& frame) { return frame.prior_map_from_base.has_value(); });
+  const auto tells_scale = [](const LoadedSurvey& loaded) {
+    return loaded.survey.control_points.size() > 1 || !loaded.survey.known_distances.empty();
+  };
+  return poses || std::any_of(surveys_.begin(), surveys_.end(), tells_scale);
+}
+
+void Calibrator::RequireScale() const {
+  const auto asked = [&](CameraUnknown unknown) {
+    return std::find(options_.unknowns.begin(), options_.unknowns.end(), unknown) != options_.unknowns.end();
+  };
+  if ((asked(CameraUnknown::kHeight) || asked(CameraUnknown::kFocal)) && !KnowsScale()) {
+    throw InputError(
+        "height and focal length can't be told from pictures alone; add control_points.csv, known_distances.csv or "
+        "--poses, or leave them out of --self-calibrate");
+  }
+}
+
+Bundle Calibrator::MakeBundle(double radius_factor) {
+  Bundle bundle;
+  std::vector<SightMaker> makers;
+  for (const LoadedSurvey& loaded : surveys_) {
+    makers.emplace_back(loaded.survey.camera);
+  }
+  bundle.cameras.assign(surveys_.size(), CameraAdjustment::Zero());
+  bundle.tilts.assign(frames_.size(), Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    bundle.map_from_base.push_back(placement_.map_from_base[i].value_or(Pose2()));
+    bundle.camera_of_frame.push_back(frames_[i].survey);
+  }
+  for (const CameraUnknown unknown : options_.unknowns) {
+    const auto i = static_cast<std::size_t>(unknown);
+    bundle.prior.camera[i] = kPriorSigma[i];
+  }
+  bundle.prior.tilt_rad = options_.tilt_rad;
+  bundle.prior.tilt_height = options_.tilt_height;
+  ChooseTracks(radius_factor, makers, &bundle);
+  AddOuterKnowledge(makers, &bundle);
+  if (bundle.priors.empty() && bundle.control_points.empty()) {
+    const auto first = std::find_if(placement_.map_from_base.begin(), placement_.map_from_base.end(),
+                                    [](const auto& pose) { return pose.has_value(); });
+    bundle.fixed = {static_cast<int>(first - placement_.map_from_base.begin())};
+  }
+  return bundle;
+}
+
+// The tracks of most views first, as long as one of their frames still needs some.
+void Calibrator::ChooseTracks(double radius_factor, const std::vector<SightMaker>& makers, Bundle* bundle) const {
+  TrackOptions track_options = TrackOptions().ForCamera(surveys_.front().survey.camera.floor);
+  track_options.radius_m *= radius_factor;
+  track_options.min_views = 2;
+  std::vector<KeypointTrack> tracks = FindTracks(frames_, placement_.map_from_base, track_options);
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const auto& a, const auto& b) { return a.views.size() > b.views.size(); });
+  std::vector<int> used(frames_.size(), 0);
+  for (const KeypointTrack& track : tracks) {
+    const bool wanted = std::any_of(track.views.begin(), track.views.end(), [&](const auto& view) {
+      return used[static_cast<std::size_t>(view.first)] < options_.sights_per_frame;
+    });
+    if (!wanted) {
+      continue;
+    }
+    SightedTrack sighted;
+    sighted.position_m = track.position_m;
+    for (const auto& [frame, keypoint] : track.views) {
+      const BuildFrame& from = frames_[static_cast<std::size_t>(frame)];
+      ++used[static_cast<std::size_t>(frame)];
+      sighted.sights.push_back(makers[static_cast<std::size_t>(from.survey)].Make(
+          frame, from.features.keypoints[static_cast<std::size_t>(keypoint)].Position()));
+    }
+    bundle->tracks.push_back(std::move(sighted));
+  }
+}
+
+void Calibrator::AddOuterKnowledge(const std::vector<SightMaker>& makers, Bundle* bundle) const {
+  std::map<std::pair<int, std::string>, int> by_name;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!placement_.map_from_base[i]) {
+      continue;
+    }
+    by_name[{frames_[i].survey, frames_[i].info.filename}] = static_cast<int>(i);
+    if (frames_[i].prior_map_from_base) {
+      const double m2 = options_.prior_sigma_m * options_.prior_sigma_m;
+      const double rad2 = options_.prior_sigma_rad * options_.prior_sigma_rad;
+      bundle->priors.push_back(
+          {static_cast<int>(i), *frames_[i].prior_map_from_base, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
+    }
+  }
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    const auto see = [&](const std::string& file, const Eigen::Vector2d& raw_px) -> std::optional<FloorSight> {
+      const auto frame = by_name.find({static_cast<int>(s), file});
+      if (frame == by_name.end()) {
+        return std::nullopt;
+      }
+      return makers[s].Make(frame->second, makers[s].camera().FloorFromRawPixel(raw_px));
+    };
+    for (const ControlPoint& point : surveys_[s].survey.control_points) {
+      if (const auto sight = see(point.filename, point.raw_px)) {
+        bundle->control_points.push_back({*sight, point.point_in_map_m, ControlPointFactor().sigma_m});
+      }
+    }
+    for (const KnownDistance& distance : surveys_[s].survey.known_distances) {
+      const auto first = see(distance.first_filename, distance.first_raw_px);
+      const auto second = see(distance.second_filename, distance.second_raw_px);
+      if (first && second) {
+        bundle->distances.push_back({*first, *second, distance.distance_m, kDistanceSigmaM});
+      }
+    }
+  }
+}
+
+void Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result) {
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    result->cameras[s].change += bundle.cameras[s];
+    result->cameras[s].sigma = summary.camera_sigma[s];
+  }
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (placement_.map_from_base[i]) {
+      placement_.map_from_base[i] = bundle.map_from_base[i];
+    }
+    const auto survey = static_cast<std::size_t>(frames_[i].survey);
+    const FloorCamera& before = surveys_[survey].survey.camera;
+    const FloorCamera after = Adjusted(before, bundle.cameras[survey]);
+    for (Keypoint& keypoint : frames_[i].features.keypoints) {
+      const Eigen::Vector2d p = after.FloorFromRawPixel(before.RawPixelFromFloor(keypoint.Position()));
+      keypoint.x_m = static_cast<float>(p.x());
+      keypoint.y_m = static_cast<float>(p.y());
+    }
+  }
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    surveys_[s].survey.camera = Adjusted(surveys_[s].survey.camera, bundle.cameras[s]);
+  }
+}
+
+// What links measured through the old camera is no longer what the pictures say.
+void Calibrator::MeasureLinksAgain() {
+  constexpr double kRadiusM = 0.01;
+  constexpr double kYawRadiusRad = 0.02;
+  std::vector<FramePair> pairs;
+  std::vector<RectM> floors;
+  for (const BuildFrame& frame : frames_) {
+    floors.push_back(surveys_[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
+  }
+  for (const Link& link : placement_.links) {
+    const auto& first = placement_.map_from_base[static_cast<std::size_t>(link.first)];
+    const auto& second = placement_.map_from_base[static_cast<std::size_t>(link.second)];
+    if (first && second) {
+      pairs.push_back({link.first, link.second, first->Between(*second), kRadiusM, kYawRadiusRad});
+    }
+  }
+  placement_.links = RegisterPairs(frames_, floors, pairs, options_.registration);
+  const LinkStatistics statistics = MeasureLinks(placement_.links, placement_.map_from_base);
+  placement_.rms_m = statistics.rms_m;
+  placement_.rms_sigma = statistics.rms_sigma;
+}
+
+}  // namespace
+
+std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& names) {
+  std::vector<CameraUnknown> unknowns;
+  for (const std::string& name : names) {
+    if (name == "mounting") {
+      unknowns.insert(unknowns.end(), {CameraUnknown::kRoll, CameraUnknown::kPitch});
+    } else if (name == "height") {
+      unknowns.push_back(CameraUnknown::kHeight);
+    } else if (name == "focal") {
+      unknowns.push_back(CameraUnknown::kFocal);
+    } else if (name == "distortion") {
+      unknowns.insert(unknowns.end(), {CameraUnknown::kK1, CameraUnknown::kK2});
+    } else {
+      throw std::invalid_argument("unknown '" + name + "' (mounting, height, focal, distortion)");
+    }
+  }
+  return unknowns;
+}
+
+SelfCalibration SelfCalibrate(const CalibrationSubject& subject, const SelfCalibrationOptions& options) {
+  return options.unknowns.empty() ? SelfCalibration{} : Calibrator(subject, options).Run();
+}
+
+}  // namespace floorloc

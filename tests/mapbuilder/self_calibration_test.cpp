@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/self_calibration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/input_error.h"
+#include "mapbuilder/simulated_camera.h"
+#include "tests/mapbuilder/floor_points.h"
+
+namespace floorloc {
+namespace {
+
+// Twenty frames over a square metre, seen through a camera whose calibration is off.
+class Survey20 {
+ public:
+  explicit Survey20(const CameraAdjustment& error) : true_camera_(MakeForwardCamera()), points_(4000, true, 7) {
+    LoadedSurvey loaded;
+    loaded.survey.camera = Adjusted(true_camera_, error);
+    surveys.push_back(loaded);
+    for (int i = 0; i < 20; ++i) {
+      const bool back = i >= 10;
+      truth.emplace_back(back ? 0.75 - 0.05 * (i - 10) : 0.05 * i, back ? 0.6 : 0.4,
+                         (back ? 3.1 : 0.0) + 0.02 * (i % 3));
+      frames.push_back(SeeWrongly(truth.back()));
+      frames.back().info.filename = std::to_string(i);
+      placement.map_from_base.emplace_back(truth.back() * Pose2(i == 0 ? 0.0 : 5e-4 * (i % 3), 0.0, 0.0));
+      if (i > 0) {
+        Link link;
+        link.first = i - 1;
+        link.second = i;
+        placement.links.push_back(link);
+      }
+    }
+    options.registration.resolution_m = true_camera_.floor.resolution_m;
+  }
+
+  SelfCalibration Run() { return SelfCalibrate({&frames, &surveys, &placement}, options); }
+
+  // How far the survey's camera is from the true one, worst over the region of interest, rigid motion left aside.
+  double ShapeErrorM() const {
+    const FloorCamera& camera = surveys.front().survey.camera;
+    const auto seen = [&](double x, double y) {
+      return camera.FloorFromRawPixel(true_camera_.RawPixelFromFloor({x, y}));
+    };
+    const RectM& roi = true_camera_.floor.roi;
+    const double width = (seen(roi.x_min, roi.y_min) - seen(roi.x_min, roi.y_max)).norm() - roi.height_m();
+    const double far_width = (seen(roi.x_max, roi.y_min) - seen(roi.x_max, roi.y_max)).norm() - roi.height_m();
+    const double length = (seen(roi.x_min, 0.0) - seen(roi.x_max, 0.0)).norm() - roi.width_m();
+    return std::max({std::abs(width), std::abs(far_width), std::abs(length)});
+  }
+
+  std::vector<LoadedSurvey> surveys;
+  std::vector<BuildFrame> frames;
+  std::vector<Pose2> truth;
+  Placement placement;
+  SelfCalibrationOptions options;
+
+ private:
+  BuildFrame SeeWrongly(const Pose2& map_from_base) {
+    BuildFrame frame = points_.See(map_from_base, 1e-4);
+    Features kept;
+    for (std::size_t i = 0; i < frame.features.keypoints.size(); ++i) {
+      Keypoint k = frame.features.keypoints[i];
+      if (!true_camera_.floor.roi.Contains(k.Position())) {
+        continue;
+      }
+      const Eigen::Vector2d p =
+          surveys.front().survey.camera.FloorFromRawPixel(true_camera_.RawPixelFromFloor(k.Position()));
+      k.x_m = static_cast<float>(p.x());
+      k.y_m = static_cast<float>(p.y());
+      kept.keypoints.push_back(k);
+      kept.descriptors.push_back(frame.features.descriptors.row(static_cast<int>(i)));
+    }
+    frame.features = kept;
+    return frame;
+  }
+
+  FloorCamera true_camera_;
+  FloorPoints points_;
+};
+
+CameraAdjustment Error(CameraUnknown unknown, double value) {
+  CameraAdjustment error = CameraAdjustment::Zero();
+  error[static_cast<int>(unknown)] = value;
+  return error;
+}
+
+TEST(SelfCalibrationTest, FindsPitchRollAndDistortion) {
+  CameraAdjustment error =
+      Error(CameraUnknown::kPitch, 0.008) + Error(CameraUnknown::kRoll, -0.005) + Error(CameraUnknown::kK1, 0.01);
+  Survey20 survey(error);
+  const double before = survey.ShapeErrorM();
+  survey.options.unknowns = ParseCameraUnknowns({"mounting", "distortion"});
+  const SelfCalibration found = survey.Run();
+  ASSERT_EQ(found.cameras.size(), 1U);
+  EXPECT_GT(before, 2e-3);
+  EXPECT_LT(survey.ShapeErrorM(), 3e-4);
+  EXPECT_LT(found.rms_after_m, 0.5 * found.rms_before_m);
+  for (const CameraUnknown unknown : {CameraUnknown::kPitch, CameraUnknown::kRoll}) {
+    const int i = static_cast<int>(unknown);
+    EXPECT_NEAR(found.cameras[0].change[i], -error[i], 5.0 * found.cameras[0].sigma[i] + 2e-4) << i;
+    EXPECT_GT(found.cameras[0].sigma[i], 0.0);
+    EXPECT_LT(found.cameras[0].sigma[i], 2e-3);
+  }
+  EXPECT_EQ(found.cameras[0].change[static_cast<int>(CameraUnknown::kHeight)], 0.0);  // was not asked for
+  for (std::size_t i = 0; i < survey.truth.size(); ++i) {
+    const Eigen::Vector2d off = survey.placement.map_from_base[i]->translation() - survey.truth[i].translation();
+    EXPECT_LT(off.norm(), 5e-3) << i;
+  }
+}
+
+TEST(SelfCalibrationTest, AKnownDistanceTellsTheHeight) {
+  Survey20 survey(Error(CameraUnknown::kHeight, 0.02));
+  const double before = survey.ShapeErrorM();
+  const FloorCamera camera = MakeForwardCamera();
+  const auto pixel_of = [&](const Eigen::Vector2d& map_point, std::size_t frame) {
+    return camera.RawPixelFromFloor(survey.truth[frame].Inverse() * map_point);
+  };
+  const Eigen::Vector2d a = survey.truth[0] * camera.floor.roi.Center();
+  const Eigen::Vector2d b = survey.truth[9] * camera.floor.roi.Center();
+  survey.surveys[0].survey.known_distances = {
+      {"0", pixel_of(a, 0), "9", pixel_of(b, 9), (a - b).norm()},
+      {"0", pixel_of(a, 0), "0", pixel_of(a + Eigen::Vector2d(0.0, 0.1), 0), 0.1}};
+  survey.options.unknowns = ParseCameraUnknowns({"height"});
+  const SelfCalibration found = survey.Run();
+  EXPECT_GT(before, 4e-3);
+  EXPECT_LT(survey.ShapeErrorM(), 1.5e-3);
+  EXPECT_NEAR(found.cameras[0].change[static_cast<int>(CameraUnknown::kHeight)], -0.0196, 4e-3);
+}
+
+TEST(SelfCalibrationTest, HeightWithoutAnythingThatTellsTheScaleIsRefused) {
+  Survey20 survey(CameraAdjustment::Zero());
+  survey.options.unknowns = ParseCameraUnknowns({"height"});
+  EXPECT_THROW(survey.Run(), InputError);
+}
+
+TEST(SelfCalibrationTest, NothingAskedForChangesNothing) {
+  Survey20 survey(Error(CameraUnknown::kPitch, 0.01));
+  const Pose2 before = *survey.placement.map_from_base[7];
+  EXPECT_TRUE(survey.Run().cameras.empty());
+  EXPECT_EQ(survey.placement.map_from_base[7]->x(), before.x());
+}
+
+TEST(SelfCalibrationTest, UnknownNamesAreRefused) {
+  EXPECT_THROW(ParseCameraUnknowns({"colour"}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace floorloc
