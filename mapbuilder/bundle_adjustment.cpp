@@ -36,8 +36,11 @@ struct SightError {
   template <typename T>
   bool operator()(const T* pose, const T* camera, const T* tilt, const T* point, T* residual) const {
     const Eigen::Matrix<T, 2, 1> p = InMap(sight, pose, camera, tilt);
-    residual[0] = (p[0] - point[0]) / T(sigma_m);
-    residual[1] = (p[1] - point[1]) / T(sigma_m);
+    // Errors are made in the picture: measured on the floor alone, a smaller floor would seem a better one.
+    const T scale = T(1.0) + camera[static_cast<int>(CameraUnknown::kHeight)] -
+                    camera[static_cast<int>(CameraUnknown::kFocal)] + tilt[2];
+    residual[0] = (p[0] - point[0]) / (T(sigma_m) * scale);
+    residual[1] = (p[1] - point[1]) / (T(sigma_m) * scale);
     return true;
   }
 };
@@ -255,6 +258,7 @@ bool Adjuster::Solve() {
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 30;
   options.function_tolerance = 1e-5;
+  options.initial_trust_region_radius = 1e10;  // damping would hold the scale, which few factors tell
   options.logging_type = ceres::SILENT;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (SightedTrack& track : bundle_.tracks) {
