@@ -170,6 +170,34 @@ Placement PlaceFramesOnce(const std::vector<BuildFrame>& frames, const std::vect
   return placement;
 }
 
+// Finds the markers, hides them from the map and lets them say where the frames are.
+std::optional<MarkerSurvey> UseMarkers(const BuildOptions& options, std::vector<LoadedSurvey>* surveys,
+                                       std::vector<BuildFrame>* frames) {
+  if (options.markers.file.empty()) {
+    return std::nullopt;
+  }
+  MarkerOptions with_shared = options.markers;
+  with_shared.detection.threads = options.threads;
+  with_shared.detection.progress = options.progress;
+  MarkerSurvey markers(with_shared, *surveys, *frames);
+  markers.MaskSeen(frames);
+  markers.AddControlPoints(*frames, surveys);
+  return markers;
+}
+
+// Places the frames; once more when a marker turns out to be wrong.
+Placement PlaceWithMarkers(const BuildOptions& options, std::vector<LoadedSurvey>* surveys, BuildJournal* journal,
+                           std::vector<BuildFrame>* frames, MarkerSurvey* markers) {
+  Placement placement = PlaceFramesOnce(*frames, *surveys, options, journal);
+  if (markers->LeaveOutContradicting(*frames, placement, surveys)) {
+    BuildOptions without = options;
+    without.fingerprint += "contradicting markers left out\n";
+    placement = PlaceFramesOnce(*frames, *surveys, without, journal);
+  }
+  markers->MaskInMap(placement, frames);
+  return placement;
+}
+
 void Screen(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& registration,
             std::vector<BuildFrame>* frames, BuildReport* report) {
   Screening screening = ScreenFrames(surveys, registration, frames);
@@ -221,14 +249,20 @@ BuildReport BuildMap(const BuildOptions& requested) {
   report.resumed_frames = frame_journal.restored();
   Screen(&surveys, options.placement.registration, &frames, &report);
   AttachPoses(options.poses, &frames);
+  std::optional<MarkerSurvey> markers = UseMarkers(options, &surveys, &frames);
   clock.Finish("features");
 
   const std::vector<RectM> floors = FloorsInBase(frames, surveys);
-  Placement placement = PlaceFramesOnce(frames, surveys, options, &journal);
+  Placement placement = markers ? PlaceWithMarkers(options, &surveys, &journal, &frames, &*markers)
+                                : PlaceFramesOnce(frames, surveys, options, &journal);
   report.self_calibration = SelfCalibrate({&frames, &surveys, &placement}, options.self_calibration);
   const CoverageGrid coverage(placement.map_from_base, floors);
   report.kept_all = options.placement.keep_all;
   FillReport(placement, frames, coverage, &report);
+  if (markers) {
+    report.markers = markers->Fits(frames, placement);
+    report.warnings.insert(report.warnings.end(), markers->warnings().begin(), markers->warnings().end());
+  }
   clock.Finish("poses");
 
   const MapKeypoints keypoints = FuseKeypoints({frames, placement.map_from_base, floors}, options.fusion);

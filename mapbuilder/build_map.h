@@ -9,6 +9,7 @@
 #include "core/io/trajectory.h"
 #include "core/vision/feature_extractor.h"
 #include "mapbuilder/fuse_keypoints.h"
+#include "mapbuilder/markers.h"
 #include "mapbuilder/mosaic.h"
 #include "mapbuilder/place_frames.h"
 #include "mapbuilder/progress.h"
@@ -21,6 +22,7 @@ struct BuildOptions {
   std::filesystem::path out;
   ExtractorOptions extractor;
   Trajectory poses;  ///< map_from_base known from another system; may be empty
+  MarkerOptions markers;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
   FusionOptions fusion;
@@ -40,6 +42,7 @@ struct BuildReport {
   int frames_used = 0;
   std::vector<std::pair<std::string, std::string>> dropped;  ///< file name, reason
   std::vector<std::string> warnings;                         ///< sentences about what is not as it should be
+  std::vector<MarkerFit> markers;                            ///< that were seen
   std::vector<int> part_sizes;                               ///< largest first; more than one: the survey has gaps
   bool kept_all = false;                                     ///< all parts are in the map
   int links = 0;

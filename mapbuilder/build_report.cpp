@@ -64,6 +64,13 @@ std::string ToJson(const BuildReport& report, bool with_times) {
   for (const auto& [file, reason] : report.dropped) {
     json["dropped"].push_back({{"filename", file}, {"reason", reason}});
   }
+  for (const MarkerFit& marker : report.markers) {
+    json["markers"].push_back({{"id", marker.id},
+                               {"known", marker.known},
+                               {"used", marker.used},
+                               {"frames", marker.frames},
+                               {"error_m", marker.known ? nlohmann::ordered_json(marker.error_m) : nullptr}});
+  }
   if (with_times) {
     json["content_version"] = report.content_version;
     for (const auto& [stage, seconds] : report.stage_s) {
@@ -101,6 +108,11 @@ std::string ToText(const BuildReport& r) {
   }
   for (const std::string& warning : r.warnings) {
     text << "  WARNING      " << warning << "\n";
+  }
+  for (const MarkerFit& marker : r.markers) {
+    text << Format("  marker %-5d seen by %d frames", marker.id, marker.frames)
+         << (marker.known ? Format(", %.1f mm from its place", 1e3 * marker.error_m) : ", of unknown place")
+         << (marker.known && !marker.used ? ", not used\n" : "\n");
   }
   if (r.drift_m > 0.0) {
     text << Format("  drift        odometry strayed by up to %.1f cm and %.1f degrees; removed\n", 1e2 * r.drift_m,

@@ -102,8 +102,8 @@ void Calibrator::RequireScale() const {
   };
   if ((asked(CameraUnknown::kHeight) || asked(CameraUnknown::kFocal)) && !KnowsScale()) {
     throw InputError(
-        "height and focal length can't be told from pictures alone; add control_points.csv, known_distances.csv or "
-        "--poses, or leave them out of --self-calibrate");
+        "height and focal length can't be told from pictures alone; add control_points.csv, known_distances.csv, "
+        "--markers or --poses, or leave them out of --self-calibrate");
   }
 }
 

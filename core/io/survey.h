@@ -53,6 +53,14 @@ struct LeftOutFrame {
   std::string reason;
 };
 
+/// One row of a file of markers: an ArUco or AprilTag marker that lies on the floor, and where.
+struct KnownMarker {
+  int id = 0;
+  Eigen::Vector2d center_in_map_m = Eigen::Vector2d::Zero();
+  std::optional<double> yaw_rad;  ///< of its x axis: to the right when its picture is upright; empty: not measured
+  int line = 0;                   ///< of the file
+};
+
 /// A survey folder, parsed and checked (images are only looked for, not read).
 struct Survey {
   std::filesystem::path folder;
@@ -79,5 +87,7 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
 std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const std::filesystem::path& source);
+/// "id,x,y,yaw": metres and radians in the map frame; yaw may be empty. No id may come twice.
+std::vector<KnownMarker> ParseMarkersCsv(const std::string& text, const std::filesystem::path& source);
 
 }  // namespace floorloc

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cmath>
 #include <span>
 #include <unordered_set>
 
@@ -162,6 +163,33 @@ std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const
     distances.push_back(std::move(row));
   }
   return distances;
+}
+
+std::vector<KnownMarker> ParseMarkersCsv(const std::string& text, const std::filesystem::path& source) {
+  constexpr double kMaxId = 100000;
+  const std::string columns = "id,x,y,yaw";
+  std::vector<KnownMarker> markers;
+  std::unordered_set<int> seen;
+  for (const TextLine& line : RowsBelowHeader(text, columns, source)) {
+    const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
+    const auto n = Numbers<3>(fields, line.number, source);
+    if (n[0] < 0 || n[0] > kMaxId || n[0] != std::floor(n[0])) {
+      throw InputError(source, line.number, "the marker's id must be a whole number from 0; correct it");
+    }
+    KnownMarker marker{static_cast<int>(n[0]), {n[1], n[2]}, std::nullopt, line.number};
+    if (!fields[3].empty()) {
+      marker.yaw_rad = Numbers<1>(std::span(fields).subspan(3), line.number, source)[0];
+    }
+    if (!seen.insert(marker.id).second) {
+      throw InputError(source, line.number,
+                       "the marker " + std::to_string(marker.id) + " is listed twice; delete one of the rows");
+    }
+    markers.push_back(marker);
+  }
+  if (markers.empty()) {
+    throw InputError(source, "has no markers; list them below the line 'id,x,y,yaw'");
+  }
+  return markers;
 }
 
 }  // namespace floorloc

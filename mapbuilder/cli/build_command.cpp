@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/io/input_error.h"
+#include "mapbuilder/aruco_dictionary.h"
 #include "mapbuilder/build_journal.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/build_report.h"
@@ -91,6 +92,24 @@ void Run(Arguments& a) {
   }
 }
 
+void AddMarkerOptions(CLI::App& command, MarkerOptions& markers) {
+  auto* file = command.add_option("--markers", markers.file,
+                                  "Markers on the floor with known places (CSV: id,x,y,yaw; yaw may be empty)");
+  auto* size = command.add_option("--marker-size", markers.detection.size_m, "Side of their black square, metres")
+                   ->check(CLI::PositiveNumber)
+                   ->needs(file);
+  file->needs(size);
+  command.add_option("--marker-dictionary", markers.detection.dictionary, "ArUco or AprilTag dictionary of OpenCV")
+      ->check(CLI::IsMember(ArucoDictionaryNames()))
+      ->needs(file)
+      ->capture_default_str();
+  command
+      .add_option("--marker-margin", markers.margin_m,
+                  "Paper around the black square that is kept out of the map, metres (default: a quarter of its size)")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(file);
+}
+
 }  // namespace
 
 void AddBuildCommand(CLI::App& app) {
@@ -115,9 +134,10 @@ void AddBuildCommand(CLI::App& app) {
   command
       ->add_option("--self-calibrate", a->self_calibrate,
                    "Correct the surveys' calibration from the pictures: mounting (pitch and roll), distortion and,\n"
-                   "with control points, known distances or --poses, height, focal")
+                   "with control points, markers, known distances or --poses, height, focal")
       ->delimiter(',')
       ->check(CLI::IsMember({"mounting", "height", "focal", "distortion"}));
+  AddMarkerOptions(*command, a->options.markers);
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,
                       "Budget of the map (default: suits the camera)");

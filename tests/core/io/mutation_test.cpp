@@ -114,6 +114,8 @@ std::vector<Parser> AllParsers() {
       {"FramesCsv", "timestamp,filename\n1.5,images/a.jpg\n2.5,images/b.jpg\n",
        [](const std::string& text) { ParseFramesCsv(text, "mutated"); }},
       {"ImuCsv", "#t\n10,1,2,3,4,5,6\n20,1,2,3,4,5,6\n", [](const std::string& text) { ParseImuCsv(text, "mutated"); }},
+      {"MarkersCsv", "id,x,y,yaw\n3,1,2,\n17,0,4,1.57\n",
+       [](const std::string& text) { ParseMarkersCsv(text, "mutated"); }},
       {"ControlPointsCsv", "filename,u,v,x,y\na.jpg,1,2,3,4\nb.jpg,5,6,7,8\n",
        [](const std::string& text) { ParseControlPointsCsv(text, "mutated"); }},
       {"Jpeg", Text(testing_io::EncodedPicture(".jpg", 40, 30)), DecodeAnySize},

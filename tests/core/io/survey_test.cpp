@@ -111,6 +111,36 @@ const BrokenCsv kBrokenControlPoints[] = {
 INSTANTIATE_TEST_SUITE_P(Inputs, BrokenControlPointsCsv, ::testing::ValuesIn(kBrokenControlPoints),
                          [](const auto& test) { return std::string(test.param.name); });
 
+TEST(MarkersCsv, ReadsRows) {
+  const auto markers = ParseMarkersCsv("id,x,y,yaw\n3,1.5,-2,\n# gate\n17,0,4,1.57\n", "markers.csv");
+  ASSERT_EQ(markers.size(), 2u);
+  EXPECT_EQ(markers[0].id, 3);
+  EXPECT_EQ(markers[0].center_in_map_m, Eigen::Vector2d(1.5, -2));
+  EXPECT_FALSE(markers[0].yaw_rad.has_value());
+  EXPECT_EQ(markers[1].yaw_rad, 1.57);
+  EXPECT_EQ(markers[1].line, 4);
+}
+
+class BrokenMarkersCsv : public ::testing::TestWithParam<BrokenCsv> {};
+
+TEST_P(BrokenMarkersCsv, NamesFileLineAndReason) {
+  EXPECT_THAT(ErrorOf([] { ParseMarkersCsv(GetParam().text, "markers.csv"); }),
+              AllOf(StartsWith(GetParam().where), HasSubstr(GetParam().reason)));
+}
+
+const BrokenCsv kBrokenMarkers[] = {
+    {"NoHeader", "3,1,2,\n", "markers.csv:1: ", "first line must be 'id,x,y,yaw'"},
+    {"Empty", "id,x,y,yaw\n", "markers.csv: ", "has no markers"},
+    {"ThreeFields", "id,x,y,yaw\n3,1,2\n", "markers.csv:2: ", "has 3 fields instead of 4"},
+    {"Word", "id,x,y,yaw\n3,1,2,north\n", "markers.csv:2: ", "'north' is not a finite number"},
+    {"NoPlace", "id,x,y,yaw\n3,,2,\n", "markers.csv:2: ", "'' is not a finite number"},
+    {"HalfId", "id,x,y,yaw\n3.5,1,2,\n", "markers.csv:2: ", "must be a whole number"},
+    {"NegativeId", "id,x,y,yaw\n-1,1,2,\n", "markers.csv:2: ", "must be a whole number"},
+    {"Twice", "id,x,y,yaw\n3,1,2,\n3,4,5,\n", "markers.csv:3: ", "marker 3 is listed twice"},
+};
+INSTANTIATE_TEST_SUITE_P(Inputs, BrokenMarkersCsv, ::testing::ValuesIn(kBrokenMarkers),
+                         [](const auto& test) { return std::string(test.param.name); });
+
 class SurveyFolder : public ::testing::Test {
  protected:
   SurveyFolder() {

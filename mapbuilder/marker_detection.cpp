@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/marker_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "mapbuilder/aruco_dictionary.h"
+#include "mapbuilder/parallel.h"
+
+namespace floorloc {
+namespace {
+
+using MarkerInPicture = std::vector<cv::Point2f>;  // four corners
+
+// Sub-pixel corners; the window stays within the marker's black border and the white around it.
+void Refine(const cv::Mat& smooth, int modules, MarkerInPicture* corners) {
+  double shortest = cv::norm((*corners)[3] - (*corners)[0]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    shortest = std::min(shortest, cv::norm((*corners)[i + 1] - (*corners)[i]));
+  }
+  const int half = std::clamp(static_cast<int>(0.7 * shortest / modules), 2, 8);
+  cv::cornerSubPix(smooth, *corners, {half, half}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
+}
+
+std::vector<MarkerSighting> DetectIn(const cv::Mat& raw, const FloorCamera& camera,
+                                     const cv::Ptr<cv::aruco::Dictionary>& dictionary) {
+  std::vector<MarkerInPicture> found;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(raw, dictionary, found, ids);
+  std::vector<MarkerSighting> sightings;
+  if (found.empty()) {
+    return sightings;
+  }
+  cv::Mat smooth;
+  cv::GaussianBlur(raw, smooth, {}, 0.7);  // edges of sharp pictures are staircases
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    Refine(smooth, dictionary->markerSize + 2, &found[i]);
+    MarkerSighting sighting;
+    sighting.id = ids[i];
+    bool on_floor = true;
+    for (std::size_t c = 0; c < 4; ++c) {
+      sighting.corners_m[c] = camera.FloorFromRawPixel({found[i][c].x, found[i][c].y});
+      on_floor = on_floor && sighting.corners_m[c].allFinite();
+    }
+    if (on_floor) {
+      sightings.push_back(sighting);
+    }
+  }
+  return sightings;
+}
+
+}  // namespace
+
+double MarkerSighting::MeanSideM() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    sum += (corners_m[(i + 1) % 4] - corners_m[i]).norm();
+  }
+  return 0.25 * sum;
+}
+
+bool MarkerSighting::IsSquare(double tolerance) const {
+  const double side = MeanSideM();
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (std::abs((corners_m[(i + 1) % 4] - corners_m[i]).norm() - side) > tolerance * side) {
+      return false;
+    }
+  }
+  // A rhombus has equal sides, too.
+  const double diagonals = (corners_m[2] - corners_m[0]).norm() - (corners_m[3] - corners_m[1]).norm();
+  return std::abs(diagonals) < 2.0 * tolerance * side;
+}
+
+std::vector<MarkerSighting> DetectMarkers(const std::vector<BuildFrame>& frames,
+                                          const std::vector<LoadedSurvey>& surveys,
+                                          const MarkerDetectionOptions& options) {
+  const cv::Ptr<cv::aruco::Dictionary> dictionary = FindArucoDictionary(options.dictionary);
+  std::vector<std::vector<MarkerSighting>> per_frame(frames.size());
+  ProgressBar progress("markers", static_cast<std::int64_t>(frames.size()), options.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+    const auto index = static_cast<std::size_t>(i);
+    const Survey& survey = surveys[static_cast<std::size_t>(frames[index].survey)].survey;
+    const CameraModel& camera = survey.camera.camera;
+    try {
+      const cv::Mat raw = ReadGrayImage(survey.ImagePath(frames[index].info), camera.width_px, camera.height_px);
+      per_frame[index] = DetectIn(raw, survey.camera, dictionary);
+    } catch (const InputError&) {
+      // The stage before this one has said so.
+    }
+    progress.Advance();
+  });
+  std::vector<MarkerSighting> all;
+  for (std::size_t i = 0; i < per_frame.size(); ++i) {
+    for (MarkerSighting& sighting : per_frame[i]) {
+      sighting.frame = static_cast<int>(i);
+      all.push_back(sighting);
+    }
+  }
+  return all;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+struct MarkerDetectionOptions {
+  std::string dictionary = "DICT_4X4_50";  ///< a name of ArucoDictionaryNames()
+  double size_m = 0.0;                     ///< side of the black square
+  int threads = 0;                         ///< 0: one per core
+  ProgressOutput progress;
+};
+
+/// A marker on the floor, seen by one frame.
+struct MarkerSighting {
+  int frame = 0;
+  int id = 0;
+  /// Base frame, metres: from the corner that is the upper left one when the marker is upright, clockwise.
+  std::array<Eigen::Vector2d, 4> corners_m;
+
+  Eigen::Vector2d Center() const { return 0.25 * (corners_m[0] + corners_m[1] + corners_m[2] + corners_m[3]); }
+  double MeanSideM() const;
+  /// True when all sides are of one length within `tolerance`, a share of it.
+  bool IsSquare(double tolerance) const;
+};
+
+/// Finds the markers in the frames' pictures, which are read again: nobody without markers pays for them. In the order
+/// of the frames; pictures that cannot be read have none.
+std::vector<MarkerSighting> DetectMarkers(const std::vector<BuildFrame>& frames,
+                                          const std::vector<LoadedSurvey>& surveys,
+                                          const MarkerDetectionOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/marker_places.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+namespace {
+
+// A coordinate that is off by less than this may be the survey's own inaccuracy.
+constexpr double kMinContradictionM = 0.01;
+constexpr double kMaxMedians = 5.0;
+
+// Each place is paired with this many after it, so that hundreds of them are no burden.
+constexpr std::size_t kPartners = 25;
+
+// The motion that puts the middle and the direction of a pair of found places onto those expected.
+Pose2 MotionOfPair(const MarkerPlace& a, const MarkerPlace& b) {
+  const Eigen::Vector2d found = b.found_m - a.found_m;
+  const Eigen::Vector2d expected = b.expected_m - a.expected_m;
+  const double yaw = std::atan2(expected.y(), expected.x()) - std::atan2(found.y(), found.x());
+  const Pose2 turn(0.0, 0.0, yaw);
+  const Eigen::Vector2d shift =
+      0.5 * (a.expected_m + b.expected_m) - turn * Eigen::Vector2d(0.5 * (a.found_m + b.found_m));
+  return {shift.x(), shift.y(), yaw};
+}
+
+std::vector<double> ResidualsUnder(const Pose2& motion, const std::vector<MarkerPlace>& places) {
+  std::vector<double> residuals;
+  for (const MarkerPlace& place : places) {
+    residuals.push_back((motion * place.found_m - place.expected_m).norm());
+  }
+  return residuals;
+}
+
+// The middle one, or the better of the two middle ones.
+double LowMedian(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<double> RobustResiduals(const std::vector<MarkerPlace>& places) {
+  assert(places.size() >= 2);
+  std::vector<double> best;
+  double best_score = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = i + 1; j < std::min(places.size(), i + 1 + kPartners); ++j) {
+      std::vector<double> residuals = ResidualsUnder(MotionOfPair(places[i], places[j]), places);
+      std::vector<double> sorted = residuals;
+      std::sort(sorted.begin(), sorted.end());
+      const double score = sorted[std::max<std::size_t>(1, places.size() / 2)];
+      if (score < best_score) {
+        best_score = score;
+        best = std::move(residuals);
+      }
+    }
+  }
+  return best;
+}
+
+std::vector<std::size_t> FindContradicting(const std::vector<MarkerPlace>& places) {
+  std::vector<std::size_t> contradicting;
+  if (places.size() < 3) {
+    return contradicting;
+  }
+  const std::vector<double> residuals = RobustResiduals(places);
+  const double limit = std::max(kMinContradictionM, kMaxMedians * LowMedian(residuals));
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (residuals[i] > limit) {
+      contradicting.push_back(i);
+    }
+  }
+  return contradicting;
+}
+
+}  // namespace floorloc

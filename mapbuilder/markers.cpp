@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/markers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "mapbuilder/marker_places.h"
+
+namespace floorloc {
+namespace {
+
+// A square seen as anything else is no marker on the floor; of another size, it is none of these.
+constexpr double kSquareTolerance = 0.06;
+constexpr double kSizeTolerance = 0.1;
+// All markers too large or too small by these shares: the scale is wrong.
+constexpr double kWrongScale = 0.05;
+constexpr double kDoubtfulScale = 0.015;
+
+// Two markers that disagree by more than twice this are worth a warning.
+constexpr double kMaxPairErrorM = 0.005;
+
+constexpr double kWrongYawRad = 5.0 * std::numbers::pi / 180.0;
+
+std::string Millimetres(double m) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f mm", 1e3 * m);
+  return text;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Distance of a point from a convex polygon whose corners run clockwise; 0 inside.
+double DistanceFrom(const std::array<Eigen::Vector2d, 4>& corners, const Eigen::Vector2d& p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  bool inside = true;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d side = corners[(i + 1) % 4] - corners[i];
+    const Eigen::Vector2d to = p - corners[i];
+    inside = inside && side.x() * to.y() - side.y() * to.x() <= 0.0;
+    const double along = std::clamp(to.dot(side) / side.squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (to - along * side).norm());
+  }
+  return inside ? 0.0 : nearest;
+}
+
+void RemoveKeypointsOn(const std::array<Eigen::Vector2d, 4>& corners, double margin_m, Features* features) {
+  std::vector<Keypoint> kept;
+  cv::Mat descriptors;
+  for (std::size_t i = 0; i < features->keypoints.size(); ++i) {
+    const Keypoint& keypoint = features->keypoints[i];
+    if (DistanceFrom(corners, keypoint.Position()) > margin_m + 0.5 * static_cast<double>(keypoint.size_m)) {
+      kept.push_back(keypoint);
+      descriptors.push_back(features->descriptors.row(static_cast<int>(i)));
+    }
+  }
+  if (kept.size() < features->keypoints.size()) {
+    features->keypoints = std::move(kept);
+    features->descriptors = descriptors;
+  }
+}
+
+// A marker's corners, as MarkerSighting has them, from its place in the map.
+std::array<Eigen::Vector2d, 4> CornersInMap(const KnownMarker& marker, double size_m) {
+  const Pose2 map_from_marker(marker.center_in_map_m.x(), marker.center_in_map_m.y(), *marker.yaw_rad);
+  const double half = 0.5 * size_m;
+  return {map_from_marker * Eigen::Vector2d(-half, half), map_from_marker * Eigen::Vector2d(half, half),
+          map_from_marker * Eigen::Vector2d(half, -half), map_from_marker * Eigen::Vector2d(-half, -half)};
+}
+
+// A marker as all placed frames of one survey see it: the mean of its corners in the map. Between surveys it may move.
+struct SeenInMap {
+  int id = 0;
+  int frames = 0;
+  std::array<Eigen::Vector2d, 4> corners_m;
+
+  Eigen::Vector2d Center() const { return 0.25 * (corners_m[0] + corners_m[1] + corners_m[2] + corners_m[3]); }
+  double Yaw() const {
+    const Eigen::Vector2d x = corners_m[1] - corners_m[0] + corners_m[2] - corners_m[3];
+    return std::atan2(x.y(), x.x());
+  }
+};
+
+std::vector<SeenInMap> CollectInMap(const std::vector<MarkerSighting>& sightings, const std::vector<BuildFrame>& frames,
+                                    const Placement& placement) {
+  std::map<std::pair<int, int>, SeenInMap> seen;  // by id and survey
+  for (const MarkerSighting& sighting : sightings) {
+    const auto frame = static_cast<std::size_t>(sighting.frame);
+    if (!placement.map_from_base[frame]) {
+      continue;
+    }
+    const std::array<Eigen::Vector2d, 4> origin{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
+                                                Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+    SeenInMap& marker =
+        seen.try_emplace({sighting.id, frames[frame].survey}, SeenInMap{sighting.id, 0, origin}).first->second;
+    ++marker.frames;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d corner = *placement.map_from_base[frame] * sighting.corners_m[i];
+      marker.corners_m[i] += (corner - marker.corners_m[i]) / marker.frames;
+    }
+  }
+  std::vector<SeenInMap> all;
+  for (const auto& [key, marker] : seen) {
+    all.push_back(marker);
+  }
+  return all;
+}
+
+double MarginOf(const MarkerOptions& options) {
+  return options.margin_m >= 0.0 ? options.margin_m : 0.25 * options.detection.size_m;
+}
+
+}  // namespace
+
+MarkerSurvey::MarkerSurvey(const MarkerOptions& options, const std::vector<LoadedSurvey>& surveys,
+                           const std::vector<BuildFrame>& frames)
+    : options_(options), known_(ParseMarkersCsv(ReadTextFile(options.file), options.file)) {
+  for (const LoadedSurvey& loaded : surveys) {
+    own_control_points_.push_back(loaded.survey.control_points.size());
+  }
+  sightings_ = DetectMarkers(frames, surveys, options.detection);
+  CheckSizes();
+  CheckKnown();
+}
+
+const KnownMarker* MarkerSurvey::Find(int id) const {
+  const auto found =
+      std::find_if(known_.begin(), known_.end(), [&](const KnownMarker& marker) { return marker.id == id; });
+  return found == known_.end() ? nullptr : &*found;
+}
+
+void MarkerSurvey::CheckSizes() {
+  const double size_m = options_.detection.size_m;
+  const std::size_t all = sightings_.size();
+  std::erase_if(sightings_, [](const MarkerSighting& sighting) { return !sighting.IsSquare(kSquareTolerance); });
+  if (sightings_.empty()) {
+    throw InputError(options_.file, "no marker of " + options_.detection.dictionary +
+                                        " was seen in any picture; check --marker-dictionary");
+  }
+  std::vector<double> sides;
+  for (const MarkerSighting& sighting : sightings_) {
+    sides.push_back(sighting.MeanSideM());
+  }
+  const double median_m = Median(sides);
+  const std::string measured = "the markers measure " + Millimetres(median_m) + " in the pictures, not " +
+                               Millimetres(size_m) +
+                               ": check --marker-size (the black square) and the scale of "
+                               "floor.yaml";
+  if (std::abs(median_m / size_m - 1.0) > kWrongScale) {
+    throw InputError(options_.file, measured);
+  }
+  if (std::abs(median_m / size_m - 1.0) > kDoubtfulScale) {
+    warnings_.push_back(measured);
+  }
+  std::erase_if(sightings_, [&](const MarkerSighting& sighting) {
+    return std::abs(sighting.MeanSideM() / median_m - 1.0) > kSizeTolerance;
+  });
+  if (all > sightings_.size()) {
+    warnings_.push_back(std::to_string(all - sightings_.size()) + " of " + std::to_string(all) +
+                        " sightings of markers are no squares of --marker-size and were not used: a marker that does "
+                        "not lie flat, or a pattern that looks like one");
+  }
+}
+
+void MarkerSurvey::CheckKnown() {
+  std::map<int, int> count;
+  for (const MarkerSighting& sighting : sightings_) {
+    ++count[sighting.id];
+  }
+  int fixed = 0;
+  for (const KnownMarker& marker : known_) {
+    if (!count.contains(marker.id)) {
+      warnings_.push_back("marker " + std::to_string(marker.id) + " (" + options_.file.string() + ":" +
+                          std::to_string(marker.line) + ") is in no picture");
+    } else {
+      fixed += marker.yaw_rad ? 2 : 1;
+    }
+  }
+  for (const auto& [id, frames] : count) {
+    if (Find(id) == nullptr) {
+      warnings_.push_back("marker " + std::to_string(id) + " is in " + std::to_string(frames) +
+                          " pictures but not in " + options_.file.string() + ": it is masked, and its place not used");
+    }
+  }
+  if (fixed < 2) {
+    throw InputError(options_.file,
+                     fixed == 0 ? "none of its markers is in the pictures; check the ids and --marker-dictionary"
+                                : "only one of its markers is in the pictures, which does not fix the map's heading; "
+                                  "survey two, or give its yaw");
+  }
+}
+
+void MarkerSurvey::MaskSeen(std::vector<BuildFrame>* frames) const {
+  for (const MarkerSighting& sighting : sightings_) {
+    RemoveKeypointsOn(sighting.corners_m, MarginOf(options_),
+                      &(*frames)[static_cast<std::size_t>(sighting.frame)].features);
+  }
+}
+
+void MarkerSurvey::AddControlPoints(const std::vector<BuildFrame>& frames, std::vector<LoadedSurvey>* surveys) const {
+  for (std::size_t s = 0; s < surveys->size(); ++s) {
+    (*surveys)[s].survey.control_points.resize(own_control_points_[s]);
+  }
+  for (const MarkerSighting& sighting : sightings_) {
+    const KnownMarker* marker = Find(sighting.id);
+    if (marker == nullptr || left_out_.contains(sighting.id)) {
+      continue;
+    }
+    const BuildFrame& frame = frames[static_cast<std::size_t>(sighting.frame)];
+    Survey& survey = (*surveys)[static_cast<std::size_t>(frame.survey)].survey;
+    const auto add = [&](const Eigen::Vector2d& in_base_m, const Eigen::Vector2d& in_map_m) {
+      survey.control_points.push_back({frame.info.filename, survey.camera.RawPixelFromFloor(in_base_m), in_map_m});
+    };
+    if (!marker->yaw_rad) {
+      add(sighting.Center(), marker->center_in_map_m);
+      continue;
+    }
+    const std::array<Eigen::Vector2d, 4> in_map = CornersInMap(*marker, options_.detection.size_m);
+    for (std::size_t i = 0; i < 4; ++i) {
+      add(sighting.corners_m[i], in_map[i]);
+    }
+  }
+}
+
+bool MarkerSurvey::LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement,
+                                         std::vector<LoadedSurvey>* surveys) {
+  std::vector<SeenInMap> seen = CollectInMap(sightings_, frames, placement);
+  std::erase_if(seen, [&](const SeenInMap& marker) { return Find(marker.id) == nullptr; });
+  std::vector<MarkerPlace> places;
+  for (const SeenInMap& marker : seen) {
+    places.push_back({marker.Center(), Find(marker.id)->center_in_map_m});
+  }
+  const std::vector<double> residuals = places.size() < 2 ? std::vector<double>{} : RobustResiduals(places);
+  for (const std::size_t i : FindContradicting(places)) {
+    if (left_out_.insert(seen[i].id).second) {
+      warnings_.push_back("marker " + std::to_string(seen[i].id) + " (" + options_.file.string() + ":" +
+                          std::to_string(Find(seen[i].id)->line) + ") is off by " + Millimetres(residuals[i]) +
+                          " against the other markers, and not used: was it moved, or its place mistyped?");
+    }
+  }
+  for (const SeenInMap& marker : seen) {
+    const std::optional<double>& yaw = Find(marker.id)->yaw_rad;
+    if (yaw && std::abs(WrapAngle(marker.Yaw() - *yaw)) > kWrongYawRad && left_out_.insert(marker.id).second) {
+      warnings_.push_back("marker " + std::to_string(marker.id) + " lies otherwise than its yaw in " +
+                          options_.file.string() +
+                          " says, and is not used: it is that of its x axis, to the right when "
+                          "the marker is upright, in radians");
+    }
+  }
+  if (places.size() == 2 && residuals[0] > kMaxPairErrorM) {
+    warnings_.push_back("markers " + std::to_string(seen[0].id) + " and " + std::to_string(seen[1].id) + " are " +
+                        Millimetres(2.0 * residuals[0]) + " nearer or farther in the map than " +
+                        options_.file.string() + " says: one of them was moved or mistyped, or the scale is wrong");
+  }
+  const bool any =
+      std::any_of(seen.begin(), seen.end(), [&](const SeenInMap& marker) { return left_out_.contains(marker.id); });
+  const auto left =
+      std::count_if(seen.begin(), seen.end(), [&](const SeenInMap& marker) { return !left_out_.contains(marker.id); });
+  if (any && left < 2) {
+    throw InputError(options_.file, "its markers contradict each other; measure their places again");
+  }
+  if (any) {
+    AddControlPoints(frames, surveys);
+  }
+  return any;
+}
+
+void MarkerSurvey::MaskInMap(const Placement& placement, std::vector<BuildFrame>* frames) const {
+  for (const SeenInMap& marker : CollectInMap(sightings_, *frames, placement)) {
+    for (std::size_t i = 0; i < frames->size(); ++i) {
+      if (!placement.map_from_base[i]) {
+        continue;
+      }
+      const Pose2 base_from_map = placement.map_from_base[i]->Inverse();
+      std::array<Eigen::Vector2d, 4> corners;
+      std::transform(marker.corners_m.begin(), marker.corners_m.end(), corners.begin(),
+                     [&](const Eigen::Vector2d& corner) { return base_from_map * corner; });
+      RemoveKeypointsOn(corners, MarginOf(options_), &(*frames)[i].features);
+    }
+  }
+}
+
+std::vector<MarkerFit> MarkerSurvey::Fits(const std::vector<BuildFrame>& frames, const Placement& placement) const {
+  std::vector<MarkerFit> fits;
+  for (const SeenInMap& marker : CollectInMap(sightings_, frames, placement)) {
+    const KnownMarker* known = Find(marker.id);
+    MarkerFit fit{marker.id, known != nullptr, known != nullptr && !left_out_.contains(marker.id), marker.frames, 0.0};
+    if (known != nullptr) {
+      fit.error_m = (marker.Center() - known->center_in_map_m).norm();
+    }
+    fits.push_back(fit);
+  }
+  return fits;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/markers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numbers>
+#include <opencv2/aruco.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+
+#include "core/io/camera_yaml.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "core/map/map_database.h"
+#include "mapbuilder/aruco_dictionary.h"
+#include "mapbuilder/build_map.h"
+#include "mapbuilder/camera_renderer.h"
+#include "mapbuilder/marker_places.h"
+#include "tests/synthetic/temporary_folder.h"
+
+namespace floorloc {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr double kMarkerM = 0.04;
+constexpr double kRimM = 0.01;
+
+// A marker as it lies on the test floor; quarter turns counter-clockwise.
+struct LaidMarker {
+  int id = 0;
+  Eigen::Vector2d center_m;
+  int quarter_turns = 0;
+};
+
+const std::vector<LaidMarker> kLaid{
+    {3, {0.30, 0.25}, 0}, {7, {0.90, 0.25}, 1}, {11, {0.90, 0.65}, 0}, {20, {0.30, 0.65}, 2}, {31, {0.60, 0.45}, 0}};
+// Marker 31 is not in the file.
+const char* const kTrueCsv = "id,x,y,yaw\n3,0.30,0.25,\n7,0.90,0.25,\n11,0.90,0.65,\n20,0.30,0.65,\n";
+
+void LayMarkers(FloorTexture* floor) {
+  const auto dictionary = FindArucoDictionary("DICT_4X4_50");
+  const int side = static_cast<int>(std::lround(kMarkerM / floor->resolution_m));
+  const int rim = static_cast<int>(std::lround(kRimM / floor->resolution_m));
+  for (const LaidMarker& laid : kLaid) {
+    cv::Mat marker;
+    cv::aruco::drawMarker(dictionary, laid.id, side, marker);
+    cv::copyMakeBorder(marker, marker, rim, rim, rim, rim, cv::BORDER_CONSTANT, cv::Scalar(255));
+    for (int i = 0; i < laid.quarter_turns; ++i) {
+      cv::rotate(marker, marker, cv::ROTATE_90_COUNTERCLOCKWISE);
+    }
+    marker = 0.7 * marker + 20.0;
+    cv::cvtColor(marker, marker, cv::COLOR_GRAY2BGR);
+    // Its middle falls between pixels.
+    const Eigen::Vector2d px = floor->PixelFromMap(laid.center_m) + Eigen::Vector2d(0.5, 0.5);
+    const int half = side / 2 + rim;
+    marker.copyTo(floor->bgr(cv::Rect(static_cast<int>(std::lround(px.x())) - half,
+                                      static_cast<int>(std::lround(px.y())) - half, marker.cols, marker.rows)));
+  }
+}
+
+// 18 frames over a floor with five markers; odometry without drift, but in a frame of its own.
+void WriteSurvey(const fs::path& folder) {
+  FloorTextureOptions options;
+  options.width_m = 1.2;
+  options.height_m = 0.9;
+  FloorTexture floor = MakeFloorTexture(options);
+  LayMarkers(&floor);
+  const FloorCamera camera = MakeDownwardCamera();
+  const CameraRenderer renderer(floor, camera);
+  fs::create_directories(folder / "images");
+  WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(camera.camera));
+  WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(camera.floor));
+  std::ostringstream frames("timestamp,filename\n", std::ios::ate);
+  std::ostringstream truth;
+  std::ostringstream odometry;
+  const Pose2 odom_from_map(3.0, -2.0, 0.4);
+  const auto write_pose = [](int stamp, const Pose2& p, std::ostream& out) {
+    out << stamp << " " << p.x() << " " << p.y() << " 0 0 0 " << std::sin(0.5 * p.yaw()) << " "
+        << std::cos(0.5 * p.yaw()) << "\n";
+  };
+  for (int i = 0; i < 18; ++i) {
+    const double x = 0.25 + 0.14 * (i / 3);
+    const double y = 0.25 + 0.2 * (i / 3 % 2 == 0 ? i % 3 : 2 - i % 3);
+    const Eigen::Vector2d center = camera.floor.roi.Center();
+    const Pose2 pose = Pose2(x, y, 0.03 * i) * Pose2(-center.x(), -center.y(), 0.0);
+    const std::string name = "images/" + std::to_string(100 + i) + ".png";
+    cv::imwrite((folder / name).string(), renderer.Render(pose, {}));
+    frames << i << "," << name << "\n";
+    write_pose(i, pose, truth);
+    write_pose(i, odom_from_map * pose, odometry);
+  }
+  WriteFileAtomically(folder / "frames.csv", frames.str());
+  WriteFileAtomically(folder / "groundtruth.tum", truth.str());
+  WriteFileAtomically(folder / "odometry.tum", odometry.str());
+}
+
+class MarkersTest : public ::testing::Test {
+ protected:
+  MarkersTest() {
+    static const TemporaryFolder recorded;
+    static const bool written = (WriteSurvey(recorded.path()), true);
+    EXPECT_TRUE(written);
+    truth_ = ReadTum(recorded.path() / "groundtruth.tum");
+    options_.surveys = {recorded.path()};
+    options_.out = folder_.path() / "floor.floormap";
+    options_.mosaic.resolution_m = 0.0028;  // coarse is fast
+    options_.markers.detection.size_m = kMarkerM;
+  }
+
+  BuildReport Build(const std::string& csv) {
+    options_.markers.file = folder_.path() / "markers.csv";
+    WriteFileAtomically(options_.markers.file, csv);
+    return BuildMap(options_);
+  }
+  std::string Error(const std::string& csv) {
+    try {
+      Build(csv);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  double WorstPoseErrorM() const {
+    const Eigen::Vector2d center = MakeDownwardCamera().floor.roi.Center();
+    double worst = 0.0;
+    const std::vector<MapFrame> frames = MapDatabase(options_.out).ReadFrames();
+    EXPECT_EQ(frames.size(), truth_.size());
+    for (std::size_t i = 0; i < std::min(frames.size(), truth_.size()); ++i) {
+      worst = std::max(worst, (frames[i].map_from_base * center - truth_[i].ToPose2() * center).norm());
+    }
+    return worst;
+  }
+
+  int KeypointsOnMarkers() const {
+    int count = 0;
+    for (const Keypoint& keypoint : MapDatabase(options_.out).ReadMap().keypoints.keypoints) {
+      for (const LaidMarker& laid : kLaid) {
+        const double reach = 0.5 * kMarkerM + kRimM;
+        count += (keypoint.Position() - laid.center_m).lpNorm<Eigen::Infinity>() < reach ? 1 : 0;
+      }
+    }
+    return count;
+  }
+
+  TemporaryFolder folder_;
+  Trajectory truth_;
+  BuildOptions options_;
+};
+
+TEST_F(MarkersTest, TheMapComesOutInTheMarkersFrameAndHoldsNoneOfThem) {
+  const BuildReport report = Build(kTrueCsv);
+  EXPECT_LT(WorstPoseErrorM(), 1e-3);
+  EXPECT_EQ(KeypointsOnMarkers(), 0);
+  ASSERT_EQ(report.markers.size(), 5u);
+  for (const MarkerFit& fit : report.markers) {
+    EXPECT_EQ(fit.known, fit.id != 31);
+    EXPECT_EQ(fit.used, fit.known);
+    EXPECT_GE(fit.frames, 1) << fit.id;
+    EXPECT_LT(fit.error_m, 1e-3) << fit.id;
+  }
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("marker 31 is in")));
+}
+
+TEST_F(MarkersTest, WithoutTheOptionTheMapHasThem) {
+  options_.poses = truth_;  // so that it is in the same frame
+  EXPECT_THAT(BuildMap(options_).markers, IsEmpty());
+  EXPECT_GT(KeypointsOnMarkers(), 20);
+}
+
+TEST_F(MarkersTest, OneMarkerWithItsYawIsEnough) {
+  Build("id,x,y,yaw\n7,0.90,0.25," + std::to_string(0.5 * std::numbers::pi) + "\n");
+  EXPECT_LT(WorstPoseErrorM(), 5e-3);
+  EXPECT_THAT(Error("id,x,y,yaw\n7,0.90,0.25,\n"), HasSubstr("only one of its markers"));
+}
+
+TEST_F(MarkersTest, NamesAMarkerThatWasMovedAndDoesWithoutIt) {
+  const BuildReport report = Build("id,x,y,yaw\n3,0.30,0.25,\n7,0.90,0.25,\n11,0.95,0.65,\n20,0.30,0.65,\n");
+  EXPECT_THAT(report.warnings, Contains(::testing::AllOf(HasSubstr("marker 11 ("), HasSubstr("markers.csv:4"),
+                                                         HasSubstr("is off by"), HasSubstr("not used"))));
+  EXPECT_LT(WorstPoseErrorM(), 1e-3);
+  for (const MarkerFit& fit : report.markers) {
+    EXPECT_EQ(fit.used, fit.id != 11 && fit.id != 31) << fit.id;
+  }
+}
+
+TEST_F(MarkersTest, NamesAMarkerThatIsTurned) {
+  const BuildReport report = Build("id,x,y,yaw\n3,0.30,0.25,0\n7,0.90,0.25,0\n11,0.90,0.65,0\n20,0.30,0.65,\n");
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("marker 7 lies otherwise than its yaw")));
+  EXPECT_LT(WorstPoseErrorM(), 1e-3);
+}
+
+TEST_F(MarkersTest, NamesAMarkerOfTheFileThatIsNotSeen) {
+  EXPECT_THAT(Build(std::string(kTrueCsv) + "40,5,5,\n").warnings, Contains(HasSubstr("marker 40 (")));
+}
+
+TEST_F(MarkersTest, RefusesAWrongSizeFileOrDictionary) {
+  EXPECT_THAT(Error("id,x,y,yaw\n1,0,0,\n"), HasSubstr("none of its markers is in the pictures"));
+  EXPECT_THAT(Error("id,x\n"), HasSubstr("first line must be 'id,x,y,yaw'"));
+  options_.markers.detection.size_m = 0.05;
+  EXPECT_THAT(Error(kTrueCsv), HasSubstr("measure 39."));
+  options_.markers.detection.size_m = 0.0408;
+  EXPECT_THAT(Build(kTrueCsv).warnings, Contains(HasSubstr("measure 39.")));
+  options_.markers.detection.dictionary = "DICT_APRILTAG_36h11";
+  EXPECT_THAT(Error(kTrueCsv), HasSubstr("no marker of DICT_APRILTAG_36h11"));
+}
+
+std::vector<MarkerPlace> PlacesUnder(const Pose2& motion, int count) {
+  std::vector<MarkerPlace> places;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector2d found(std::cos(2.0 * i) * (1.0 + 0.2 * i), std::sin(2.0 * i) * (1.0 + 0.3 * i));
+    places.push_back({found, motion * found});
+  }
+  return places;
+}
+
+TEST(FindContradicting, FindsTheWrongOnesWhateverTheFrame) {
+  for (const int count : {3, 4, 5, 40}) {
+    std::vector<MarkerPlace> places = PlacesUnder(Pose2(5, -3, 2.0), count);
+    EXPECT_THAT(FindContradicting(places), IsEmpty());
+    EXPECT_THAT(RobustResiduals(places), Each(::testing::Lt(1e-9)));
+    places[1].expected_m.x() += 0.05;
+    EXPECT_EQ(FindContradicting(places), std::vector<std::size_t>{1}) << count;
+    EXPECT_NEAR(RobustResiduals(places)[1], 0.05, 1e-9);
+  }
+}
+
+TEST(FindContradicting, LeavesTwoAlone) {
+  std::vector<MarkerPlace> places = PlacesUnder(Pose2(), 2);
+  places[0].expected_m.x() += 0.5;
+  EXPECT_THAT(FindContradicting(places), IsEmpty());
+}
+
+}  // namespace
+}  // namespace floorloc
