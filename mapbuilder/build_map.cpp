@@ -3,19 +3,20 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <numeric>
 
 #include "core/io/input_error.h"
-#include "core/io/text_file.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/build_journal.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage.h"
+#include "mapbuilder/extend_map.h"
 #include "mapbuilder/frame_journal.h"
 #include "mapbuilder/frame_screening.h"
+#include "mapbuilder/map_info.h"
 #include "mapbuilder/odometry_agreement.h"
+#include "mapbuilder/placed_frames.h"
 #include "mapbuilder/placement_journal.h"
 
 namespace floorloc {
@@ -35,21 +36,6 @@ class StageClock {
   BuildReport* report_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-std::string NewUuid() {
-  std::string uuid = ReadTextFile("/proc/sys/kernel/random/uuid");
-  std::erase(uuid, '\n');
-  return uuid;
-}
-
-std::string UtcNow() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys) {
   std::vector<RectM> floors;
@@ -71,32 +57,6 @@ void AttachPoses(const Trajectory& poses, std::vector<BuildFrame>* frames) {
   if (attached == 0) {
     throw InputError("none of the --poses lies at the time of a survey frame; check that both use the same clock");
   }
-}
-
-MapInfo MakeInfo(const BuildOptions& options, const std::vector<LoadedSurvey>& surveys, const CoverageGrid& coverage,
-                 const BuildReport& report) {
-  MapInfo info;
-  info.builder_version = FLOORLOC_VERSION;
-  info.id = NewUuid();
-  info.name = options.out.stem().string();
-  info.created = UtcNow();
-  info.extent = coverage.Extent();
-  info.area_m2 = coverage.AreaM2();
-  info.extractor = options.extractor;
-  nlohmann::ordered_json provenance = nlohmann::json::array();
-  for (const LoadedSurvey& loaded : surveys) {
-    const Survey& survey = loaded.survey;
-    info.cameras.push_back(survey.camera);
-    provenance.push_back({{"folder", std::filesystem::absolute(survey.folder).lexically_normal().filename().string()},
-                          {"camera", survey.camera.camera.name},
-                          {"frames", survey.frames.size()},
-                          {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
-                          {"odometry", !survey.odometry.empty()},
-                          {"control_points", survey.control_points.size()}});
-  }
-  info.surveys_json = provenance.dump();
-  info.report_json = ToJson(report, false);
-  return info;
 }
 
 void FillReport(const Placement& placement, const std::vector<BuildFrame>& frames, const CoverageGrid& coverage,
@@ -129,39 +89,33 @@ void FillReport(const Placement& placement, const std::vector<BuildFrame>& frame
   report->extent = coverage.Extent();
 }
 
-// What the map file keeps of the placed frames: those that were dropped get no number.
-struct PlacedFrames {
-  std::vector<MapFrame> frames;
-  std::vector<MapLink> links;
-};
+std::unique_ptr<OldMap> OpenOldMap(const std::filesystem::path& file) {
+  return file.empty() ? nullptr : std::make_unique<OldMap>(file);
+}
 
-PlacedFrames CollectPlaced(const std::vector<BuildFrame>& frames, const Placement& placement,
-                           const Exposure& exposure) {
-  PlacedFrames placed;
-  std::vector<int> number(frames.size(), -1);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (placement.map_from_base[i]) {
-      number[i] = static_cast<int>(placed.frames.size());
-      placed.frames.push_back({frames[i].info.stamp_ns, frames[i].info.filename, *placement.map_from_base[i],
-                               frames[i].survey, exposure.frame_gain[i], frames[i].odom_from_base});
-    }
+// The keys of what is done once all features are known.
+std::string KeyOf(const char* stage, const BuildOptions& options, const std::vector<LoadedSurvey>& surveys) {
+  return PlacementKey(surveys, stage + options.fingerprint, options.poses);
+}
+
+// Finds the frames in the old map, unless an earlier run of this build did.
+void TieToOldMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const BuildOptions& options,
+                 BuildJournal* journal, std::vector<BuildFrame>* frames, BuildReport* report) {
+  const std::string key = KeyOf("fixes", options, surveys);
+  auto fixes = RestoreFixes(key, journal);
+  if (!fixes) {
+    fixes = LocateInMap(old, surveys, *frames, {options.threads, options.seed, options.progress});
+    StoreFixes(*fixes, key, journal);
   }
-  for (const Link& link : placement.links) {
-    const auto first = static_cast<std::size_t>(link.first);
-    const auto second = static_cast<std::size_t>(link.second);
-    if (number[first] >= 0 && number[second] >= 0) {
-      placed.links.push_back({number[first], number[second], link.first_from_second, link.covariance, link.inliers,
-                              link.rms_m,
-                              LinkResidual(link, *placement.map_from_base[first], *placement.map_from_base[second])});
-    }
-  }
-  return placed;
+  report->extends = old.file.filename().string();
+  report->frames_found = static_cast<int>(fixes->size());
+  TieToMap(old, surveys, *fixes, frames);
 }
 
 // As PlaceFrames, unless an earlier run of this build did it.
 Placement PlaceFramesOnce(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
                           const BuildOptions& options, BuildJournal* journal) {
-  const std::string key = PlacementKey(surveys, options.fingerprint, options.poses);
+  const std::string key = KeyOf("placement", options, surveys);
   if (std::optional<Placement> done = RestorePlacement(key, journal)) {
     return std::move(*done);
   }
@@ -209,7 +163,13 @@ void Screen(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& r
 }
 
 // The stages' options with what all of them share filled in.
-BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys) {
+BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const OldMap* old) {
+  if (old != nullptr) {
+    options.fingerprint += old->map.info.content_version;
+    options.extractor = old->map.info.extractor;
+    options.mosaic.tile_px = old->map.mosaic.tile_px;
+    options.mosaic.resolution_m = old->map.mosaic.resolution_m;
+  }
   options.placement.registration.threads = options.threads;
   options.placement.registration.progress = options.progress;
   const FloorPlane& floor = surveys.front().survey.camera.floor;
@@ -232,15 +192,48 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   return options;
 }
 
+FusionInput FusionOf(const std::vector<BuildFrame>& frames, const Placement& placement,
+                     const std::vector<RectM>& floors, const OldMap* old) {
+  if (old == nullptr) {
+    return {frames, placement.map_from_base, floors};
+  }
+  return {frames, placement.map_from_base, floors, &old->map.keypoints, &old->coverage, old->survey_count()};
+}
+
+void CountKeypoints(const MapKeypoints& keypoints, BuildReport* report) {
+  report->keypoints = static_cast<int>(keypoints.size());
+  report->mean_observations = std::accumulate(keypoints.observations.begin(), keypoints.observations.end(), 0.0) /
+                              std::max<double>(1.0, static_cast<double>(keypoints.size()));
+}
+
+MapInfo Completed(MapInfo info, const ExtractorOptions& extractor, const BuildReport& report) {
+  info.extractor = extractor;
+  info.extent = report.extent;
+  info.area_m2 = report.area_m2;
+  info.report_json = ToJson(report, false);
+  return info;
+}
+
+void ComposeInto(MapWriter* writer, const MosaicInput& input, const MosaicLayout& layout, const MosaicOptions& options,
+                 const ExtendedMosaic* extended) {
+  ComposeMosaic(input, layout, options, [&](std::vector<MosaicTile> tiles) {
+    if (extended != nullptr) {
+      extended->KeepOldTiles(layout, &tiles);
+    }
+    writer->WriteMosaicTiles(tiles);
+  });
+}
+
 }  // namespace
 
 BuildReport BuildMap(const BuildOptions& requested) {
   BuildReport report;
   StageClock clock(&report);
-  std::vector<LoadedSurvey> surveys = LoadSurveys(requested.surveys, BadFrames::kLeaveOut);
-  const BuildOptions options = WithSharedOptions(requested, surveys);
+  const std::unique_ptr<OldMap> old = OpenOldMap(requested.extend);
+  std::vector<LoadedSurvey> surveys =
+      LoadSurveys(requested.surveys, BadFrames::kLeaveOut, old ? old->map.info.camera().floor.resolution_m : 0.0);
+  const BuildOptions options = WithSharedOptions(requested, surveys, old.get());
   MapWriter writer(options.out);  // first: an output that can't be written is known before the work
-
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.progress.stream);
 
   FrameJournal frame_journal(&journal, surveys, options.extractor);
@@ -253,10 +246,14 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("features");
 
   const std::vector<RectM> floors = FloorsInBase(frames, surveys);
+  if (old) {
+    TieToOldMap(*old, surveys, options, &journal, &frames, &report);
+  }
   Placement placement = markers ? PlaceWithMarkers(options, &surveys, &journal, &frames, &*markers)
                                 : PlaceFramesOnce(frames, surveys, options, &journal);
   report.self_calibration = SelfCalibrate({&frames, &surveys, &placement}, options.self_calibration);
-  const CoverageGrid coverage(placement.map_from_base, floors);
+  const CoverageGrid new_coverage(placement.map_from_base, floors);
+  const CoverageGrid coverage = old ? CoverageOfAll(*old, placement.map_from_base, floors) : new_coverage;
   report.kept_all = options.placement.keep_all;
   FillReport(placement, frames, coverage, &report);
   if (markers) {
@@ -265,25 +262,25 @@ BuildReport BuildMap(const BuildOptions& requested) {
   }
   clock.Finish("poses");
 
-  const MapKeypoints keypoints = FuseKeypoints({frames, placement.map_from_base, floors}, options.fusion);
-  report.keypoints = static_cast<int>(keypoints.size());
-  report.mean_observations = std::accumulate(keypoints.observations.begin(), keypoints.observations.end(), 0.0) /
-                             std::max<double>(1.0, static_cast<double>(keypoints.size()));
+  const MapKeypoints keypoints = FuseKeypoints(FusionOf(frames, placement, floors, old.get()), options.fusion);
+  CountKeypoints(keypoints, &report);
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(options.extractor)->descriptor_type());
   clock.Finish("keypoints");
 
+  const auto extended = old ? std::make_unique<ExtendedMosaic>(*old, new_coverage) : nullptr;
+  const MosaicBackground background = extended ? extended->Background() : nullptr;
   const Exposure exposure =
-      EstimateExposure({frames, surveys, placement.links, placement.map_from_base, nullptr, options.threads});
-  const PlacedFrames placed = CollectPlaced(frames, placement, exposure);
+      EstimateExposure({frames, surveys, placement.links, placement.map_from_base, background, options.threads});
+  const PlacedFrames placed = CollectPlaced(frames, placement, exposure, old.get());
   writer.WriteFrames(placed.frames);
   writer.WriteLinks(placed.links);
-  const MosaicInput input{frames, surveys, placement.map_from_base, exposure, coverage.Extent()};
   const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), options.mosaic);
-  ComposeMosaic(input, layout, options.mosaic,
-                [&](const std::vector<MosaicTile>& tiles) { writer.WriteMosaicTiles(tiles); });
+  const MosaicInput input{frames, surveys, placement.map_from_base, exposure, coverage.Extent(), background};
+  ComposeInto(&writer, input, layout, options.mosaic, extended.get());
   clock.Finish("mosaic");
 
-  report.content_version = writer.Commit(MakeInfo(options, surveys, coverage, report), layout);
+  const MapInfo info = MakeMapInfo(options.out.stem().string(), surveys, old.get());
+  report.content_version = writer.Commit(Completed(info, options.extractor, report), layout);
   journal.Remove();
   clock.Finish("write");
   return report;

@@ -20,8 +20,9 @@ namespace floorloc {
 struct BuildOptions {
   std::vector<std::filesystem::path> surveys;
   std::filesystem::path out;
-  ExtractorOptions extractor;
-  Trajectory poses;  ///< map_from_base known from another system; may be empty
+  std::filesystem::path extend;  ///< the map to which the surveys are added, in its frame; may be `out`; empty: none
+  ExtractorOptions extractor;    ///< not used with `extend`: the map's own
+  Trajectory poses;              ///< map_from_base known from another system; may be empty
   MarkerOptions markers;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
@@ -59,12 +60,16 @@ struct BuildReport {
   int keypoints = 0;
   double mean_observations = 0.0;
   std::string content_version;
+  std::string extends;                                  ///< file name of the map that was extended; empty: none
+  int frames_found = 0;                                 ///< of the new ones, in that map
   int resumed_frames = 0;                               ///< whose features an earlier run had found
   std::vector<std::pair<std::string, double>> stage_s;  ///< stage, seconds
   double total_s = 0.0;
 };
 
-/// Surveys -> map file. Throws InputError or MapError; the old file stays as it was then.
+/// Surveys -> map file. With `extend` the frames and the frame of that map stay as they are; the report's frames and
+/// links are the new ones, its floor and keypoints those of the whole map. Throws InputError or MapError; the old file
+/// stays as it was then.
 BuildReport BuildMap(const BuildOptions& requested);
 
 }  // namespace floorloc

@@ -71,6 +71,10 @@ std::string ToJson(const BuildReport& report, bool with_times) {
                                {"frames", marker.frames},
                                {"error_m", marker.known ? nlohmann::ordered_json(marker.error_m) : nullptr}});
   }
+  if (!report.extends.empty()) {
+    json["extends"] = report.extends;
+    json["frames_found"] = report.frames_found;
+  }
   if (with_times) {
     json["content_version"] = report.content_version;
     for (const auto& [stage, seconds] : report.stage_s) {
@@ -86,6 +90,9 @@ std::string ToJson(const BuildReport& report, bool with_times) {
 std::string ToText(const BuildReport& r) {
   std::ostringstream text;
   text << Format("  frames       %d of %d used\n", r.frames_used, r.frames) << DroppedText(r);
+  if (!r.extends.empty()) {
+    text << "  extends      " << r.extends << Format(": %d of the new frames show floor of it\n", r.frames_found);
+  }
   if (r.resumed_frames > 0) {
     text << Format("  resumed      %d frames need not be looked at again\n", r.resumed_frames);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "core/io/input_error.h"
@@ -69,7 +70,13 @@ class Placer {
   void Optimize(int frame_count);
   std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
   void AddOuterKnowledge();
-  void AlignTo(const std::vector<OrientedMatch>& pairs);
+  // A frame's point whose place in the map is known.
+  struct KnownPlace {
+    int frame = 0;
+    OrientedMatch pair;
+  };
+  void AlignTo(const std::vector<KnownPlace>& places);
+  std::set<int> PartsToKeep(const std::vector<int>& part, int largest) const;
   void SetPartsApart(const std::vector<int>& part, int largest);
   Placement Finish();
   void CountUnmatchedOverlaps(Placement* placement) const;
@@ -223,30 +230,41 @@ void Placer::CloseLoops(int end, const NearbyOptions& options) {
   }
 }
 
-// Moves the whole graph so that `pairs` (source: where it is, target: where it should be) agree.
-void Placer::AlignTo(const std::vector<OrientedMatch>& pairs) {
-  std::vector<int> all(pairs.size());
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i] = static_cast<int>(i);
+// Moves each part of the graph so that its own pairs (source: where it is, target: where it should be) agree. What
+// knows nothing of its place goes with the first part that does.
+void Placer::AlignTo(const std::vector<KnownPlace>& places) {
+  const std::vector<int> part = FindComponents(count_, LinksAndOdometry());
+  std::map<int, std::vector<OrientedMatch>> pairs;
+  for (const KnownPlace& place : places) {
+    pairs[part[static_cast<std::size_t>(place.frame)]].push_back(place.pair);
   }
-  if (const auto motion = FitRigid(pairs, all)) {
-    for (Pose2& pose : graph_.map_from_base) {
-      pose = *motion * pose;
+  std::map<int, Pose2> motion;
+  for (const auto& [number, pairs_of_part] : pairs) {
+    std::vector<int> all(pairs_of_part.size());
+    std::iota(all.begin(), all.end(), 0);
+    const auto fit = pairs_of_part.size() > 1 ? FitRigid(pairs_of_part, all) : std::nullopt;
+    if (fit) {
+      motion.emplace(number, *fit);
     }
+  }
+  for (std::size_t i = 0; i < frames_.size() && !motion.empty(); ++i) {
+    const auto own = motion.find(part[i]);
+    graph_.map_from_base[i] = (own != motion.end() ? own : motion.begin())->second * graph_.map_from_base[i];
   }
 }
 
 void Placer::AddOuterKnowledge() {
   const double variance_m2 = options_.prior_sigma_m * options_.prior_sigma_m;
   const Eigen::Vector3d prior_variance(variance_m2, variance_m2, options_.prior_sigma_rad * options_.prior_sigma_rad);
-  std::vector<OrientedMatch> pairs;
+  std::vector<KnownPlace> places;
   std::map<std::pair<int, std::string>, int> by_name;
   for (int i = 0; i < count_; ++i) {
     const BuildFrame& frame = frames_[static_cast<std::size_t>(i)];
     by_name[{frame.survey, frame.info.filename}] = i;
     if (frame.prior_map_from_base) {
-      graph_.priors.push_back({i, *frame.prior_map_from_base, prior_variance.asDiagonal()});
-      pairs.push_back({PoseOf(i).translation(), frame.prior_map_from_base->translation(), 0.0, 0.0});
+      graph_.priors.push_back(
+          {i, *frame.prior_map_from_base, frame.prior_covariance.value_or(prior_variance.asDiagonal())});
+      places.push_back({i, {PoseOf(i).translation(), frame.prior_map_from_base->translation(), 0.0, 0.0}});
     }
   }
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
@@ -256,13 +274,32 @@ void Placer::AddOuterKnowledge() {
       factor.point_in_base_m = surveys_[s].survey.camera.FloorFromRawPixel(point.raw_px);
       factor.point_in_map_m = point.point_in_map_m;
       graph_.control_points.push_back(factor);
-      pairs.push_back({PoseOf(factor.frame) * factor.point_in_base_m, factor.point_in_map_m, 0.0, 0.0});
+      places.push_back(
+          {factor.frame, {PoseOf(factor.frame) * factor.point_in_base_m, factor.point_in_map_m, 0.0, 0.0}});
     }
   }
-  if (pairs.size() == 1) {
+  if (places.size() == 1) {
     throw InputError("one control point or pose does not fix the map's place and heading; give at least two");
   }
-  AlignTo(pairs);
+  AlignTo(places);
+}
+
+// Those whose place in the map is known, by two poses or control points; the largest when none is.
+std::set<int> Placer::PartsToKeep(const std::vector<int>& part, int largest) const {
+  std::map<int, int> known;
+  for (const PosePriorFactor& prior : graph_.priors) {
+    ++known[part[static_cast<std::size_t>(prior.frame)]];
+  }
+  for (const ControlPointFactor& point : graph_.control_points) {
+    ++known[part[static_cast<std::size_t>(point.frame)]];
+  }
+  std::set<int> keep;
+  for (const auto& [number, count] : known) {
+    if (count > 1) {
+      keep.insert(number);
+    }
+  }
+  return keep.empty() ? std::set<int>{largest} : keep;
 }
 
 // Parts whose relation to the largest is unknown go beside it.
@@ -345,14 +382,17 @@ Placement Placer::Finish() {
   Placement placement;
   placement.map_from_base.resize(frames_.size());
   placement.drop_reason.resize(frames_.size());
+  const std::set<int> keep = PartsToKeep(part, largest->first);
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const bool alone = size[part[i]] == 1 && count_ > 1;
-    if (part[i] == largest->first || (options_.keep_all && !alone)) {
+    if (keep.contains(part[i]) || (options_.keep_all && !alone)) {
       placement.map_from_base[i] = graph_.map_from_base[i];
     } else if (frames_[i].features.keypoints.empty()) {
       placement.drop_reason[i] = "no texture";
     } else {
-      placement.drop_reason[i] = alone ? "matches no other frame" : "not connected to the largest part";
+      placement.drop_reason[i] = alone                           ? "matches no other frame"
+                                 : keep.contains(largest->first) ? "not connected to the largest part"
+                                                                 : "not connected to a part of known place";
     }
   }
   for (const auto& [number, frames_of_part] : size) {

@@ -27,12 +27,22 @@ std::optional<Pose2> ReadPose(ByteReader* reader) {
   return has_value ? std::optional(Pose2(x, y, yaw)) : std::nullopt;
 }
 
+void AddMatrix(const Eigen::Matrix3d& matrix, ByteWriter* writer) {
+  for (int i = 0; i < 9; ++i) {
+    writer->Add(matrix(i / 3, i % 3));
+  }
+}
+
+void ReadMatrix(ByteReader* reader, Eigen::Matrix3d* matrix) {
+  for (int i = 0; i < 9; ++i) {
+    reader->Read(&(*matrix)(i / 3, i % 3));
+  }
+}
+
 void AddLink(const Link& link, ByteWriter* writer) {
   writer->Add(link.first).Add(link.second).Add(link.inliers).Add(link.rms_m);
   AddPose(link.first_from_second, writer);
-  for (int i = 0; i < 9; ++i) {
-    writer->Add(link.covariance(i / 3, i % 3));
-  }
+  AddMatrix(link.covariance, writer);
 }
 
 Link ReadLink(ByteReader* reader) {
@@ -42,9 +52,7 @@ Link ReadLink(ByteReader* reader) {
   reader->Read(&link.inliers);
   reader->Read(&link.rms_m);
   link.first_from_second = ReadPose(reader).value_or(Pose2());
-  for (int i = 0; i < 9; ++i) {
-    reader->Read(&link.covariance(i / 3, i % 3));
-  }
+  ReadMatrix(reader, &link.covariance);
   return link;
 }
 
@@ -67,7 +75,7 @@ void AddFilesOf(const Survey& survey, ContentHash* hash) {
 std::string PlacementKey(const std::vector<LoadedSurvey>& surveys, const std::string& fingerprint,
                          const Trajectory& poses) {
   ContentHash hash;
-  AddProgram(&hash).Add(std::string("placement")).Add(fingerprint);
+  AddProgram(&hash).Add(fingerprint);
   for (const LoadedSurvey& loaded : surveys) {
     AddFilesOf(loaded.survey, &hash);
     for (const SurveyFrame& frame : loaded.survey.frames) {
@@ -107,6 +115,37 @@ std::optional<Placement> RestorePlacement(const std::string& key, BuildJournal* 
     reader.Read(number);
   }
   return reader.Complete() ? std::optional(std::move(p)) : std::nullopt;
+}
+
+std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, BuildJournal* journal) {
+  const auto piece = journal->Get(key);
+  if (!piece) {
+    return std::nullopt;
+  }
+  std::vector<PosePriorFactor> fixes;
+  ByteReader reader(*piece);
+  std::uint64_t count = 0;
+  reader.Read(&count);
+  for (std::uint64_t i = 0; i < count && !reader.failed(); ++i) {
+    PosePriorFactor fix;
+    reader.Read(&fix.frame);
+    fix.map_from_base = ReadPose(&reader).value_or(Pose2());
+    ReadMatrix(&reader, &fix.covariance);
+    fixes.push_back(fix);
+  }
+  return reader.Complete() ? std::optional(std::move(fixes)) : std::nullopt;
+}
+
+void StoreFixes(const std::vector<PosePriorFactor>& fixes, const std::string& key, BuildJournal* journal) {
+  ByteWriter writer;
+  writer.Add(static_cast<std::uint64_t>(fixes.size()));
+  for (const PosePriorFactor& fix : fixes) {
+    writer.Add(fix.frame);
+    AddPose(fix.map_from_base, &writer);
+    AddMatrix(fix.covariance, &writer);
+  }
+  journal->Put(key, writer.Take());
+  journal->Flush();
 }
 
 void StorePlacement(const Placement& p, const std::string& key, BuildJournal* journal) {

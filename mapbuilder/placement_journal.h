@@ -15,6 +15,10 @@ std::string PlacementKey(const std::vector<LoadedSurvey>& surveys, const std::st
 
 /// The placement that an earlier run of the build finished under this key.
 std::optional<Placement> RestorePlacement(const std::string& key, BuildJournal* journal);
+/// The fixes of an earlier run.
+std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, BuildJournal* journal);
+void StoreFixes(const std::vector<PosePriorFactor>& fixes, const std::string& key, BuildJournal* journal);
+
 /// Synced at once: it is much work in one piece.
 void StorePlacement(const Placement& placement, const std::string& key, BuildJournal* journal);
 

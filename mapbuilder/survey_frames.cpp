@@ -60,18 +60,23 @@ cv::Mat LoadedSurvey::FloorMask() const {
   return (rectifier->RectifyPicture(raw_mask) == 255) & rectifier->mask();
 }
 
-std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFrames bad_frames) {
+std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFrames bad_frames,
+                                      double resolution_m) {
   std::vector<LoadedSurvey> surveys;
   for (const std::filesystem::path& folder : folders) {
     LoadedSurvey loaded{ReadSurvey(folder, bad_frames), nullptr};
-    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera);
     loaded.raw_mask = ReadMask(loaded.survey);
-    const double resolution_m = loaded.survey.camera.floor.resolution_m;
-    if (!surveys.empty() && std::abs(surveys.front().survey.camera.floor.resolution_m - resolution_m) > 1e-9) {
+    FloorCamera& camera = loaded.survey.camera;
+    if (resolution_m > 0.0) {
+      camera = camera.AtResolution(resolution_m);
+    }
+    if (!surveys.empty() &&
+        std::abs(surveys.front().survey.camera.floor.resolution_m - camera.floor.resolution_m) > 1e-9) {
       throw InputError(folder / "floor.yaml", "has another resolution than the first survey (" +
                                                   (folders.front() / "floor.yaml").string() +
                                                   "); use the same number in all of them");
     }
+    loaded.rectifier = std::make_shared<Rectifier>(camera);
     surveys.push_back(std::move(loaded));
   }
   return surveys;

@@ -37,15 +37,17 @@ struct BuildFrame {
   PictureQuality quality;
   std::string unreadable;                    ///< why the picture can't be used; empty: it can
   std::optional<Pose2> odom_from_base;       ///< when the survey has odometry at the frame's time
-  std::optional<Pose2> prior_map_from_base;  ///< a pose known from another system
+  std::optional<Pose2> prior_map_from_base;  ///< a pose known from another system, or from the map to be extended
+  std::optional<Eigen::Matrix3d> prior_covariance;  ///< of (x, y, yaw), additive; empty: as PlacementOptions say
 };
 
 /// Side of a cell of BuildFrame::brightness, pixels of the rectified picture.
 constexpr int kBrightnessCellPx = 24;
 
-/// Reads the surveys and builds their rectifiers. All must have one resolution. Throws InputError.
+/// Reads the surveys and builds their rectifiers. All must have one resolution, unless they are to be rectified at
+/// another one (resolution_m > 0). Throws InputError.
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders,
-                                      BadFrames bad_frames = BadFrames::kRefuse);
+                                      BadFrames bad_frames = BadFrames::kRefuse, double resolution_m = 0.0);
 
 class FrameJournal;
 

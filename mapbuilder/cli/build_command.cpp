@@ -145,6 +145,14 @@ void AddBuildCommand(CLI::App& app) {
                       "Metres per pixel of the mosaic (default: survey's)");
   command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();
   command->add_option("--seed", a->options.seed, "Of all random choices")->capture_default_str();
+  command
+      ->add_option("--extend", a->options.extend,
+                   "Map file to which the surveys are added, in its frame and with its features; --out may be the same")
+      ->excludes("--features")
+      ->excludes("--max-keypoints")
+      ->excludes("--resolution")
+      ->excludes("--poses")
+      ->excludes("--self-calibrate");
   command->add_flag("--resume", a->options.resume, "Go on where a killed build of this map stopped");
   command->add_flag("--json", a->json, "Print the report as JSON");
   command->callback([a, command] {

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/extend_map.h"
+
+#include <algorithm>
+
+#include "core/io/input_error.h"
+
+namespace floorloc {
+namespace {
+
+// Fewer could be wrong fixes.
+constexpr std::size_t kMinFixes = 3;
+
+}  // namespace
+
+void TieToMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const std::vector<PosePriorFactor>& fixes,
+              std::vector<BuildFrame>* frames) {
+  const bool controlled = std::any_of(surveys.begin(), surveys.end(),
+                                      [](const LoadedSurvey& loaded) { return !loaded.survey.control_points.empty(); });
+  if (fixes.size() < kMinFixes && !controlled) {
+    throw InputError(surveys.front().survey.folder,
+                     "does not overlap the map: " + std::to_string(fixes.size()) + " of " +
+                         std::to_string(frames->size()) + " frames show floor of " + old.file.string() +
+                         "; let the survey begin and end on floor that the map has, or add control_points.csv");
+  }
+  for (const PosePriorFactor& fix : fixes) {
+    BuildFrame& frame = (*frames)[static_cast<std::size_t>(fix.frame)];
+    frame.prior_map_from_base = fix.map_from_base;
+    frame.prior_covariance = fix.covariance;
+  }
+}
+
+MosaicBackground ExtendedMosaic::Background() const {
+  return [this](const RectM& square, int side_px) { return picture_.Cut(square, side_px); };
+}
+
+bool ExtendedMosaic::TouchedByNew(const MosaicLayout& layout, const TileId& id) const {
+  const double side_m = layout.TileSide(id.z);
+  const double step_m = CoverageGrid::kCellM;
+  for (double x = id.x * side_m - step_m; x <= (id.x + 1) * side_m + step_m; x += step_m) {
+    for (double y = id.y * side_m - step_m; y <= (id.y + 1) * side_m + step_m; y += step_m) {
+      if (new_.CountAt({x, y}) > 0) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+void ExtendedMosaic::KeepOldTiles(const MosaicLayout& layout, std::vector<MosaicTile>* tiles) const {
+  for (MosaicTile& tile : *tiles) {
+    if (tile.id.z == layout.max_zoom && !TouchedByNew(layout, tile.id)) {
+      if (auto jpeg = old_.database.ReadMosaicTile({picture_.layout().max_zoom, tile.id.x, tile.id.y})) {
+        tile.jpeg = std::move(*jpeg);
+      }
+    }
+  }
+}
+
+RectM Union(const RectM& a, const RectM& b) {
+  const auto empty = [](const RectM& r) { return r.width_m() <= 0.0 || r.height_m() <= 0.0; };
+  if (empty(a) || empty(b)) {
+    return empty(a) ? b : a;
+  }
+  return {std::min(a.x_min, b.x_min), std::max(a.x_max, b.x_max), std::min(a.y_min, b.y_min),
+          std::max(a.y_max, b.y_max)};
+}
+
+}  // namespace floorloc

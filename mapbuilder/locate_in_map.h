@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mapbuilder/old_map.h"
+#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/survey_frames.h"
+
+namespace floorloc {
+
+struct LocateOptions {
+  int threads = 0;  ///< 0: one per core
+  std::uint32_t seed = 1;
+  ProgressOutput progress;
+};
+
+/// Localizes the frames of new surveys in a map: first each on its own on the whole map, then, where odometry tells
+/// how they lie to a frame that was found, those that were not, near the place where they must be. The result holds
+/// the accepted fixes, in the order of the frames. Throws InputError.
+std::vector<PosePriorFactor> LocateInMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys,
+                                         const std::vector<BuildFrame>& frames, const LocateOptions& options);
+
+}  // namespace floorloc

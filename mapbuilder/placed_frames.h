@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mapbuilder/exposure.h"
+#include "mapbuilder/old_map.h"
+#include "mapbuilder/place_frames.h"
+
+namespace floorloc {
+
+/// What the map file keeps of the placed frames: those that were dropped get no number.
+struct PlacedFrames {
+  std::vector<MapFrame> frames;
+  std::vector<MapLink> links;
+};
+
+/// With an old map (nullptr: none) its frames, links and surveys come first.
+PlacedFrames CollectPlaced(const std::vector<BuildFrame>& frames, const Placement& placement, const Exposure& exposure,
+                           const OldMap* old);
+
+}  // namespace floorloc
