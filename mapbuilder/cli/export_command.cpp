@@ -6,6 +6,7 @@
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/io/camera_yaml.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/io/trajectory.h"
@@ -21,7 +22,7 @@ namespace floorloc {
 namespace {
 
 struct Arguments {
-  std::filesystem::path map, mosaic, nav2, tiles, geotiff, poses, g2o;
+  std::filesystem::path map, mosaic, nav2, tiles, geotiff, poses, g2o, camera;
   double resolution_m = 0.0;
   bool worldfile = false;
 };
@@ -76,9 +77,21 @@ void ExportNav2(const Arguments& a, const MapDatabase& map) {
   std::printf("%s: %d x %d cells of %.3f m\n", a.nav2.c_str(), grid.cells.cols, grid.cells.rows, grid.resolution_m);
 }
 
+// After a self-calibration these are better than what the survey was made with.
+void ExportCameras(const std::filesystem::path& folder, const std::vector<FloorCamera>& cameras) {
+  for (std::size_t survey = 0; survey < cameras.size(); ++survey) {
+    const std::filesystem::path place = cameras.size() == 1 ? folder : folder / std::to_string(survey + 1);
+    std::filesystem::create_directories(place);
+    WriteFileAtomically(place / "camera.yaml", FormatCameraYaml(cameras[survey].camera));
+    WriteFileAtomically(place / "floor.yaml", FormatFloorYaml(cameras[survey].floor));
+    std::printf("%s: camera.yaml and floor.yaml of survey %zu\n", place.c_str(), survey + 1);
+  }
+}
+
 void Run(const Arguments& a) {
-  if (a.mosaic.empty() && a.nav2.empty() && a.tiles.empty() && a.geotiff.empty() && a.poses.empty() && a.g2o.empty()) {
-    throw InputError("nothing to export; give --mosaic, --geotiff, --tiles, --nav2, --poses or --g2o");
+  if (a.mosaic.empty() && a.nav2.empty() && a.tiles.empty() && a.geotiff.empty() && a.poses.empty() && a.g2o.empty() &&
+      a.camera.empty()) {
+    throw InputError("nothing to export; give --mosaic, --geotiff, --tiles, --nav2, --poses, --g2o or --camera");
   }
   const MapDatabase map(a.map);
   if (!a.mosaic.empty()) {
@@ -97,6 +110,9 @@ void Run(const Arguments& a) {
   }
   if (!a.poses.empty()) {
     ExportPoses(a.poses, map);
+  }
+  if (!a.camera.empty()) {
+    ExportCameras(a.camera, map.ReadInfo().cameras);
   }
   if (!a.g2o.empty()) {
     const std::vector<MapFrame> frames = map.ReadFrames();
@@ -124,6 +140,8 @@ void AddExportCommand(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_flag("--worldfile", a->worldfile, "Write a world file beside the picture");
   command->add_option("--poses", a->poses, "Poses of the survey frames (TUM)");
+  command->add_option("--camera", a->camera,
+                      "Folder for camera.yaml and floor.yaml as the map has them (1/, 2/, ... if several)");
   command->add_option("--g2o", a->g2o, "Pose graph of the survey frames (g2o)");
   command->callback([a] { Run(*a); });
 }
