@@ -8,6 +8,7 @@
 
 #include "core/io/input_error.h"
 #include "core/map/map_writer.h"
+#include "mapbuilder/build_findings.h"
 #include "mapbuilder/build_journal.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage.h"
@@ -59,16 +60,13 @@ void AttachPoses(const Trajectory& poses, std::vector<BuildFrame>* frames) {
   }
 }
 
-void FillReport(const Placement& placement, const std::vector<BuildFrame>& frames, const CoverageGrid& coverage,
+void FillReport(const Placement& placement, const PlacedSurvey& placed, const CoverageGrid& coverage,
                 BuildReport* report) {
-  report->frames = static_cast<int>(frames.size() + report->dropped.size());  // with those the screening left out
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (placement.map_from_base[i]) {
-      ++report->frames_used;
-    } else {
-      report->dropped.emplace_back(frames[i].info.filename, placement.drop_reason[i]);
-    }
-  }
+  report->frames =
+      static_cast<int>(placed.frames.size() + report->dropped.size());  // with those the screening left out
+  AddDropped(placed, placement.drop_reason, &report->dropped);
+  report->frames_used = report->frames - static_cast<int>(report->dropped.size());
+  report->control_points = CompareControlPoints(placed);
   report->part_sizes = placement.part_sizes;
   report->links = static_cast<int>(placement.links.size());
   report->rejected_links = placement.rejected_links;
@@ -184,6 +182,9 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   options.self_calibration.registration = options.placement.registration;
   options.self_calibration.prior_sigma_m = options.placement.prior_sigma_m;
   options.self_calibration.prior_sigma_rad = options.placement.prior_sigma_rad;
+  options.held_out.extractor = options.extractor;
+  options.held_out.fusion = options.fusion;
+  options.held_out.threads = options.threads;
   options.mosaic.threads = options.threads;
   options.mosaic.progress = options.progress;
   if (options.mosaic.resolution_m <= 0.0) {
@@ -255,7 +256,8 @@ BuildReport BuildMap(const BuildOptions& requested) {
   const CoverageGrid new_coverage(placement.map_from_base, floors);
   const CoverageGrid coverage = old ? CoverageOfAll(*old, placement.map_from_base, floors) : new_coverage;
   report.kept_all = options.placement.keep_all;
-  FillReport(placement, frames, coverage, &report);
+  const PlacedSurvey placed_survey{frames, surveys, placement.map_from_base, floors};
+  FillReport(placement, placed_survey, coverage, &report);
   if (markers) {
     report.markers = markers->Fits(frames, placement);
     report.warnings.insert(report.warnings.end(), markers->warnings().begin(), markers->warnings().end());
@@ -267,10 +269,16 @@ BuildReport BuildMap(const BuildOptions& requested) {
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(options.extractor)->descriptor_type());
   clock.Finish("keypoints");
 
+  if (options.hold_out) {
+    report.held_out = LocalizeHeldOut(placed_survey, options.held_out);
+    clock.Finish("held-out");
+  }
+
   const auto extended = old ? std::make_unique<ExtendedMosaic>(*old, new_coverage) : nullptr;
   const MosaicBackground background = extended ? extended->Background() : nullptr;
   const Exposure exposure =
       EstimateExposure({frames, surveys, placement.links, placement.map_from_base, background, options.threads});
+  report.flat_fields = SampleFlatFields(exposure);
   const PlacedFrames placed = CollectPlaced(frames, placement, exposure, old.get());
   writer.WriteFrames(placed.frames);
   writer.WriteLinks(placed.links);

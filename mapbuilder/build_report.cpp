@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
@@ -21,8 +20,8 @@ std::string Format(const char* format, Args... args) {
 
 std::string DroppedText(const BuildReport& report) {
   std::map<std::string, std::vector<std::string>> by_reason;
-  for (const auto& [file, reason] : report.dropped) {
-    by_reason[reason].push_back(file);
+  for (const DroppedFrame& frame : report.dropped) {
+    by_reason[frame.reason].push_back(frame.filename);
   }
   constexpr std::size_t kShown = 3;
   std::string text;
@@ -38,53 +37,24 @@ std::string DroppedText(const BuildReport& report) {
 
 }  // namespace
 
-std::string ToJson(const BuildReport& report, bool with_times) {
-  nlohmann::ordered_json json{{"frames", report.frames},
-                              {"frames_used", report.frames_used},
-                              {"dropped", nlohmann::json::array()},
-                              {"warnings", report.warnings},
-                              {"parts", report.part_sizes},
-                              {"links", report.links},
-                              {"rejected_links", report.rejected_links},
-                              {"overlapping_pairs", report.overlapping_pairs},
-                              {"unmatched_pairs", report.unmatched_pairs},
-                              {"link_rms_m", report.link_rms_m},
-                              {"link_rms_sigma", report.link_rms_sigma},
-                              {"drift_m", report.drift_m},
-                              {"drift_rad", report.drift_rad},
-                              {"self_calibration", nlohmann::ordered_json::parse(ToJson(report.self_calibration))},
-                              {"area_m2", report.area_m2},
-                              {"extent",
-                               {{"x_min", report.extent.x_min},
-                                {"x_max", report.extent.x_max},
-                                {"y_min", report.extent.y_min},
-                                {"y_max", report.extent.y_max}}},
-                              {"keypoints", report.keypoints},
-                              {"mean_observations", report.mean_observations}};
-  for (const auto& [file, reason] : report.dropped) {
-    json["dropped"].push_back({{"filename", file}, {"reason", reason}});
-  }
-  for (const MarkerFit& marker : report.markers) {
-    json["markers"].push_back({{"id", marker.id},
-                               {"known", marker.known},
-                               {"used", marker.used},
-                               {"frames", marker.frames},
-                               {"error_m", marker.known ? nlohmann::ordered_json(marker.error_m) : nullptr}});
-  }
-  if (!report.extends.empty()) {
-    json["extends"] = report.extends;
-    json["frames_found"] = report.frames_found;
-  }
-  if (with_times) {
-    json["content_version"] = report.content_version;
-    for (const auto& [stage, seconds] : report.stage_s) {
-      json["stage_s"][stage] = seconds;
+std::vector<std::string> AllWarnings(const BuildReport& r) {
+  std::vector<std::string> warnings = r.warnings;
+  if (r.part_sizes.size() > 1) {
+    std::string gap = Format("The pictures form %zu parts that do not connect (", r.part_sizes.size());
+    for (std::size_t i = 0; i < r.part_sizes.size(); ++i) {
+      gap += (i > 0 ? ", " : "") + std::to_string(r.part_sizes[i]);
     }
-    json["total_s"] = report.total_s;
-    json["resumed_frames"] = report.resumed_frames;
-    json["frames_per_s"] = report.total_s > 0.0 ? report.frames / report.total_s : 0.0;
+    gap += r.kept_all ? " frames); all are kept, but how they lie to each other is not sure"
+                      : " frames); the largest is kept";
+    warnings.push_back(gap + "; survey the floor between them" + (r.kept_all ? "" : ", or keep all with --keep-all"));
   }
-  return json.dump(2);
+  if (10 * r.unmatched_pairs > r.overlapping_pairs) {
+    warnings.push_back(
+        Format("%d of %d pairs of frames that should show the same floor do not match: look at the mosaic before you "
+               "trust this map",
+               r.unmatched_pairs, r.overlapping_pairs));
+  }
+  return warnings;
 }
 
 std::string ToText(const BuildReport& r) {
@@ -96,24 +66,9 @@ std::string ToText(const BuildReport& r) {
   if (r.resumed_frames > 0) {
     text << Format("  resumed      %d frames need not be looked at again\n", r.resumed_frames);
   }
-  if (r.part_sizes.size() > 1) {
-    text << "  gap          the pictures form " << r.part_sizes.size() << " parts that do not connect:";
-    for (const int size : r.part_sizes) {
-      text << " " << size;
-    }
-    text << " frames; "
-         << (r.kept_all ? "all are kept, but how they lie to each other is not sure" : "the largest is kept")
-         << "; survey the floor between them" << (r.kept_all ? "" : ", or keep all with --keep-all") << "\n";
-  }
   text << Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
                  r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);
-  if (10 * r.unmatched_pairs > r.overlapping_pairs) {
-    text << Format(
-        "  WARNING      %d of %d pairs of frames that should show the same floor do not match: look at the "
-        "mosaic before you trust this map\n",
-        r.unmatched_pairs, r.overlapping_pairs);
-  }
-  for (const std::string& warning : r.warnings) {
+  for (const std::string& warning : AllWarnings(r)) {
     text << "  WARNING      " << warning << "\n";
   }
   for (const MarkerFit& marker : r.markers) {

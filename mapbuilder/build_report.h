@@ -1,15 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "mapbuilder/build_map.h"
+#include "core/geometry/floor_plane.h"
+#include "core/geometry/pose2.h"
+#include "mapbuilder/markers.h"
+#include "mapbuilder/self_calibration.h"
 
 namespace floorloc {
+
+/// A frame that is not in the map.
+struct DroppedFrame {
+  std::string filename;
+  std::string reason;
+  std::optional<Pose2> near = {};  ///< map_from_base about where it was taken, as odometry tells; empty: unknown
+  int survey = 0;
+  std::optional<std::int64_t> stamp_ns = {};
+};
+
+/// A survey frame that was sought in a map made without it.
+struct HeldOutFrame {
+  std::string filename;
+  Pose2 map_from_base;   ///< where the build put it
+  std::string status;    ///< "localized", "wrong", "ambiguous" or "not_localized"
+  std::string reason;    ///< of "not_localized"
+  double error_m = 0.0;  ///< at the middle of its view; of "localized" and "wrong"
+  double error_rad = 0.0;
+  int keypoints = 0;
+  int inliers = 0;
+};
+
+/// A floor point whose map position was surveyed, as one frame saw it.
+struct ControlPointError {
+  std::string filename;
+  Eigen::Vector2d surveyed_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d seen_m = Eigen::Vector2d::Zero();  ///< where the frame's pose puts it
+};
+
+/// How the light falls off towards the corners of a survey's pictures.
+struct FlatField {
+  int columns = 0, rows = 0;
+  std::vector<double> gain;  ///< row after row from the top of the rectified picture; 1: the picture's middle
+};
+
+/// What a build did.
+struct BuildReport {
+  int frames = 0;
+  int frames_used = 0;
+  std::vector<DroppedFrame> dropped;
+  std::vector<std::string> warnings;  ///< sentences about what is not as it should be
+  std::vector<MarkerFit> markers;     ///< that were seen
+  std::vector<int> part_sizes;        ///< largest first; more than one: the survey has gaps
+  bool kept_all = false;              ///< all parts are in the map
+  int links = 0;
+  int rejected_links = 0;
+  int overlapping_pairs = 0;
+  int unmatched_pairs = 0;  ///< of the overlapping ones
+  double link_rms_m = 0.0;
+  double link_rms_sigma = 0.0;
+  double drift_m = 0.0;
+  double drift_rad = 0.0;
+  SelfCalibration self_calibration;
+  double area_m2 = 0.0;
+  RectM extent;
+  int keypoints = 0;
+  double mean_observations = 0.0;
+  std::vector<HeldOutFrame> held_out;
+  std::vector<ControlPointError> control_points;
+  std::vector<FlatField> flat_fields;  ///< per survey
+  std::string content_version;
+  std::string extends;                                  ///< file name of the map that was extended; empty: none
+  int frames_found = 0;                                 ///< of the new ones, in that map
+  int resumed_frames = 0;                               ///< whose features an earlier run had found
+  std::vector<std::pair<std::string, double>> stage_s;  ///< stage, seconds
+  double total_s = 0.0;
+};
 
 /// The report as JSON, for `--json` and the map's report_json. Times are left out of the latter, so that equal input
 /// gives equal files.
 std::string ToJson(const BuildReport& report, bool with_times);
+
+/// The inverse, for what ToJson writes without times, the self-calibration excepted; what an older builder did not
+/// write keeps its default. Throws MapError when the text is damaged.
+BuildReport ParseBuildReport(const std::string& json);
+
+/// What to look at before trusting the map, one sentence each: the report's warnings and what its numbers say.
+std::vector<std::string> AllWarnings(const BuildReport& report);
 
 /// The summary that people read.
 std::string ToText(const BuildReport& report);

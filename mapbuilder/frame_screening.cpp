@@ -212,7 +212,7 @@ Screening Screener::Result() const {
   for (const LoadedSurvey& loaded : surveys_) {
     const Survey& survey = loaded.survey;
     for (const LeftOutFrame& frame : survey.left_out) {
-      result.dropped.emplace_back(frame.filename, frame.reason);
+      result.dropped.push_back({frame.filename, frame.reason});
     }
     if (survey.rows_out_of_order > 0) {
       result.warnings.push_back((survey.folder / "frames.csv").string() + ": " +
@@ -223,7 +223,8 @@ Screening Screener::Result() const {
   }
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (!reason_[i].empty()) {
-      result.dropped.emplace_back(frames_[i].info.filename, reason_[i]);
+      const BuildFrame& frame = frames_[i];
+      result.dropped.push_back({frame.info.filename, reason_[i], std::nullopt, frame.survey, frame.info.stamp_ns});
     }
   }
   return result;
@@ -264,8 +265,8 @@ Screening ScreenFrames(std::vector<LoadedSurvey>* surveys, const PairRegistratio
     }
   }
   if (kept.empty()) {
-    throw InputError("no picture of the survey can be used: " + result.dropped.front().first + " is left out (" +
-                     result.dropped.front().second + "), and so are all others; look at the pictures");
+    throw InputError("no picture of the survey can be used: " + result.dropped.front().filename + " is left out (" +
+                     result.dropped.front().reason + "), and so are all others; look at the pictures");
   }
   *frames = std::move(kept);
   if (const std::size_t lost = RemoveLostControlPoints(*frames, surveys); lost > 0) {

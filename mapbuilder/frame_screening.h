@@ -2,9 +2,9 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "mapbuilder/build_report.h"
 #include "mapbuilder/pair_registration.h"
 #include "mapbuilder/survey_frames.h"
 
@@ -12,8 +12,8 @@ namespace floorloc {
 
 /// What was found wrong with the frames of a build.
 struct Screening {
-  std::vector<std::pair<std::string, std::string>> dropped;  ///< file name, reason
-  std::vector<std::string> warnings;                         ///< sentences
+  std::vector<DroppedFrame> dropped;
+  std::vector<std::string> warnings;  ///< sentences
 };
 
 /// Takes frames out that would harm the map or add nothing to it: unreadable, too dark, overexposed, without texture,

@@ -11,6 +11,7 @@
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/cli/video_input.h"
+#include "mapbuilder/report/write_report.h"
 
 namespace floorloc {
 namespace {
@@ -22,6 +23,8 @@ struct Arguments {
   std::string poses_file;
   std::vector<std::string> self_calibrate;
   std::vector<double> poses_sigma;
+  std::filesystem::path report;
+  bool no_held_out = false;
   bool json = false;
 };
 
@@ -48,7 +51,8 @@ std::string FingerprintOf(const CLI::App& command) {
   std::string fingerprint;
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    if (name != "--resume" && name != "--threads" && name != "--json" && name != "--keep-frames") {
+    if (name != "--resume" && name != "--threads" && name != "--json" && name != "--keep-frames" &&
+        name != "--report") {
       for (const std::string& value : option->results()) {
         fingerprint += name + "=" + value + StateOfFile(value) + "\n";
       }
@@ -81,6 +85,10 @@ void Run(Arguments& a) {
     a.options.placement.prior_sigma_rad = a.poses_sigma[1];
   }
   a.options.progress = ProgressOutput::Stderr();
+  a.options.hold_out = !a.no_held_out;
+  if (!a.report.empty()) {
+    PrepareReportFolder(a.report);
+  }
   const VideoInput video(a.video, a.options.out, a.options.progress, &a.options.surveys);
   BuildReport report = BuildOrSayHowToResume(a.options);
   report.warnings.insert(report.warnings.end(), video.warnings().begin(), video.warnings().end());
@@ -89,6 +97,10 @@ void Run(Arguments& a) {
     std::cout << ToJson(report, true) << "\n";
   } else {
     std::cout << a.options.out.string() << "\n" << ToText(report);
+  }
+  if (!a.report.empty()) {
+    const Verdict verdict = WriteReport(a.options.out, a.report);
+    std::cerr << (a.report / "report.html").string() << ": " << verdict.headline << "\n";
   }
 }
 
@@ -143,6 +155,8 @@ void AddBuildCommand(CLI::App& app) {
                       "Budget of the map (default: suits the camera)");
   command->add_option("--resolution", a->options.mosaic.resolution_m,
                       "Metres per pixel of the mosaic (default: survey's)");
+  command->add_option("--report", a->report, "Folder for report.html and report.json: what to trust in this map");
+  command->add_flag("--no-held-out", a->no_held_out, "Don't try whether frames that are left out are found again");
   command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();
   command->add_option("--seed", a->options.seed, "Of all random choices")->capture_default_str();
   command

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   floorloc::AddExportCommand(app);
   floorloc::AddEvaluateCommand(app);
   floorloc::AddCompareCommand(app);
+  floorloc::AddReportCommand(app);
   floorloc::AddSimulateCommand(app);
   cv::setNumThreads(1);  // --threads says how many there are; OpenCV's own pool would add to them
   try {

@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "mapbuilder/laboratory/svg_plot.h"
+#include "mapbuilder/svg_plot.h"
 
 namespace floorloc {
 namespace {

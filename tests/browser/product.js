@@ -42,6 +42,37 @@ export function makeMaps() {
   return { maps, remove: () => rmSync(folder, { recursive: true, force: true }) };
 }
 
+/// x, y and yaw of a row of a TUM file.
+function planarPose(row) {
+  const [, x, y, , , , qz, qw] = row.split(" ").map(Number);
+  return { x, y, yaw: 2 * Math.atan2(qz, qw) };
+}
+
+/// The report of a map whose survey has a hole and lacks a picture: {folder, hole: its middle in metres, remove}.
+export function makeReport() {
+  const all = mkdtempSync(join(tmpdir(), "floorloc-report-"));
+  const survey = join(all, "survey");
+  cpSync(join(root, "maps", "sample", "survey"), survey, { recursive: true });
+  const rows = (name) => readFileSync(join(survey, name), "utf8").trim().split("\n");
+  const poses = rows("groundtruth.tum").map(planarPose);
+  const view = (pose) => ({ x: pose.x + 0.2 * Math.cos(pose.yaw), y: pose.y + 0.2 * Math.sin(pose.yaw) });
+  const middle = { x: 1.25, y: 0.9 };
+  const inHole = (pose) => Math.hypot(view(pose).x - middle.x, view(pose).y - middle.y) < 0.42;
+  const [head, ...frames] = rows("frames.csv");
+  const kept = frames.filter((_, i) => !inHole(poses[i]));
+  writeFileSync(join(survey, "frames.csv"), `${[head, ...kept, "1800000000.0,images/missing.jpg"].join("\n")}\n`);
+  const folder = join(all, "report");
+  execFileSync(join(bin, "floorloc-mapbuilder"), ["build", "--survey", survey, "--out", join(all, "hall.floormap"),
+    "--report", folder], { stdio: "ignore" });
+  // The map's frame is that of odometry, which starts elsewhere than the ground truth.
+  const start = planarPose(rows("odometry.tum")[0]);
+  const turn = start.yaw - poses[0].yaw;
+  const [dx, dy] = [middle.x - poses[0].x, middle.y - poses[0].y];
+  const hole = { x: start.x + Math.cos(turn) * dx - Math.sin(turn) * dy,
+    y: start.y + Math.sin(turn) * dx + Math.cos(turn) * dy };
+  return { folder, hole, remove: () => rmSync(all, { recursive: true, force: true }) };
+}
+
 /// Resolves with {url, stop} as soon as the server says where it listens.
 export function startServer(maps, listen = "127.0.0.1:0") {
   const server = spawn(join(bin, "floorloc-server"), ["--maps", maps, "--listen", listen], { stdio: "pipe" });

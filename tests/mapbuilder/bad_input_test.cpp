@@ -27,9 +27,14 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Pair;
+
+template <typename Reason>
+auto Dropped(const std::string& filename, Reason reason) {
+  return AllOf(Field(&DroppedFrame::filename, filename), Field(&DroppedFrame::reason, reason));
+}
 
 class BadInputTest : public ::testing::Test {
  protected:
@@ -107,7 +112,7 @@ TEST_F(BadInputTest, ABlurredPictureIsLeftOut) {
   };
   blur(5, 0.8);
   blur(9, 4.0);
-  EXPECT_THAT(Build().dropped, ElementsAre(Pair(Name(Picture(9)), "blurred")));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(9)), "blurred")));
 }
 
 TEST_F(BadInputTest, BlurThatLastsIsNamed) {
@@ -123,18 +128,19 @@ TEST_F(BadInputTest, BlurThatLastsIsNamed) {
 TEST_F(BadInputTest, BadlyExposedPicturesAreLeftOut) {
   Write(Picture(5), 0.05 * cv::imread(Picture(5).string()));
   Write(Picture(14), 4.0 * cv::imread(Picture(14).string()));
-  EXPECT_THAT(Build().dropped, ElementsAre(Pair(Name(Picture(5)), "too dark"), Pair(Name(Picture(14)), "overexposed")));
+  EXPECT_THAT(Build().dropped,
+              ElementsAre(Dropped(Name(Picture(5)), "too dark"), Dropped(Name(Picture(14)), "overexposed")));
 }
 
 TEST_F(BadInputTest, ACopyOfAPictureIsLeftOut) {
   fs::copy_file(Picture(3), Picture(12), fs::copy_options::overwrite_existing);
-  EXPECT_THAT(Build().dropped, ElementsAre(Pair(Name(Picture(12)), "the same picture as an earlier one")));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(12)), "the same picture as an earlier one")));
 }
 
 TEST_F(BadInputTest, APictureOfAnotherFloorIsLeftOut) {
   const SyntheticFloor other(77);
   Write(Picture(12), other.View(other.BaseForView(0.5, 0.4, 0.3)));
-  EXPECT_THAT(Build().dropped, ElementsAre(Pair(Name(Picture(12)), "matches no other frame")));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(12)), "matches no other frame")));
 }
 
 TEST_F(BadInputTest, ATruncatedPictureIsLeftOut) {
@@ -142,20 +148,20 @@ TEST_F(BadInputTest, ATruncatedPictureIsLeftOut) {
   const BuildReport report = Build();
   EXPECT_EQ(report.frames, 28);
   EXPECT_EQ(report.frames_used, 27);
-  EXPECT_THAT(report.dropped, ElementsAre(Pair(Name(Picture(7)), HasSubstr("the picture is cut off"))));
+  EXPECT_THAT(report.dropped, ElementsAre(Dropped(Name(Picture(7)), HasSubstr("the picture is cut off"))));
 }
 
 TEST_F(BadInputTest, APictureOfAnotherCameraIsLeftOut) {
   Write(Picture(7), cv::Mat(480, 752, CV_8UC3, cv::Scalar::all(100)));
   EXPECT_THAT(Build().dropped,
-              ElementsAre(Pair(Name(Picture(7)), HasSubstr("is 752x480 but camera.yaml says 640x480"))));
+              ElementsAre(Dropped(Name(Picture(7)), HasSubstr("is 752x480 but camera.yaml says 640x480"))));
 }
 
 TEST_F(BadInputTest, AMissingPictureIsLeftOut) {
   fs::remove(Picture(7));
   const BuildReport report = Build();
   EXPECT_EQ(report.frames, 28);
-  EXPECT_THAT(report.dropped, ElementsAre(Pair(Name(Picture(7)), "picture is missing")));
+  EXPECT_THAT(report.dropped, ElementsAre(Dropped(Name(Picture(7)), "picture is missing")));
 }
 
 TEST_F(BadInputTest, ManyUnusablePicturesAreRefused) {
@@ -181,7 +187,7 @@ TEST_F(BadInputTest, ARepeatedTimeStampIsLeftOut) {
   std::vector<std::string> rows = Rows();
   rows[11] = rows[10].substr(0, rows[10].find(',')) + rows[11].substr(rows[11].find(','));
   WriteRows(rows);
-  EXPECT_THAT(Build().dropped, ElementsAre(Pair(Name(Picture(10)), "time stamp is that of another frame")));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(10)), "time stamp is that of another frame")));
 }
 
 TEST_F(BadInputTest, AControlPointInAPictureThatIsLeftOutIsNamed) {

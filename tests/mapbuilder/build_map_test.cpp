@@ -185,7 +185,7 @@ TEST_F(BuildMapTest, AGapLeavesTheLargerPart) {
   EXPECT_EQ(report.part_sizes, (std::vector<int>{12, 8}));
   EXPECT_EQ(report.frames_used, 12);
   ASSERT_EQ(report.dropped.size(), 8U);
-  EXPECT_EQ(report.dropped.front().second, "not connected to the largest part");
+  EXPECT_EQ(report.dropped.front().reason, "not connected to the largest part");
   const auto pairs = ViewPairs(Frames());
   ASSERT_EQ(pairs.size(), 12U);
   for (const OrientedMatch& pair : pairs) {
@@ -273,8 +273,8 @@ TEST_F(BuildMapTest, APictureWithoutTextureIsDropped) {
     const BuildReport report = Build();
     EXPECT_EQ(report.frames_used, 27);
     ASSERT_EQ(report.dropped.size(), 1U);
-    EXPECT_EQ(report.dropped[0].first, "images/000013.jpg");
-    EXPECT_EQ(report.dropped[0].second, "no texture");
+    EXPECT_EQ(report.dropped[0].filename, "images/000013.jpg");
+    EXPECT_EQ(report.dropped[0].reason, "no texture");
   }
 }
 

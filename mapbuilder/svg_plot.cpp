@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/laboratory/svg_plot.h"
+#include "mapbuilder/svg_plot.h"
 
 #include <algorithm>
 #include <array>

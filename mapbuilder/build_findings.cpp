@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/build_findings.h"
+
+#include <iterator>
+#include <map>
+#include <unordered_map>
+
+namespace floorloc {
+namespace {
+
+// The placed frames of one survey that have odometry, by time.
+using OdometryIndex = std::map<std::int64_t, const BuildFrame*>;
+
+// Where odometry carries to from the placed frame that is nearest in time.
+std::optional<Pose2> PoseByOdometry(const OdometryIndex& placed_frames, const PlacedSurvey& placed,
+                                    const DroppedFrame& lost) {
+  const Trajectory& odometry = placed.surveys[static_cast<std::size_t>(lost.survey)].survey.odometry;
+  const auto odom_from_lost = lost.stamp_ns ? InterpolatePose(odometry, *lost.stamp_ns) : std::nullopt;
+  if (!odom_from_lost || placed_frames.empty()) {
+    return std::nullopt;
+  }
+  auto nearest = placed_frames.lower_bound(*lost.stamp_ns);
+  if (nearest != placed_frames.begin()) {
+    const auto before = std::prev(nearest);
+    if (nearest == placed_frames.end() || *lost.stamp_ns - before->first < nearest->first - *lost.stamp_ns) {
+      nearest = before;
+    }
+  }
+  const auto frame = static_cast<std::size_t>(nearest->second - placed.frames.data());
+  return *placed.map_from_base[frame] * placed.frames[frame].odom_from_base->Between(*odom_from_lost);
+}
+
+}  // namespace
+
+void AddDropped(const PlacedSurvey& placed, const std::vector<std::string>& reason,
+                std::vector<DroppedFrame>* dropped) {
+  std::vector<OdometryIndex> placed_frames(placed.surveys.size());
+  for (std::size_t i = 0; i < placed.frames.size(); ++i) {
+    const BuildFrame& frame = placed.frames[i];
+    if (!placed.map_from_base[i]) {
+      dropped->push_back({frame.info.filename, reason[i], std::nullopt, frame.survey, frame.info.stamp_ns});
+    } else if (frame.odom_from_base) {
+      placed_frames[static_cast<std::size_t>(frame.survey)].emplace(frame.info.stamp_ns, &frame);
+    }
+  }
+  for (DroppedFrame& frame : *dropped) {
+    frame.near = PoseByOdometry(placed_frames[static_cast<std::size_t>(frame.survey)], placed, frame);
+  }
+}
+
+std::vector<ControlPointError> CompareControlPoints(const PlacedSurvey& placed) {
+  std::vector<std::unordered_map<std::string, std::size_t>> frame_of(placed.surveys.size());
+  for (std::size_t i = 0; i < placed.frames.size(); ++i) {
+    frame_of[static_cast<std::size_t>(placed.frames[i].survey)].emplace(placed.frames[i].info.filename, i);
+  }
+  std::vector<ControlPointError> errors;
+  for (std::size_t s = 0; s < placed.surveys.size(); ++s) {
+    const Survey& survey = placed.surveys[s].survey;
+    for (const ControlPoint& point : survey.control_points) {
+      const auto frame = frame_of[s].find(point.filename);
+      if (frame != frame_of[s].end() && placed.map_from_base[frame->second]) {
+        const Eigen::Vector2d seen =
+            *placed.map_from_base[frame->second] * survey.camera.FloorFromRawPixel(point.raw_px);
+        errors.push_back({point.filename, point.point_in_map_m, seen});
+      }
+    }
+  }
+  return errors;
+}
+
+std::vector<FlatField> SampleFlatFields(const Exposure& exposure) {
+  constexpr int kColumns = 16;
+  std::vector<FlatField> fields;
+  for (const cv::Mat& gain : exposure.flat_field) {
+    FlatField field{kColumns, std::max(1, (kColumns * gain.rows + gain.cols / 2) / gain.cols), {}};
+    const auto middle = static_cast<double>(gain.at<float>(gain.rows / 2, gain.cols / 2));
+    for (int row = 0; row < field.rows; ++row) {
+      for (int column = 0; column < field.columns; ++column) {
+        const float value = gain.at<float>((2 * row + 1) * gain.rows / (2 * field.rows),
+                                           (2 * column + 1) * gain.cols / (2 * field.columns));
+        field.gain.push_back(static_cast<double>(value) / middle);
+      }
+    }
+    fields.push_back(std::move(field));
+  }
+  return fields;
+}
+
+}  // namespace floorloc

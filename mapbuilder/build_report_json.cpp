@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nlohmann/json.hpp>
+
+#include "core/map/map_error.h"
+#include "mapbuilder/build_report.h"
+#include "mapbuilder/calibration_summary.h"
+
+namespace floorloc {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json PoseJson(const Pose2& pose) { return {{"x", pose.x()}, {"y", pose.y()}, {"yaw", pose.yaw()}}; }
+
+Pose2 PoseFrom(const Json& json) { return {json.at("x"), json.at("y"), json.at("yaw")}; }
+
+Json ToJson(const DroppedFrame& frame) {
+  Json json{{"filename", frame.filename}, {"reason", frame.reason}};
+  if (frame.near) {
+    json["near"] = PoseJson(*frame.near);
+  }
+  return json;
+}
+
+DroppedFrame DroppedFrom(const Json& json) {
+  DroppedFrame frame{json.at("filename"), json.at("reason")};
+  if (json.contains("near")) {
+    frame.near = PoseFrom(json.at("near"));
+  }
+  return frame;
+}
+
+Json ToJson(const HeldOutFrame& frame) {
+  Json json{{"filename", frame.filename}, {"pose", PoseJson(frame.map_from_base)}, {"status", frame.status}};
+  if (!frame.reason.empty()) {
+    json["reason"] = frame.reason;
+  }
+  json.update({{"error_m", frame.error_m},
+               {"error_rad", frame.error_rad},
+               {"keypoints", frame.keypoints},
+               {"inliers", frame.inliers}});
+  return json;
+}
+
+HeldOutFrame HeldOutFrom(const Json& json) {
+  return {json.at("filename"), PoseFrom(json.at("pose")), json.at("status"),    json.value("reason", ""),
+          json.at("error_m"),  json.at("error_rad"),      json.at("keypoints"), json.at("inliers")};
+}
+
+Json ToJson(const ControlPointError& point) {
+  return {{"filename", point.filename},
+          {"x", point.surveyed_m.x()},
+          {"y", point.surveyed_m.y()},
+          {"seen_x", point.seen_m.x()},
+          {"seen_y", point.seen_m.y()}};
+}
+
+ControlPointError ControlPointFrom(const Json& json) {
+  return {json.at("filename"), Eigen::Vector2d(json.at("x").get<double>(), json.at("y").get<double>()),
+          Eigen::Vector2d(json.at("seen_x").get<double>(), json.at("seen_y").get<double>())};
+}
+
+Json ToJson(const FlatField& field) { return {{"columns", field.columns}, {"rows", field.rows}, {"gain", field.gain}}; }
+
+FlatField FlatFieldFrom(const Json& json) {
+  FlatField field{json.at("columns"), json.at("rows"), json.at("gain").get<std::vector<double>>()};
+  if (field.columns < 1 || field.rows < 1 ||
+      field.gain.size() != static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows)) {
+    throw MapError("the build report in the map has a flat field of wrong size; build the map again");
+  }
+  return field;
+}
+
+Json ToJson(const MarkerFit& marker) {
+  return {{"id", marker.id},
+          {"known", marker.known},
+          {"used", marker.used},
+          {"frames", marker.frames},
+          {"error_m", marker.known ? Json(marker.error_m) : Json(nullptr)}};
+}
+
+MarkerFit MarkerFrom(const Json& json) {
+  const Json& error_m = json.at("error_m");
+  return {json.at("id"), json.at("known"), json.at("used"), json.at("frames"),
+          error_m.is_null() ? 0.0 : error_m.get<double>()};
+}
+
+template <typename T>
+Json ListJson(const std::vector<T>& items) {
+  Json json = Json::array();
+  for (const T& item : items) {
+    json.push_back(ToJson(item));
+  }
+  return json;
+}
+
+template <typename T>
+std::vector<T> ListFrom(const Json& json, const char* name, T (*parse)(const Json&)) {
+  std::vector<T> items;
+  for (const Json& item : json.value(name, Json::array())) {
+    items.push_back(parse(item));
+  }
+  return items;
+}
+
+void ReadNumbers(const Json& json, BuildReport* report) {
+  report->frames = json.value("frames", report->frames);
+  report->frames_used = json.value("frames_used", report->frames_used);
+  report->extends = json.value("extends", report->extends);
+  report->frames_found = json.value("frames_found", report->frames_found);
+  report->warnings = json.value("warnings", report->warnings);
+  report->part_sizes = json.value("parts", report->part_sizes);
+  report->kept_all = json.value("kept_all", report->kept_all);
+  report->links = json.value("links", report->links);
+  report->rejected_links = json.value("rejected_links", report->rejected_links);
+  report->overlapping_pairs = json.value("overlapping_pairs", report->overlapping_pairs);
+  report->unmatched_pairs = json.value("unmatched_pairs", report->unmatched_pairs);
+  report->link_rms_m = json.value("link_rms_m", report->link_rms_m);
+  report->link_rms_sigma = json.value("link_rms_sigma", report->link_rms_sigma);
+  report->drift_m = json.value("drift_m", report->drift_m);
+  report->drift_rad = json.value("drift_rad", report->drift_rad);
+  report->area_m2 = json.value("area_m2", report->area_m2);
+  report->keypoints = json.value("keypoints", report->keypoints);
+  report->mean_observations = json.value("mean_observations", report->mean_observations);
+  if (json.contains("extent")) {
+    const Json& extent = json.at("extent");
+    report->extent = {extent.at("x_min"), extent.at("x_max"), extent.at("y_min"), extent.at("y_max")};
+  }
+}
+
+}  // namespace
+
+std::string ToJson(const BuildReport& report, bool with_times) {
+  const RectM& extent = report.extent;
+  Json json{
+      {"frames", report.frames},
+      {"frames_used", report.frames_used},
+      {"dropped", ListJson(report.dropped)},
+      {"warnings", report.warnings},
+      {"parts", report.part_sizes},
+      {"kept_all", report.kept_all},
+      {"links", report.links},
+      {"rejected_links", report.rejected_links},
+      {"overlapping_pairs", report.overlapping_pairs},
+      {"unmatched_pairs", report.unmatched_pairs},
+      {"link_rms_m", report.link_rms_m},
+      {"link_rms_sigma", report.link_rms_sigma},
+      {"drift_m", report.drift_m},
+      {"drift_rad", report.drift_rad},
+      {"self_calibration", Json::parse(floorloc::ToJson(report.self_calibration))},
+      {"area_m2", report.area_m2},
+      {"extent", {{"x_min", extent.x_min}, {"x_max", extent.x_max}, {"y_min", extent.y_min}, {"y_max", extent.y_max}}},
+      {"keypoints", report.keypoints},
+      {"mean_observations", report.mean_observations},
+      {"held_out", ListJson(report.held_out)},
+      {"control_points", ListJson(report.control_points)},
+      {"markers", ListJson(report.markers)},
+      {"flat_fields", ListJson(report.flat_fields)}};
+  if (!report.extends.empty()) {
+    json["extends"] = report.extends;
+    json["frames_found"] = report.frames_found;
+  }
+  if (with_times) {
+    json["content_version"] = report.content_version;
+    for (const auto& [stage, seconds] : report.stage_s) {
+      json["stage_s"][stage] = seconds;
+    }
+    json["total_s"] = report.total_s;
+    json["resumed_frames"] = report.resumed_frames;
+    json["frames_per_s"] = report.total_s > 0.0 ? report.frames / report.total_s : 0.0;
+  }
+  return json.dump(2);
+}
+
+BuildReport ParseBuildReport(const std::string& text) {
+  BuildReport report;
+  try {
+    const Json json = Json::parse(text);
+    ReadNumbers(json, &report);
+    report.dropped = ListFrom(json, "dropped", DroppedFrom);
+    report.held_out = ListFrom(json, "held_out", HeldOutFrom);
+    report.control_points = ListFrom(json, "control_points", ControlPointFrom);
+    report.markers = ListFrom(json, "markers", MarkerFrom);
+    report.flat_fields = ListFrom(json, "flat_fields", FlatFieldFrom);
+  } catch (const nlohmann::json::exception& error) {
+    throw MapError(std::string("the build report in the map is damaged (") + error.what() +
+                   "); restore the map from a copy or build it again");
+  }
+  return report;
+}
+
+}  // namespace floorloc

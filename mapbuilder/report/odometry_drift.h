@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mapbuilder/report/map_evidence.h"
+
+namespace floorloc {
+
+/// One frame's place, the middle of its view, map frame.
+struct DriftSample {
+  Eigen::Vector2d by_odometry = Eigen::Vector2d::Zero();
+  Eigen::Vector2d in_map = Eigen::Vector2d::Zero();
+  double travelled_m = 0.0;  ///< along odometry's path since the survey's first frame
+  double error_m = 0.0;
+  double error_rad = 0.0;
+};
+
+/// How odometry strayed from the map over one survey, both made to agree at its first frame.
+struct OdometryDrift {
+  int survey = 0;
+  std::vector<DriftSample> samples;
+  double largest_m = 0.0;
+  double largest_rad = 0.0;
+  double travelled_m = 0.0;
+};
+
+/// One entry per survey with odometry.
+std::vector<OdometryDrift> FollowOdometry(const MapEvidence& evidence);
+
+}  // namespace floorloc

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/report/page_sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "mapbuilder/report/charts.h"
+#include "mapbuilder/report/colour_scale.h"
+#include "mapbuilder/report/number_text.h"
+#include "mapbuilder/report/odometry_drift.h"
+#include "mapbuilder/report/weakness_text.h"
+#include "mapbuilder/svg_plot.h"
+
+namespace floorloc {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+
+// "too_few_inliers" -> "too few inliers"
+std::string Words(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+std::string List(const std::vector<std::string>& sentences, const char* css_class) {
+  std::string html;
+  for (const std::string& sentence : sentences) {
+    html += "<li>" + EscapeHtml(sentence) + "</li>";
+  }
+  return html.empty() ? "" : std::string("<ul class='") + css_class + "'>" + html + "</ul>";
+}
+
+std::string Tile(const std::string& key, const std::string& title, const std::string& value, const std::string& note) {
+  return "<div class='tile'><dt>" + title + "</dt><dd data-number='" + key + "'>" + value + "<small>" +
+         EscapeHtml(note) + "</small></dd></div>";
+}
+
+std::string Tiles(const ReportPage& page) {
+  const BuildReport& build = page.evidence.build;
+  const HeldOutScore score = ScoreHeldOut(build.held_out);
+  std::vector<double> errors;
+  for (const LinkStrain& strain : page.quality.link_strain) {
+    errors.push_back(strain.error_m);
+  }
+  const double surveyed_m2 = page.quality.surveyed_m2;
+  const auto keypoints = static_cast<int>(page.evidence.map.keypoints.size());
+  std::string html = "<dl class='tiles'>";
+  html += Tile("area", "Floor", AreaText(surveyed_m2),
+               LengthText(page.evidence.map.info.extent.width_m()) + " x " +
+                   LengthText(page.evidence.map.info.extent.height_m()));
+  html += Tile("frames", "Frames in the map", NumberText(static_cast<int>(page.evidence.frames.size())),
+               !build.extends.empty() ? NumberText(build.frames_used) + " of " + NumberText(build.frames) + " new ones"
+               : build.frames > 0     ? "of " + NumberText(build.frames)
+                                      : "");
+  html += score.frames > 0 ? Tile("held-out", "Held-out frames found",
+                                  PercentText(static_cast<double>(score.localized) / score.frames),
+                                  NumberText(score.localized) + " of " + NumberText(score.frames) + ", " +
+                                      NumberText(score.wrong) + " wrong")
+                           : Tile("held-out", "Held-out frames found", "-", "not tried");
+  html += Tile("agreement", "Neighbours agree within", LengthText(Quantile(errors, 0.5)),
+               "95 %: " + LengthText(Quantile(errors, 0.95)));
+  html += Tile("weak", "Weak floor", PercentText(surveyed_m2 > 0.0 ? page.quality.weak_m2 / surveyed_m2 : 0.0),
+               AreaText(page.quality.weak_m2));
+  html += Tile("keypoints", "Keypoints", NumberText(keypoints),
+               NumberText(static_cast<int>(surveyed_m2 > 0.0 ? keypoints / surveyed_m2 : 0.0)) + " per m², seen " +
+                   FixedText(build.mean_observations, 1) + " times");
+  if (build.drift_m > 0.0) {
+    html += Tile("drift", "Drift removed", LengthText(build.drift_m),
+                 FixedText(build.drift_rad * kDegrees, 1) + " degrees");
+  }
+  return html + "</dl>";
+}
+
+std::string DistanceChart(const std::vector<OdometryDrift>& drifts) {
+  std::vector<ChartLine> lines;
+  for (const OdometryDrift& drift : drifts) {
+    ChartLine line{"survey " + std::to_string(drift.survey + 1), {}};
+    for (const DriftSample& sample : drift.samples) {
+      line.points.emplace_back(sample.travelled_m, 1e2 * sample.error_m);
+    }
+    lines.push_back(std::move(line));
+  }
+  return LineChart(lines, {"metres travelled", "drift, cm", "How odometry strayed from the map along the way"});
+}
+
+std::string ControlPointsTable(const std::vector<ControlPointError>& points) {
+  constexpr std::size_t kMost = 50;
+  std::ostringstream html;
+  html << "<div class='card'><h3>Control points</h3><p>" << points.size() << " sightings, off by "
+       << LengthText(ControlPointRms(points)) << " RMS.</p><div class='scroll'><table><tr><th>Frame</th><th "
+       << "class='number'>x, m</th><th class='number'>y, m</th><th class='number'>Error</th></tr>";
+  for (std::size_t i = 0; i < std::min(kMost, points.size()); ++i) {
+    const ControlPointError& point = points[i];
+    html << "<tr><td>" << EscapeHtml(point.filename) << "</td><td class='number'>" << FixedText(point.surveyed_m.x(), 3)
+         << "</td><td class='number'>" << FixedText(point.surveyed_m.y(), 3) << "</td><td class='number'>"
+         << LengthText((point.seen_m - point.surveyed_m).norm()) << "</td></tr>";
+  }
+  html << "</table></div>" << (points.size() > kMost ? "<p>report.json has all of them.</p>" : "") << "</div>";
+  return html.str();
+}
+
+std::string MarkersTable(const std::vector<MarkerFit>& markers) {
+  std::ostringstream html;
+  html << "<div class='card'><h3>Markers</h3><div class='scroll'><table><tr><th class='number'>Marker</th><th "
+          "class='number'>Frames</th><th class='number'>Error</th><th></th></tr>";
+  for (const MarkerFit& marker : markers) {
+    html << "<tr><td class='number'>" << marker.id << "</td><td class='number'>" << marker.frames
+         << "</td><td class='number'>" << (marker.known ? LengthText(marker.error_m) : "-") << "</td><td>"
+         << (!marker.known  ? "of unknown place"
+             : !marker.used ? "contradicts the others, not used"
+                            : "")
+         << "</td></tr>";
+  }
+  html << "</table></div></div>";
+  return html.str();
+}
+
+std::string FieldPicture(const FlatField& field) {
+  const auto [least, greatest] = std::minmax_element(field.gain.begin(), field.gain.end());
+  std::ostringstream svg;
+  svg << "<svg class='field' viewBox='0 0 " << field.columns << " " << field.rows
+      << "' role='img'><title>Brightness over the picture</title>";
+  for (std::size_t i = 0; i < field.gain.size(); ++i) {
+    const auto column = static_cast<int>(i) % field.columns, row = static_cast<int>(i) / field.columns;
+    const int grey = static_cast<int>(std::lround(std::clamp(235.0 * *least / field.gain[i], 0.0, 255.0)));
+    svg << "<rect x='" << column << "' y='" << row << "' width='1.02' height='1.02' fill='rgb(" << grey << "," << grey
+        << "," << grey << ")'/>";
+  }
+  svg << "</svg><p>The darkest part of the picture gets " << PercentText(*least / *greatest)
+      << " of the light of the brightest.</p>";
+  return svg.str();
+}
+
+std::string FailuresTable(const MapEvidence& evidence) {
+  std::ostringstream html;
+  html << "<div class='card'><h3>Those not found</h3><div class='scroll'><table><tr><th>Frame</th><th "
+          "class='number'>x, m</th><th class='number'>y, m</th><th>Outcome</th><th class='number'>Keypoints that "
+          "fit</th></tr>";
+  for (const HeldOutFrame& frame : evidence.build.held_out) {
+    if (frame.status == "localized") {
+      continue;
+    }
+    const Eigen::Vector2d at = frame.map_from_base * evidence.map.info.camera().floor.roi.Center();
+    const std::string& why = frame.reason.empty() ? frame.status : frame.reason;
+    html << "<tr><td>" << EscapeHtml(frame.filename) << "</td><td class='number'>" << FixedText(at.x(), 2)
+         << "</td><td class='number'>" << FixedText(at.y(), 2) << "</td><td>"
+         << EscapeHtml(frame.status == "wrong" ? "wrong by " + LengthText(frame.error_m) : Words(why))
+         << "</td><td class='number'>" << frame.inliers << " of " << frame.keypoints << "</td></tr>";
+  }
+  html << "</table></div></div>";
+  return html.str();
+}
+
+}  // namespace
+
+std::string VerdictSection(const ReportPage& page) {
+  const std::string trust = ToString(page.verdict.trust);
+  return "<section id='verdict'><div class='card verdict " + trust + "' data-verdict='" + trust + "'><h2>" +
+         EscapeHtml(page.verdict.headline) + "</h2>" + List(page.verdict.reasons, "reasons") +
+         List(page.verdict.facts, "facts") + "</div>" + Tiles(page) + "</section>\n";
+}
+
+std::string ResurveySection(const ReportPage& page) {
+  constexpr std::size_t kMost = 40;
+  const std::vector<Zone>& zones = page.quality.zones;
+  std::ostringstream html;
+  html << "<section id='resurvey'><h2>Re-survey here</h2>";
+  if (zones.empty()) {
+    html << "<p>Nowhere: no hole and no weak place was found.</p></section>\n";
+    return html.str();
+  }
+  html << "<p>The most important place first. The numbers stand on the map below; click one to go there.</p><div "
+          "class='card scroll'><table><tr><th>No.</th><th class='number'>x, m</th><th class='number'>y, m</th><th "
+          "class='number'>Size</th><th>What is wrong</th><th>What to do</th></tr>\n";
+  for (std::size_t i = 0; i < std::min(kMost, zones.size()); ++i) {
+    const Zone& zone = zones[i];
+    html << "<tr data-zone-row='" << i + 1 << "' data-x='" << FixedText(zone.mark.x(), 3) << "' data-y='"
+         << FixedText(zone.mark.y(), 3) << "' data-size='"
+         << FixedText(std::max(zone.box.width_m(), zone.box.height_m()), 3)
+         << "'><td><button class='badge' style='background:" << ColourOf(zone.weakness) << "' aria-label='Go to place "
+         << i + 1 << "'>" << i + 1 << "</button></td><td class='number'>" << FixedText(zone.mark.x(), 2)
+         << "</td><td class='number'>" << FixedText(zone.mark.y(), 2) << "</td><td class='number'>"
+         << AreaText(zone.area_m2) << "<br><small>" << LengthText(zone.box.width_m()) << " x "
+         << LengthText(zone.box.height_m()) << "</small></td><td><b>" << EscapeHtml(Name(zone.weakness)) << "</b><br>"
+         << EscapeHtml(Describe(zone)) << "</td><td>" << EscapeHtml(Advice(zone)) << "</td></tr>\n";
+  }
+  html << "</table></div>"
+       << (zones.size() > kMost ? "<p>" + NumberText(static_cast<int>(zones.size() - kMost)) +
+                                      " smaller places stand on the map and in report.json.</p>"
+                                : "")
+       << "</section>\n";
+  return html.str();
+}
+
+std::string GeometrySection(const ReportPage& page) {
+  std::vector<double> errors_mm;
+  for (const LinkStrain& strain : page.quality.link_strain) {
+    errors_mm.push_back(1e3 * strain.error_m);
+  }
+  const BuildReport& build = page.evidence.build;
+  const std::vector<OdometryDrift> drifts = FollowOdometry(page.evidence);
+  std::ostringstream html;
+  html << "<section id='geometry'><h2>Geometry</h2><p>" << NumberText(build.links) << " overlaps were measured; "
+       << NumberText(build.rejected_links) << " more contradicted the rest and were left out; of "
+       << NumberText(build.overlapping_pairs) << " pairs of frames that share most of their floor, "
+       << NumberText(build.unmatched_pairs) << " do not match.</p><div class='two'>";
+  if (!errors_mm.empty()) {
+    html << "<div class='card'><h3>How well overlaps agree with the map</h3><p>Distance between where a frame is and "
+            "where its neighbour's picture says it is.</p>"
+         << Histogram(errors_mm, {"mm", "links", "Histogram of the links' errors"}) << "</div>";
+  }
+  if (!drifts.empty()) {
+    html << "<div class='card'><h3>Drift found and removed</h3><p>";
+    for (const OdometryDrift& drift : drifts) {
+      html << "Over " << LengthText(drift.travelled_m) << " odometry strayed by up to " << LengthText(drift.largest_m)
+           << " and " << FixedText(drift.largest_rad * kDegrees, 1) << " degrees. ";
+    }
+    html << "</p>" << DistanceChart(drifts) << "</div>";
+  }
+  if (!build.control_points.empty()) {
+    html << ControlPointsTable(build.control_points);
+  }
+  if (!build.markers.empty()) {
+    html << MarkersTable(build.markers);
+  }
+  html << "</div></section>\n";
+  return html.str();
+}
+
+std::string HeldOutSection(const ReportPage& page) {
+  const std::vector<HeldOutFrame>& frames = page.evidence.build.held_out;
+  if (frames.empty()) {
+    return "";
+  }
+  const HeldOutScore score = ScoreHeldOut(frames);
+  std::vector<double> errors_mm;
+  for (const HeldOutFrame& frame : frames) {
+    if (frame.status == "localized") {
+      errors_mm.push_back(1e3 * frame.error_m);
+    }
+  }
+  std::ostringstream html;
+  html << "<section id='held-out'><h2>Would a robot find itself?</h2><p>" << score.frames
+       << " frames, spread over the floor, were left out; each was then sought in the map of the others, on the whole "
+          "floor and without any hint. "
+       << score.localized << " were found at the right place, " << score.wrong << " at a wrong one; "
+       << score.frames - score.localized - score.wrong << " were not found"
+       << (score.ambiguous > 0 ? " (" + NumberText(score.ambiguous) + " of them fit several places)" : "")
+       << ".</p><div class='two'>";
+  if (!errors_mm.empty()) {
+    html << "<div class='card'><h3>Error of those found</h3><p>Median " << LengthText(score.median_m) << " and "
+         << FixedText(score.median_rad * kDegrees, 3) << " degrees, 95 %: " << LengthText(score.p95_m)
+         << ". Compared with where the build put them, so errors of the calibration do not show.</p>"
+         << Histogram(errors_mm, {"mm", "frames", "Histogram of the errors of held-out frames"}) << "</div>";
+  }
+  if (score.localized < score.frames) {
+    html << FailuresTable(page.evidence);
+  }
+  html << "</div></section>\n";
+  return html.str();
+}
+
+std::string ExposureSection(const ReportPage& page) {
+  std::map<int, ChartLine> by_survey;
+  for (const MapFrame& frame : page.evidence.frames) {
+    ChartLine& line = by_survey[frame.survey];
+    line.points.emplace_back(static_cast<double>(line.points.size()), frame.gain);
+  }
+  std::vector<ChartLine> lines;
+  std::vector<double> gains;
+  for (auto& [survey, line] : by_survey) {
+    line.name = "survey " + std::to_string(survey + 1);
+    for (const auto& point : line.points) {
+      gains.push_back(point.second);
+    }
+    lines.push_back(std::move(line));
+  }
+  std::ostringstream html;
+  html << "<section id='exposure'><h2>Light</h2><div class='two'><div class='card'><h3>Exposure over time</h3><p>What "
+          "each frame was multiplied with, so that the mosaic is even: "
+       << FixedText(Quantile(gains, 0.0), 2) << " to " << FixedText(Quantile(gains, 1.0), 2) << ".</p>"
+       << LineChart(lines, {"frame", "gain", "Gain of each frame in the order of the survey"}) << "</div>";
+  for (std::size_t i = 0; i < page.evidence.build.flat_fields.size(); ++i) {
+    html << "<div class='card'><h3>Light over the picture"
+         << (page.evidence.build.flat_fields.size() > 1 ? ", survey " + std::to_string(i + 1) : "")
+         << "</h3><p>Vignetting and lamps that ride along; evened out in the mosaic.</p>"
+         << FieldPicture(page.evidence.build.flat_fields[i]) << "</div>";
+  }
+  html << "</div></section>\n";
+  return html.str();
+}
+
+std::string DroppedSection(const ReportPage& page) {
+  constexpr std::size_t kMost = 12;
+  const std::vector<DroppedFrame>& dropped = page.evidence.build.dropped;
+  if (dropped.empty()) {
+    return "";
+  }
+  std::map<std::string, std::vector<std::string>> by_reason;
+  for (const DroppedFrame& frame : dropped) {
+    by_reason[frame.reason].push_back(frame.filename);
+  }
+  std::ostringstream html;
+  html << "<section id='dropped'><h2>Frames left out</h2><p>" << NumberText(static_cast<int>(dropped.size())) << " of "
+       << NumberText(page.evidence.build.frames) << " frames are not in the map.</p><div class='card scroll'><table>"
+       << "<tr><th>Reason</th><th class='number'>Frames</th><th>Files</th></tr>";
+  for (const auto& [reason, files] : by_reason) {
+    html << "<tr><td>" << EscapeHtml(reason) << "</td><td class='number'>" << files.size() << "</td><td>";
+    for (std::size_t i = 0; i < std::min(kMost, files.size()); ++i) {
+      html << (i > 0 ? ", " : "") << EscapeHtml(files[i]);
+    }
+    html << (files.size() > kMost ? ", ... (report.json has all)" : "") << "</td></tr>";
+  }
+  html << "</table></div></section>\n";
+  return html.str();
+}
+
+std::string OriginSection(const ReportPage& page) {
+  const MapInfo& info = page.evidence.map.info;
+  std::ostringstream html;
+  html << "<section id='origin'><h2>Where this map comes from</h2><div class='card'><dl class='facts'>";
+  const auto fact = [&](const std::string& name, const std::string& value) {
+    html << "<dt>" << name << "</dt><dd>" << EscapeHtml(value) << "</dd>";
+  };
+  fact("Map", info.id);
+  fact("Version", info.content_version);
+  for (const MapParent& parent : info.parents) {
+    fact(EscapeHtml(parent.relation), parent.id + ", version " + parent.content_version);
+  }
+  fact("Resolution", FixedText(1e3 * info.resolution_m, 2) + " mm per pixel");
+  fact("Features", ToString(info.extractor.type));
+  const auto surveys = nlohmann::json::parse(info.surveys_json, nullptr, false);
+  for (const auto& survey : surveys.is_array() ? surveys : nlohmann::json::array()) {
+    fact("Survey", survey.value("folder", "") + ": " + std::to_string(survey.value("frames", 0)) + " frames, camera " +
+                       survey.value("camera", "") + (survey.value("odometry", false) ? ", with odometry" : ""));
+  }
+  html << "</dl></div></section>\n";
+  return html.str();
+}
+
+}  // namespace floorloc

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "mapbuilder/report/verdict.h"
+
+namespace floorloc {
+
+/// What the page shows, as numbers: verdict, zones ("resurvey", the most important first), distributions, the build.
+std::string ReportJson(const MapEvidence& evidence, const MapQuality& quality, const Verdict& verdict);
+
+}  // namespace floorloc

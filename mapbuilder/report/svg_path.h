@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "mapbuilder/report/floor_grid.h"
+
+namespace floorloc {
+
+/// Path data in metres with y pointing down, millimetre digits.
+class SvgPath {
+ public:
+  void MoveTo(const Eigen::Vector2d& point) { Add('M', point); }
+  void LineTo(const Eigen::Vector2d& point) { Add('L', point); }
+  /// A point that a round line cap makes a disc.
+  void Dot(const Eigen::Vector2d& point);
+  void Cross(const Eigen::Vector2d& point, double arm_m);
+  void Triangle(const Eigen::Vector2d& point, double arm_m);
+  /// The outline of cells, as one rectangle per run in a row.
+  void Cells(const FloorGrid& grid, std::vector<std::size_t> cells);
+
+  bool empty() const { return data_.empty(); }
+  /// <path class='...' style='...' d='...'/>
+  std::string Element(const std::string& css_class, const std::string& style = "") const;
+
+ private:
+  void Add(char command, const Eigen::Vector2d& point);
+
+  std::string data_;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/report/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mapbuilder/report/number_text.h"
+
+namespace floorloc {
+namespace {
+
+// Shares and counts from which on a map should not be used, or not without a look.
+constexpr double kFewFramesUsed = 0.7, kSomeFramesLost = 0.95;
+constexpr double kRarelyFound = 0.75, kNotAlwaysFound = 0.95;
+constexpr double kOftenWrong = 0.02;
+constexpr double kFolded = 0.25;
+constexpr double kLargelyWeak = 0.25;
+constexpr double kControlPointM = 0.005;
+
+double Share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+// Sentences in two drawers: what makes the map useless, and what must be looked at.
+struct Complaints {
+  std::vector<std::string> severe, mild;
+
+  void Add(bool is_severe, const std::string& sentence) { (is_severe ? severe : mild).push_back(sentence); }
+};
+
+void JudgeHeldOut(const HeldOutScore& score, Complaints* complaints) {
+  if (score.frames == 0) {
+    complaints->Add(false,
+                    "No frame was held out and localized, so nobody has tried yet whether robots find themselves in "
+                    "this map: too few frames, too little overlap, or the build was told not to.");
+    return;
+  }
+  const double found = Share(score.localized, score.frames);
+  if (found < kNotAlwaysFound) {
+    complaints->Add(found < kRarelyFound, NumberText(score.frames - score.localized - score.wrong) + " of " +
+                                              NumberText(score.frames) +
+                                              " held-out frames were not localized in a map made without them.");
+  }
+  if (score.wrong > 0) {
+    complaints->Add(score.wrong > 1 && Share(score.wrong, score.frames) > kOftenWrong,
+                    NumberText(score.wrong) + " of " + NumberText(score.frames) +
+                        " held-out frames were localized at a wrong place.");
+  }
+}
+
+void JudgeFrames(const BuildReport& build, Complaints* complaints) {
+  const double used = Share(build.frames_used, build.frames);
+  if (build.frames > 0 && used < kSomeFramesLost) {
+    complaints->Add(used < kFewFramesUsed, NumberText(build.frames - build.frames_used) + " of " +
+                                               NumberText(build.frames) + (build.extends.empty() ? "" : " new") +
+                                               " frames are not in the map.");
+  }
+  for (const std::string& warning : AllWarnings(build)) {
+    complaints->Add(false, warning + (warning.ends_with('.') ? "" : "."));
+  }
+  if (Share(build.unmatched_pairs, build.overlapping_pairs) > kFolded) {
+    complaints->Add(true, "So many overlapping frames do not match that the map may be folded onto itself.");
+  }
+}
+
+void JudgeFloor(const MapEvidence& evidence, const MapQuality& quality, Complaints* complaints) {
+  double bare_m2 = 0.0, missing_m2 = 0.0, alike_m2 = 0.0, other_m2 = 0.0;
+  for (const Zone& zone : quality.zones) {
+    (zone.weakness == Weakness::kFewKeypoints  ? bare_m2
+     : zone.weakness == Weakness::kNotSurveyed ? missing_m2
+     : zone.weakness == Weakness::kSelfSimilar ? alike_m2
+                                               : other_m2) += zone.area_m2;
+  }
+  const double all_m2 = quality.surveyed_m2 + missing_m2;
+  const auto part = [&](double area_m2) {
+    return AreaText(area_m2) + " (" + PercentText(Share(area_m2, all_m2)) + ")";
+  };
+  if (bare_m2 > 0.0) {
+    complaints->Add(Share(bare_m2, all_m2) > kLargelyWeak,
+                    part(bare_m2) + " of the floor has too few keypoints for a robot to hold on to.");
+  }
+  if (missing_m2 > 0.0) {
+    complaints->Add(
+        Share(missing_m2, all_m2) > kLargelyWeak,
+        part(missing_m2) + " of floor was missed: it lies between surveyed places, or its frames could not be used.");
+  }
+  if (alike_m2 > 0.0) {
+    complaints->Add(false, part(alike_m2) +
+                               " of the floor looks like other places of this map; a robot there needs a rough idea "
+                               "of where it is (a prior).");
+  }
+  if (other_m2 > 0.0) {
+    complaints->Add(false, part(other_m2) + " of the floor is weak for other reasons; the list below names them.");
+  }
+  if (!evidence.build.control_points.empty()) {
+    const double rms_m = ControlPointRms(evidence.build.control_points);
+    if (rms_m > kControlPointM) {
+      complaints->Add(false, "The map misses its control points by " + LengthText(rms_m) +
+                                 " RMS; check their coordinates and pixels.");
+    }
+  }
+}
+
+std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& quality, const HeldOutScore& score) {
+  std::vector<std::string> facts;
+  facts.push_back(NumberText(static_cast<int>(evidence.frames.size())) + " frames cover " +
+                  AreaText(quality.surveyed_m2) + " of floor; " + NumberText(static_cast<int>(evidence.links.size())) +
+                  " measured overlaps tie them together.");
+  if (score.frames > 0) {
+    facts.push_back(NumberText(score.localized) + " of " + NumberText(score.frames) +
+                    " frames that were held out were found again without any hint, " + LengthText(score.median_m) +
+                    " off in the median.");
+  }
+  if (!quality.link_strain.empty()) {
+    std::vector<double> errors;
+    for (const LinkStrain& strain : quality.link_strain) {
+      errors.push_back(strain.error_m);
+    }
+    facts.push_back("Neighbouring frames agree within " + LengthText(Quantile(errors, 0.5)) +
+                    " (95 %: " + LengthText(Quantile(errors, 0.95)) + ").");
+  }
+  if (evidence.build.drift_m > 0.0) {
+    facts.push_back("Odometry had strayed by up to " + LengthText(evidence.build.drift_m) + "; that is removed.");
+  }
+  return facts;
+}
+
+}  // namespace
+
+const char* ToString(Trust trust) {
+  return trust == Trust::kTrust ? "trust" : trust == Trust::kLookAt ? "look_at" : "survey_again";
+}
+
+HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames) {
+  HeldOutScore score;
+  std::vector<double> errors_m, errors_rad;
+  for (const HeldOutFrame& frame : frames) {
+    ++score.frames;
+    score.wrong += frame.status == "wrong" ? 1 : 0;
+    score.ambiguous += frame.status == "ambiguous" ? 1 : 0;
+    if (frame.status == "localized") {
+      ++score.localized;
+      errors_m.push_back(frame.error_m);
+      errors_rad.push_back(frame.error_rad);
+    }
+  }
+  score.median_m = Quantile(errors_m, 0.5);
+  score.p95_m = Quantile(errors_m, 0.95);
+  score.median_rad = Quantile(errors_rad, 0.5);
+  return score;
+}
+
+double ControlPointRms(const std::vector<ControlPointError>& points) {
+  double sum = 0.0;
+  for (const ControlPointError& point : points) {
+    sum += (point.seen_m - point.surveyed_m).squaredNorm();
+  }
+  return points.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+Verdict Judge(const MapEvidence& evidence, const MapQuality& quality) {
+  const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
+  Complaints complaints;
+  JudgeHeldOut(score, &complaints);
+  JudgeFrames(evidence.build, &complaints);
+  JudgeFloor(evidence, quality, &complaints);
+  Verdict verdict;
+  verdict.facts = Facts(evidence, quality, score);
+  verdict.reasons = complaints.severe;
+  verdict.reasons.insert(verdict.reasons.end(), complaints.mild.begin(), complaints.mild.end());
+  if (!complaints.severe.empty()) {
+    verdict.trust = Trust::kSurveyAgain;
+    verdict.headline = "Do not use this map yet: survey again";
+  } else if (!complaints.mild.empty()) {
+    verdict.trust = Trust::kLookAt;
+    verdict.headline = quality.zones.empty()       ? "You can trust this map, but read what stands below"
+                       : quality.zones.size() == 1 ? "You can trust this map, but look at one place"
+                                                   : "You can trust this map, but look at " +
+                                                         NumberText(static_cast<int>(quality.zones.size())) + " places";
+  } else {
+    verdict.headline = "You can trust this map";
+  }
+  return verdict;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/report/verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/mapbuilder/report/made_up_map.h"
+
+namespace floorloc {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Verdict VerdictOf(const MapEvidence& evidence) { return Judge(evidence, MeasureQuality(evidence, {})); }
+
+TEST(VerdictTest, AGoodMapIsTrusted) {
+  const Verdict verdict = VerdictOf(MakeMapEvidence());
+  EXPECT_EQ(verdict.trust, Trust::kTrust);
+  EXPECT_THAT(verdict.reasons, IsEmpty());
+  EXPECT_THAT(verdict.facts, Contains(HasSubstr("4 of 4 frames")));
+}
+
+TEST(VerdictTest, AMapThatNobodyTriedIsNotSimplyTrusted) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.held_out.clear();
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt);
+}
+
+TEST(VerdictTest, AHoleIsToBeLookedAt) {
+  const Verdict verdict = VerdictOf(
+      MakeMapEvidence([](const Eigen::Vector2d& view) { return (view - Eigen::Vector2d(1.6, 1.2)).norm() > 0.5; }));
+  EXPECT_EQ(verdict.trust, Trust::kLookAt);
+  EXPECT_THAT(verdict.headline, HasSubstr("look at one place"));
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("of floor was missed")));
+}
+
+TEST(VerdictTest, AFloorThatIsLargelyPlainIsToBeSurveyedAgain) {
+  MapEvidence evidence = MakeMapEvidence();
+  ClearKeypoints({0.0, 1.6, 0.0, 2.4}, &evidence);
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kSurveyAgain);
+  EXPECT_THAT(verdict.reasons.front(), HasSubstr("too few keypoints"));
+}
+
+TEST(VerdictTest, AFloorOfTilesNeedsAPriorButNoNewSurvey) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.map.keypoints.distinctiveness.assign(evidence.map.keypoints.size(), 12);
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kLookAt);
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("a prior")));
+}
+
+TEST(VerdictTest, HeldOutFramesDecide) {
+  MapEvidence evidence = MakeMapEvidence();
+  for (int i = 0; i < 16; ++i) {
+    evidence.build.held_out.push_back(evidence.build.held_out.front());
+  }
+  evidence.build.held_out[0].status = "not_localized";
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt) << "its place is weak";
+  for (std::size_t i = 0; i < 6; ++i) {
+    evidence.build.held_out[i].status = "not_localized";
+  }
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kSurveyAgain);
+  for (std::size_t i = 0; i < 6; ++i) {
+    evidence.build.held_out[i].status = i < 2 ? "wrong" : "localized";
+  }
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kSurveyAgain);
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("wrong place")));
+}
+
+TEST(VerdictTest, ManyUnmatchedOverlapsMeanAFoldedMap) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.overlapping_pairs = 100;
+  evidence.build.unmatched_pairs = 15;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt);
+  evidence.build.unmatched_pairs = 40;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kSurveyAgain);
+}
+
+TEST(VerdictTest, LostFramesCount) {
+  MapEvidence evidence = MakeMapEvidence();
+  const int used = evidence.build.frames_used;
+  evidence.build.frames = used + used / 10;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt);
+  evidence.build.frames = 2 * used;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kSurveyAgain);
+}
+
+TEST(VerdictTest, ControlPointsThatAreMissedAreNamed) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.001, 1.0}}};
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
+  evidence.build.control_points[0].seen_m.x() = 1.02;
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kLookAt);
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("2.0 cm RMS")));
+}
+
+}  // namespace
+}  // namespace floorloc
