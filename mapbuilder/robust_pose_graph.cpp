@@ -11,6 +11,9 @@ namespace {
 // Links that disagree by more standard deviations than this are false.
 constexpr double kMaxSigma = 8.0;
 
+// As few as these do not bend a robust optimum: the many solutions of the graduated one are spared.
+constexpr double kFewShare = 0.01;
+
 constexpr double kMuFactor = 1.4;
 constexpr int kMaxRounds = 60;
 
@@ -71,9 +74,11 @@ RobustPoseGraphSummary OptimizePosesRobustly(PoseGraph* graph) {
   const int agreeing = CountAgreeing(SquaredResiduals(*graph));
   const int count = static_cast<int>(graph->links.size());
   if (agreeing < count) {
-    PoseGraph other = SolveByGraduatedNonConvexity(*graph);
-    if (CountAgreeing(SquaredResiduals(other)) > agreeing) {
-      *graph = std::move(other);
+    if (count - agreeing > kFewShare * count) {
+      PoseGraph other = SolveByGraduatedNonConvexity(*graph);
+      if (CountAgreeing(SquaredResiduals(other)) > agreeing) {
+        *graph = std::move(other);
+      }
     }
     const std::vector<double> squares = SquaredResiduals(*graph);
     std::size_t kept = 0;

@@ -67,14 +67,9 @@ std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& 
     LoadedSurvey loaded{ReadSurvey(folder, bad_frames), nullptr};
     loaded.raw_mask = ReadMask(loaded.survey);
     FloorCamera& camera = loaded.survey.camera;
-    if (resolution_m > 0.0) {
-      camera = camera.AtResolution(resolution_m);
-    }
-    if (!surveys.empty() &&
-        std::abs(surveys.front().survey.camera.floor.resolution_m - camera.floor.resolution_m) > 1e-9) {
-      throw InputError(folder / "floor.yaml", "has another resolution than the first survey (" +
-                                                  (folders.front() / "floor.yaml").string() +
-                                                  "); use the same number in all of them");
+    if (resolution_m > 0.0 || !surveys.empty()) {
+      camera =
+          camera.AtResolution(resolution_m > 0.0 ? resolution_m : surveys.front().survey.camera.floor.resolution_m);
     }
     loaded.rectifier = std::make_shared<Rectifier>(camera);
     surveys.push_back(std::move(loaded));

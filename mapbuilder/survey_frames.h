@@ -44,8 +44,8 @@ struct BuildFrame {
 /// Side of a cell of BuildFrame::brightness, pixels of the rectified picture.
 constexpr int kBrightnessCellPx = 24;
 
-/// Reads the surveys and builds their rectifiers. All must have one resolution, unless they are to be rectified at
-/// another one (resolution_m > 0). Throws InputError.
+/// Reads the surveys and builds their rectifiers: all at resolution_m, or, if that is 0, at that of the first survey's
+/// floor.yaml. Throws InputError.
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders,
                                       BadFrames bad_frames = BadFrames::kRefuse, double resolution_m = 0.0);
 

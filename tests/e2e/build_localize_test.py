@@ -86,7 +86,7 @@ class MainJob(Recorded):
         report = json.loads(run_ok("build", "--survey", self.survey, "--out", self.folder / "m.floormap", "--json"))
         self.assertEqual(report["frames"], 28)
         self.assertEqual(report["parts"], [28])
-        self.assertEqual(set(report["stage_s"]), {"features", "poses", "keypoints", "mosaic", "write"})
+        self.assertEqual(set(report["stage_s"]), {"features", "poses", "keypoints", "held-out", "mosaic", "write"})
         again = json.loads(run_ok("build", "--survey", self.survey, "--out", self.folder / "m.floormap", "--json",
                                   "--threads", "1"))
         self.assertEqual(again["content_version"], report["content_version"])

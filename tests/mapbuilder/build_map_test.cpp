@@ -17,6 +17,7 @@
 #include "core/map/map_database.h"
 #include "core/registration/least_squares.h"
 #include "mapbuilder/export_mosaic.h"
+#include "mapbuilder/simulate.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 
@@ -105,6 +106,27 @@ TEST_F(BuildMapTest, WithOdometryTheGeometryIsTrue) {
   const Pose2 odometry = ReadTum(survey_ / "odometry.tum").front().ToPose2();
   EXPECT_LT((first.translation() - odometry.translation()).norm(), 1e-9);
   EXPECT_NEAR(first.yaw(), odometry.yaw(), 1e-9);
+}
+
+// Another camera, at another resolution, on another day: pictures alone tie the sessions together.
+TEST_F(BuildMapTest, SessionsOfSeveralCamerasMakeOneMap) {
+  SimulateOptions second = SyntheticFloor(1).SurveyOptions(folder_.path() / "second");
+  second.camera = MakeForwardCamera();
+  second.seed += 1;
+  ASSERT_GT(Simulate(second).frames, 0);
+  options_.surveys.push_back(second.out);
+  const BuildReport report = Build();
+  EXPECT_EQ(report.frames_used, report.frames);
+  EXPECT_EQ(report.part_sizes.size(), 1U);
+  const Trajectory truths[] = {truth_, ReadTum(second.out / "groundtruth.tum")};
+  std::vector<OrientedMatch> pairs;
+  for (const MapFrame& frame : Frames()) {
+    const auto truth = InterpolatePose(truths[frame.survey], frame.stamp_ns);
+    ASSERT_TRUE(truth);
+    pairs.push_back({frame.map_from_base.translation(), truth->translation(), 0.0, 0.0});
+  }
+  EXPECT_GT(pairs.size(), 28U);
+  EXPECT_LT(RmsAfterAlignment(pairs), 2e-3);
 }
 
 TEST_F(BuildMapTest, TheMapIsWholeAndConsistentWithItsReport) {
