@@ -12,12 +12,11 @@ import shutil
 import signal
 import struct
 import subprocess
-import tempfile
 import time
 import unittest
 from pathlib import Path
 
-from builder import BINARY, run, run_ok
+from builder import BINARY, Scratch, run, run_ok
 
 FRAME_KEYS = {
     "timestamp", "filename", "status", "x", "y", "yaw", "covariance", "inliers", "p_wrong", "timing_ms",
@@ -34,13 +33,12 @@ def read_tum(file):
     return {row[0]: [float(value) for value in row[1:]] for row in rows}
 
 
-class Recorded(unittest.TestCase):
+class Recorded(Scratch):
     """A survey, a drive over the same floor, and the survey's map in the floor's frame; made once."""
 
     @classmethod
     def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        cls.root = Path(cls.shared.name)
+        super().setUpClass()
         cls.survey = cls.root / "survey"
         cls.drive = cls.root / "drive"
         cls.map = cls.root / "hall.floormap"
@@ -49,15 +47,6 @@ class Recorded(unittest.TestCase):
         run_ok(*floor, "--out", cls.drive, "--seed", "2", "--trajectory", "drive", "--frames", "20", "--fps", "4")
         run_ok("build", "--survey", cls.survey, "--out", cls.map, "--poses", cls.survey / "groundtruth.tum",
                "--poses-sigma", "0.005,0.005")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
-
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
 
     def copy_of_survey(self):
         copy = self.folder / "survey"

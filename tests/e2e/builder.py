@@ -3,6 +3,9 @@
 
 import subprocess
 import sys
+import tempfile
+import unittest
+from pathlib import Path
 
 BINARY = sys.argv.pop(1)
 
@@ -17,3 +20,18 @@ def run_ok(*arguments, timeout=120):
     if result.returncode != 0:
         raise AssertionError(f"{arguments} failed with {result.returncode}: {result.stderr}")
     return result.stdout
+
+
+class Scratch(unittest.TestCase):
+    """Has a folder for all cases of the class, `root`, and one for each of them, `folder`."""
+
+    @classmethod
+    def setUpClass(cls):
+        shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
+        cls.addClassCleanup(shared.cleanup)
+        cls.root = Path(shared.name)
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)

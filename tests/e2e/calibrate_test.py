@@ -15,7 +15,7 @@ import yaml
 
 BOARD_PICTURES = sys.argv.pop(2)
 
-from builder import run, run_ok  # noqa: E402  (builder takes its argument from sys.argv too)
+from builder import Scratch, run, run_ok  # noqa: E402  (builder takes its argument from sys.argv too)
 
 CHESSBOARD = ["--board", "9x6", "--square", "0.02"]
 CHARUCO = ["--board", "9x6", "--square", "0.025", "--charuco", "DICT_4X4_50", "--marker", "0.018"]
@@ -27,18 +27,13 @@ def floor_point(floor_yaml, u, v):
     return x / w, y / w
 
 
-class Calibrate(unittest.TestCase):
+class Calibrate(Scratch):
     @classmethod
     def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        cls.root = Path(cls.shared.name)
+        super().setUpClass()
         for kind in ("chessboard", "charuco", "flat"):
             (cls.root / kind).mkdir()
             subprocess.run([BOARD_PICTURES, cls.root / kind, kind], check=True, timeout=120)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")

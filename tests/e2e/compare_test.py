@@ -4,10 +4,8 @@
 import functools
 import json
 import shutil
-import tempfile
 import unittest
 from html.parser import HTMLParser
-from pathlib import Path
 
 import builder
 
@@ -38,25 +36,15 @@ class Page(HTMLParser):
         self.loads += [value for name, value in attrs if name in ("src", "href")]
 
 
-class Compare(unittest.TestCase):
+class Compare(builder.Scratch):
     @classmethod
     def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        cls.root = Path(cls.shared.name)
+        super().setUpClass()
         cls.survey = cls.root / "survey"
         cls.drive = cls.root / "drive"
         floor = ["simulate", "--texture", "concrete", "--size", "1.0x0.8", "--floor-seed", "5"]
         run_ok(*floor, "--out", cls.survey, "--seed", "1")
         run_ok(*floor, "--out", cls.drive, "--seed", "2", "--trajectory", "drive", "--frames", "6", "--fps", "4")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
-
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
 
     def compare(self, *arguments, survey=None):
         return ["compare", "--survey", survey or self.survey, "--frames", self.drive, *arguments]

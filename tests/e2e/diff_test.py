@@ -4,18 +4,15 @@
 import json
 import re
 import shutil
-import tempfile
 import unittest
-from pathlib import Path
 
-from builder import run, run_ok
+from builder import Scratch, run, run_ok
 
 
-class Diff(unittest.TestCase):
+class Diff(Scratch):
     @classmethod
     def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        cls.root = Path(cls.shared.name)
+        super().setUpClass()
         cls.survey = cls.root / "survey"
         cls.whole = cls.root / "whole.floormap"
         run_ok("simulate", "--texture", "concrete", "--size", "1.2x0.9", "--floor-seed", "5", "--out", cls.survey)
@@ -26,10 +23,6 @@ class Diff(unittest.TestCase):
         (half / "frames.csv").write_text("\n".join(lines[:15]) + "\n")
         cls.half = cls.root / "half.floormap"
         run_ok("build", "--survey", half, "--out", cls.half)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
 
     def diff(self, before, after):
         return json.loads(run_ok("diff", before, after, "--json"))

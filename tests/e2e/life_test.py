@@ -5,22 +5,19 @@ import json
 import random
 import shutil
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
-from builder import BINARY, run, run_ok
+from builder import BINARY, Scratch, run, run_ok
 
 FRAMES = 28
 
 
-class Resumed(unittest.TestCase):
+class Resumed(Scratch):
     """One small survey; builds of it are killed when their progress shows a certain line."""
 
     @classmethod
     def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        cls.root = Path(cls.shared.name)
+        super().setUpClass()
         cls.survey = cls.root / "survey"
         cls.whole = cls.root / "whole.floormap"
         run_ok("simulate", "--texture", "concrete", "--size", "1.2x0.9", "--floor-seed", "5", "--out", cls.survey)
@@ -28,14 +25,8 @@ class Resumed(unittest.TestCase):
         cls.version = json.loads(result.stdout)["content_version"]
         cls.lines = result.stderr.splitlines()
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
-
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
+        super().setUp()
         self.out = self.folder / "m.floormap"
         self.journal = self.folder / "m.floormap.journal"
 

@@ -4,11 +4,8 @@
 import json
 import math
 import shutil
-import tempfile
-import unittest
-from pathlib import Path
 
-from builder import run_ok
+from builder import Scratch, run_ok
 
 FLOOR = ["simulate", "--texture", "concrete", "--size", "1.8x0.9", "--floor-seed", "7"]
 TRUE_POSES = ["--poses-sigma", "0.005,0.005", "--poses"]
@@ -33,11 +30,10 @@ def keep_frames(source, target, keep):
     return len(kept)
 
 
-class PartialSurveys(unittest.TestCase):
+class PartialSurveys(Scratch):
     @classmethod
     def setUpClass(cls):
-        cls.shared = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        cls.root = Path(cls.shared.name)
+        super().setUpClass()
         run_ok(*FLOOR, "--out", cls.root / "first", "--seed", "1")
         run_ok(*FLOOR, "--out", cls.root / "second", "--seed", "2")
         run_ok(*FLOOR, "--out", cls.root / "later", "--seed", "3", "--trajectory", "random", "--frames", "24")
@@ -47,14 +43,8 @@ class PartialSurveys(unittest.TestCase):
         cls.old = cls.root / "old.floormap"
         run_ok("build", "--survey", cls.west, "--out", cls.old, *TRUE_POSES, cls.west / "groundtruth.tum")
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.shared.cleanup()
-
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
+        super().setUp()
         self.out = self.folder / "new.floormap"
 
     def localize(self, floormap, frames):
