@@ -46,14 +46,17 @@ std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std
   return floors;
 }
 
-void AttachPoses(const Trajectory& poses, std::vector<BuildFrame>* frames) {
+void AttachPoses(const Trajectory& poses, const PlacementOptions& options, std::vector<BuildFrame>* frames) {
   if (poses.empty()) {
     return;
   }
+  const Eigen::Vector3d sigma(options.prior_sigma_m, options.prior_sigma_m, options.prior_sigma_rad);
   int attached = 0;
   for (BuildFrame& frame : *frames) {
-    frame.prior_map_from_base = InterpolatePose(poses, frame.info.stamp_ns);
-    attached += frame.prior_map_from_base ? 1 : 0;
+    if (const std::optional<Pose2> pose = InterpolatePose(poses, frame.info.stamp_ns)) {
+      frame.prior = {*pose, sigma.cwiseAbs2().asDiagonal()};
+      ++attached;
+    }
   }
   if (attached == 0) {
     throw InputError("none of the --poses lies at the time of a survey frame; check that both use the same clock");
@@ -180,8 +183,6 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   options.fusion.seed = options.seed;
   options.placement.registration.registration.seed = options.seed;
   options.self_calibration.registration = options.placement.registration;
-  options.self_calibration.prior_sigma_m = options.placement.prior_sigma_m;
-  options.self_calibration.prior_sigma_rad = options.placement.prior_sigma_rad;
   options.held_out.extractor = options.extractor;
   options.held_out.fusion = options.fusion;
   options.held_out.threads = options.threads;
@@ -242,7 +243,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
       surveys, {options.extractor, options.threads, options.progress, &frame_journal, BadFrames::kLeaveOut});
   report.resumed_frames = frame_journal.restored();
   Screen(&surveys, options.placement.registration, &frames, &report);
-  AttachPoses(options.poses, &frames);
+  AttachPoses(options.poses, options.placement, &frames);
   std::optional<MarkerSurvey> markers = UseMarkers(options, &surveys, &frames);
   clock.Finish("features");
 

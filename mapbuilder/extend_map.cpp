@@ -24,9 +24,7 @@ void TieToMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const
                          "; let the survey begin and end on floor that the map has, or add control_points.csv");
   }
   for (const PosePriorFactor& fix : fixes) {
-    BuildFrame& frame = (*frames)[static_cast<std::size_t>(fix.frame)];
-    frame.prior_map_from_base = fix.map_from_base;
-    frame.prior_covariance = fix.covariance;
+    (*frames)[static_cast<std::size_t>(fix.frame)].prior = {fix.map_from_base, fix.covariance};
   }
 }
 

@@ -254,17 +254,14 @@ void Placer::AlignTo(const std::vector<KnownPlace>& places) {
 }
 
 void Placer::AddOuterKnowledge() {
-  const double variance_m2 = options_.prior_sigma_m * options_.prior_sigma_m;
-  const Eigen::Vector3d prior_variance(variance_m2, variance_m2, options_.prior_sigma_rad * options_.prior_sigma_rad);
   std::vector<KnownPlace> places;
   std::map<std::pair<int, std::string>, int> by_name;
   for (int i = 0; i < count_; ++i) {
     const BuildFrame& frame = frames_[static_cast<std::size_t>(i)];
     by_name[{frame.survey, frame.info.filename}] = i;
-    if (frame.prior_map_from_base) {
-      graph_.priors.push_back(
-          {i, *frame.prior_map_from_base, frame.prior_covariance.value_or(prior_variance.asDiagonal())});
-      places.push_back({i, {PoseOf(i).translation(), frame.prior_map_from_base->translation(), 0.0, 0.0}});
+    if (frame.prior) {
+      graph_.priors.push_back({i, frame.prior->map_from_base, frame.prior->covariance});
+      places.push_back({i, {PoseOf(i).translation(), frame.prior->map_from_base.translation(), 0.0, 0.0}});
     }
   }
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
@@ -401,12 +398,10 @@ Placement Placer::Finish() {
     }
   }
   std::sort(placement.part_sizes.rbegin(), placement.part_sizes.rend());
-  double squares = 0.0;
-  for (const Link& link : graph_.links) {
-    squares += link.rms_m * link.rms_m;
-  }
-  placement.rms_m = graph_.links.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(graph_.links.size()));
-  placement.rms_sigma = summary.rms_sigma;
+  const LinkStatistics statistics =
+      MeasureLinks(graph_.links, {graph_.map_from_base.begin(), graph_.map_from_base.end()});
+  placement.rms_m = statistics.rms_m;
+  placement.rms_sigma = statistics.rms_sigma;
   placement.links = graph_.links;
   placement.rejected_links = summary.rejected_links;
   CountUnmatchedOverlaps(&placement);

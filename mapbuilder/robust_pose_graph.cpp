@@ -90,7 +90,7 @@ RobustPoseGraphSummary OptimizePosesRobustly(PoseGraph* graph) {
     graph->links.resize(kept);
   }
   const PoseGraphSummary summary = OptimizePoses(graph);
-  return {summary.converged, summary.rms_sigma, count - static_cast<int>(graph->links.size())};
+  return {summary.converged, count - static_cast<int>(graph->links.size())};
 }
 
 }  // namespace floorloc

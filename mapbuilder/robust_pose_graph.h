@@ -7,7 +7,6 @@ namespace floorloc {
 
 struct RobustPoseGraphSummary {
   bool converged = false;
-  double rms_sigma = 0.0;  ///< residuals of the links that were kept, standard deviations
   int rejected_links = 0;  ///< removed from the graph: the rest contradicts them
 };
 

@@ -88,8 +88,8 @@ class Calibrator {
 };
 
 bool Calibrator::KnowsScale() const {
-  const bool poses = std::any_of(frames_.begin(), frames_.end(),
-                                 [](const BuildFrame& frame) { return frame.prior_map_from_base.has_value(); });
+  const bool poses =
+      std::any_of(frames_.begin(), frames_.end(), [](const BuildFrame& frame) { return frame.prior.has_value(); });
   const auto tells_scale = [](const LoadedSurvey& loaded) {
     return loaded.survey.control_points.size() > 1 || !loaded.survey.known_distances.empty();
   };
@@ -170,11 +170,8 @@ void Calibrator::AddOuterKnowledge(const std::vector<SightMaker>& makers, Bundle
       continue;
     }
     by_name[{frames_[i].survey, frames_[i].info.filename}] = static_cast<int>(i);
-    if (frames_[i].prior_map_from_base) {
-      const double m2 = options_.prior_sigma_m * options_.prior_sigma_m;
-      const double rad2 = options_.prior_sigma_rad * options_.prior_sigma_rad;
-      bundle->priors.push_back(
-          {static_cast<int>(i), *frames_[i].prior_map_from_base, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
+    if (const std::optional<KnownPose>& prior = frames_[i].prior) {
+      bundle->priors.push_back({static_cast<int>(i), prior->map_from_base, prior->covariance});
     }
   }
   for (std::size_t s = 0; s < surveys_.size(); ++s) {

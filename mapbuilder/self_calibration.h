@@ -17,8 +17,6 @@ struct SelfCalibrationOptions {
   double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
   double tilt_height = 5e-4;             ///< and of its height, as a share
   PairRegistrationOptions registration;  ///< for the links, which are measured again
-  double prior_sigma_m = 0.05;           ///< of poses known from another system
-  double prior_sigma_rad = 0.05;
 };
 
 /// Names on the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2). Throws

@@ -28,6 +28,12 @@ struct LoadedSurvey {
   cv::Mat FloorMask() const;
 };
 
+/// A pose known from outside.
+struct KnownPose {
+  Pose2 map_from_base;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive
+};
+
 /// One frame of a survey, as far as the builder keeps it in memory: its picture is not kept.
 struct BuildFrame {
   int survey = 0;  ///< index of its survey
@@ -35,10 +41,9 @@ struct BuildFrame {
   Features features;   ///< base frame
   cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified picture; 0: unseen
   PictureQuality quality;
-  std::string unreadable;                    ///< why the picture can't be used; empty: it can
-  std::optional<Pose2> odom_from_base;       ///< when the survey has odometry at the frame's time
-  std::optional<Pose2> prior_map_from_base;  ///< a pose known from another system, or from the map to be extended
-  std::optional<Eigen::Matrix3d> prior_covariance;  ///< of (x, y, yaw), additive; empty: as PlacementOptions say
+  std::string unreadable;               ///< why the picture can't be used; empty: it can
+  std::optional<Pose2> odom_from_base;  ///< when the survey has odometry at the frame's time
+  std::optional<KnownPose> prior;       ///< a pose known from another system, or from the map to be extended
 };
 
 /// Side of a cell of BuildFrame::brightness, pixels of the rectified picture.
