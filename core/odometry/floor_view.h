@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/floor_plane.h"
+#include "core/geometry/pose2.h"
+#include "core/registration/registration.h"
+#include "core/vision/features.h"
+#include "core/vision/guided_matcher.h"
+
+namespace floorloc {
+
+/// Where a frame is thought to be in the frame of another one, and how far off that may be.
+struct ViewGuess {
+  Pose2 view_from_base;
+  double radius_m = 0.0;
+  double yaw_radius_rad = 0.0;
+};
+
+struct ViewRegistrationOptions {
+  RegistrationOptions registration;  ///< scaled to the pictures' resolution
+  double resolution_m = 7e-4;
+  float max_ratio_binary = 0.9F;
+  float max_ratio_float = 0.85F;
+  double systematic_m = 1e-4;    ///< errors that residuals do not show (calibration, vibration), per registration
+  double systematic_rad = 2e-4;  ///< the same for the heading
+  double min_inlier_share = 0.1;
+};
+
+/// A frame against a view.
+struct ViewRegistration {
+  RegistrationStatus status = RegistrationStatus::kTooFewMatches;
+  Pose2 view_from_base;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive in the view's frame
+  int matches = 0;
+  int inliers = 0;
+  double rms_m = 0.0;
+  double overlap = 0.0;  ///< share of the frame's keypoints that lie on the view's floor
+
+  bool ok() const { return status == RegistrationStatus::kRegistered; }
+};
+
+/// A frame of the floor that others are registered to. Immutable after construction.
+class FloorView {
+ public:
+  /// Copies the features; keypoints in the base frame. resolution_m: of the rectified picture.
+  FloorView(std::int64_t stamp_ns, const Features& features, double resolution_m);
+
+  /// Matches near the guess, votes, RANSAC; then looks again for every keypoint where the pose found predicts it. Not
+  /// significant when fewer than a share of the keypoints of the common floor agree.
+  ViewRegistration Register(const Features& frame, const ViewGuess& guess,
+                            const ViewRegistrationOptions& options) const;
+
+  std::int64_t stamp_ns() const { return stamp_ns_; }
+  /// Diagonal of the floor that the keypoints cover, metres.
+  double diagonal_m() const { return Eigen::Vector2d(floor_.width_m(), floor_.height_m()).norm(); }
+
+ private:
+  std::vector<OrientedMatch> FindMatches(const Features& frame, const ViewGuess& guess,
+                                         const ViewRegistrationOptions& options) const;
+
+  std::int64_t stamp_ns_;
+  Features features_;
+  RectM floor_;  // bounds of the keypoints
+  GuidedMatcher matcher_;
+};
+
+}  // namespace floorloc
