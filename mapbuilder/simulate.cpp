@@ -45,6 +45,15 @@ void WriteJpeg(const fs::path& file, const cv::Mat& picture, int quality) {
   }
 }
 
+std::string FormatEvents(const std::vector<DriveEvent>& events) {
+  std::string text = "timestamp,duration,event\n";
+  for (const DriveEvent& event : events) {
+    const std::int64_t duration_ns = std::llround(event.duration_s * 1e9);
+    text += FormatSeconds(SimulatedStamp(event.time_s)) + "," + FormatSeconds(duration_ns) + "," + event.name + "\n";
+  }
+  return text;
+}
+
 void WriteTables(const fs::path& folder, const SimulateOptions& options, const SimulatedPath& path) {
   std::string frames = "timestamp,filename\n";
   Trajectory truth;
@@ -59,6 +68,15 @@ void WriteTables(const fs::path& folder, const SimulateOptions& options, const S
   WriteFileAtomically(folder / "groundtruth.tum", FormatTum(truth));
   if (options.write_odometry && !path.odometry.empty()) {
     WriteFileAtomically(folder / "odometry.tum", FormatTum(path.odometry));
+  }
+  if (options.path.odometry_rate_hz > 0.0 && !path.truth.empty()) {
+    WriteFileAtomically(folder / "groundtruth_dense.tum", FormatTum(path.truth));
+  }
+  if (!path.imu.empty()) {
+    WriteFileAtomically(folder / "imu.csv", FormatImuCsv(path.imu));
+  }
+  if (!path.events.empty()) {
+    WriteFileAtomically(folder / "events.csv", FormatEvents(path.events));
   }
 }
 
@@ -82,11 +100,10 @@ SimulationResult Summarize(const SimulatedPath& path) {
   SimulationResult result;
   result.frames = static_cast<int>(path.frames.size());
   if (!path.odometry.empty()) {
-    for (std::size_t i = 1; i < path.frames.size(); ++i) {
-      result.path_length_m +=
-          path.frames[i - 1].map_from_base.Between(path.frames[i].map_from_base).translation().norm();
+    for (std::size_t i = 1; i < path.rolled.size(); ++i) {
+      result.path_length_m += (path.rolled[i].translation_m - path.rolled[i - 1].translation_m).norm();
     }
-    const Pose2 truth = path.frames.front().map_from_base.Between(path.frames.back().map_from_base);
+    const Pose2 truth = path.rolled.front().ToPose2().Between(path.rolled.back().ToPose2());
     const Pose2 error = truth.Between(path.odometry.back().ToPose2());
     result.odometry_drift_m = error.translation().norm();
     result.odometry_drift_rad = std::abs(error.yaw());

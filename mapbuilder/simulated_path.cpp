@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <stdexcept>
@@ -14,15 +13,13 @@ namespace floorloc {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::int64_t kStartNs = 1'700'000'000'000'000'000;
 constexpr double kEdgeM = 0.01;     // kept between the view and the floor's edge
 constexpr double kTurnS = 4.0;      // between two lanes of a survey
 constexpr double kWobbleM = 0.005;  // a driver doesn't keep the lane exactly
 constexpr double kWobbleRad = 0.017;
 constexpr double kRandomSpacingS = 1.0;
-constexpr double kDriveStepS = 0.005;
 
-using PoseAtTime = std::function<Pose2(double time_s)>;
+enum SeedStream : std::uint64_t { kWobble = 1, kOdometry = 2, kRandomPoses = 4, kImu = 9 };
 
 void Require(bool ok, const char* message) {
   if (!ok) {
@@ -30,17 +27,21 @@ void Require(bool ok, const char* message) {
   }
 }
 
-std::int64_t StampAt(double time_s) { return kStartNs + std::llround(time_s * 1e9); }
-
 // The robot's pose when the centre of its view is at a pose.
 Pose2 BaseFromView(const Pose2& map_from_view, const RectM& roi) {
   return map_from_view * Pose2(-roi.Center().x(), -roi.Center().y(), 0.0);
 }
 
-PathFrame FrameAt(const PoseAtTime& map_from_base, double time_s) {
+// What moves the robot, and where that leaves it in the map.
+struct Motion {
+  PoseAtTime rolled;         // without jumps
+  PoseAtTime map_from_base;  // with them
+};
+
+PathFrame FrameAt(const Motion& motion, double time_s) {
   constexpr double kStepS = 1e-3;
-  const Pose2 motion = map_from_base(time_s - kStepS).Between(map_from_base(time_s + kStepS));
-  return {StampAt(time_s), map_from_base(time_s), motion.Log() / (2.0 * kStepS)};
+  const Pose2 step = motion.rolled(time_s - kStepS).Between(motion.rolled(time_s + kStepS));
+  return {SimulatedStamp(time_s), motion.map_from_base(time_s), step.Log() / (2.0 * kStepS)};
 }
 
 // Lanes along x, every other one driven backwards along x with the robot turned round.
@@ -107,55 +108,52 @@ Lanes PlanLanes(const PathOptions& options) {
   lanes.spacing_m = across_way_m / (lanes.count - 1);
   lanes.frames_per_lane = steps(lanes.length_m, along_m) + 1;
   lanes.speed_m_per_s = options.speed_m_per_s;
-  cv::RNG rng(DeriveSeed(options.seed, 1));
+  cv::RNG rng(DeriveSeed(options.seed, kWobble));
   lanes.wobble_phase = rng.uniform(0.0, 2.0 * kPi);
   return lanes;
 }
 
-// What the wheels tell of the true motion, at the frames' times.
-Trajectory DriftingOdometry(const PoseAtTime& map_from_base, const std::vector<PathFrame>& frames,
-                            const PathOptions& options) {
-  constexpr double kStepS = 0.02;
-  const OdometryErrors& errors = options.odometry;
-  cv::RNG rng(DeriveSeed(options.seed, 2));
-  const double scale = 1.0 + rng.gaussian(errors.scale);
-  const double yaw_scale = 1.0 + rng.gaussian(errors.yaw_scale);
-  const double drift_rad_per_m = rng.gaussian(errors.drift_rad_per_m);
-  Trajectory odometry;
-  Pose2 odom_from_base;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (i > 0) {
-      const double from_s = 1e-9 * static_cast<double>(frames[i - 1].stamp_ns - kStartNs);
-      const double to_s = 1e-9 * static_cast<double>(frames[i].stamp_ns - kStartNs);
-      const int steps = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / kStepS)));
-      const double step_s = (to_s - from_s) / steps;
-      for (int k = 0; k < steps; ++k) {
-        const Pose2 before = map_from_base(from_s + k * step_s);
-        Eigen::Vector3d motion = before.Between(map_from_base(from_s + (k + 1) * step_s)).Log();
-        const double distance_m = motion.head<2>().norm();
-        const double spread = std::sqrt(distance_m);
-        motion.x() = scale * motion.x() + rng.gaussian(errors.noise_m) * spread;
-        motion.y() = scale * motion.y() + rng.gaussian(errors.noise_m) * spread;
-        motion.z() = yaw_scale * motion.z() + drift_rad_per_m * distance_m + rng.gaussian(errors.noise_rad) * spread;
-        odom_from_base = odom_from_base * Pose2::Exp(motion);
-      }
+// At the frames, or at the odometry's own rate from the first frame to the last or just behind it.
+std::vector<std::int64_t> OdometryStamps(const std::vector<PathFrame>& frames, double rate_hz) {
+  std::vector<std::int64_t> stamps_ns;
+  if (rate_hz > 0.0) {
+    const double duration_s = SimulatedSeconds(frames.back().stamp_ns);
+    for (int i = 0; i <= static_cast<int>(std::ceil(duration_s * rate_hz - 1e-6)); ++i) {
+      stamps_ns.push_back(SimulatedStamp(i / rate_hz));
     }
-    odometry.push_back(StampedPose3::FromPose2(frames[i].stamp_ns, odom_from_base));
+  } else {
+    for (const PathFrame& frame : frames) {
+      stamps_ns.push_back(frame.stamp_ns);
+    }
   }
-  return odometry;
+  return stamps_ns;
+}
+
+// Adds odometry, and the truth at its times.
+void RecordWheels(const Motion& motion, const PathOptions& options, const std::vector<WheelSlip>& slips,
+                  SimulatedPath& path) {
+  const std::vector<std::int64_t> stamps_ns = OdometryStamps(path.frames, options.odometry_rate_hz);
+  path.odometry =
+      SimulateOdometry(motion.rolled, stamps_ns, {options.odometry, slips, DeriveSeed(options.seed, kOdometry)});
+  for (const std::int64_t stamp_ns : stamps_ns) {
+    const double time_s = SimulatedSeconds(stamp_ns);
+    path.truth.push_back(StampedPose3::FromPose2(stamp_ns, motion.map_from_base(time_s)));
+    path.rolled.push_back(StampedPose3::FromPose2(stamp_ns, motion.rolled(time_s)));
+  }
 }
 
 SimulatedPath PlanSurvey(const PathOptions& options) {
   const Lanes lanes = PlanLanes(options);
-  const PoseAtTime map_from_base = [&lanes](double time_s) { return lanes.BaseAt(time_s); };
+  const PoseAtTime base_at = [&lanes](double time_s) { return lanes.BaseAt(time_s); };
+  const Motion motion{base_at, base_at};
   SimulatedPath path;
   for (int lane = 0; lane < lanes.count; ++lane) {
     for (int i = 0; i < lanes.frames_per_lane; ++i) {
       const double in_lane_s = lanes.LaneS() * i / (lanes.frames_per_lane - 1);
-      path.frames.push_back(FrameAt(map_from_base, lane * (lanes.LaneS() + kTurnS) + in_lane_s));
+      path.frames.push_back(FrameAt(motion, lane * (lanes.LaneS() + kTurnS) + in_lane_s));
     }
   }
-  path.odometry = DriftingOdometry(map_from_base, path.frames, options);
+  RecordWheels(motion, options, {}, path);
   return path;
 }
 
@@ -168,82 +166,34 @@ RectM FreeArea(const PathOptions& options) {
   return area;
 }
 
-// A curve that fills its area evenly and never repeats.
-struct Lissajous {
-  Eigen::Vector2d center = Eigen::Vector2d::Zero();
-  Eigen::Vector2d amplitude = Eigen::Vector2d::Zero();
-  Eigen::Vector2d frequency = Eigen::Vector2d::Ones();
-  Eigen::Vector2d phase = Eigen::Vector2d::Zero();
-
-  Eigen::Vector2d Angles(double s) const { return frequency * s + phase; }
-  Eigen::Vector2d Point(double s) const {
-    return center + amplitude.cwiseProduct(Eigen::Vector2d(Angles(s).array().sin()));
-  }
-  Eigen::Vector2d Slope(double s) const {
-    return amplitude.cwiseProduct(frequency).cwiseProduct(Eigen::Vector2d(Angles(s).array().cos()));
-  }
-};
-
-Lissajous DrawCurve(const PathOptions& options) {
-  const RectM area = FreeArea(options);
-  cv::RNG rng(DeriveSeed(options.seed, 3));
-  Lissajous curve;
-  curve.center = area.Center();
-  curve.amplitude = 0.5 * Eigen::Vector2d(area.width_m(), area.height_m());
-  curve.frequency.x() = std::numbers::phi - 1.0 + rng.uniform(-0.05, 0.05);
-  curve.phase.x() = rng.uniform(0.0, 2.0 * kPi);
-  curve.phase.y() = rng.uniform(0.0, 2.0 * kPi);
-  return curve;
-}
-
-// Base poses every kDriveStepS. The view's centre follows the curve at constant speed; the base trails behind it like
-// the axle of a differential drive.
-std::vector<Pose2> DriveAlong(const Lissajous& curve, const PathOptions& options, double duration_s) {
-  constexpr int kLeadSteps = 400;      // for the base to fall into line
-  constexpr double kMinSlopeM = 0.05;  // the curve's tips are not passed in a single step
-  const double lever_m = std::max(0.1, options.roi.Center().x());
-  const double step_m = options.speed_m_per_s * kDriveStepS;
-  std::vector<Pose2> poses;
-  double s = 0.0;
-  double yaw = std::atan2(curve.Slope(s).y(), curve.Slope(s).x());
-  for (int k = -kLeadSteps; (k - 2) * kDriveStepS <= duration_s; ++k) {
-    const Eigen::Vector2d view = curve.Point(s);
-    if (k >= 0) {
-      poses.push_back(BaseFromView({view.x(), view.y(), yaw}, options.roi));
-    }
-    const Eigen::Vector2d slope = curve.Slope(s);
-    yaw += step_m * std::sin(std::atan2(slope.y(), slope.x()) - yaw) / lever_m;
-    s += step_m / std::max(slope.norm(), kMinSlopeM);
-  }
-  return poses;
-}
-
 SimulatedPath PlanDrive(const PathOptions& options) {
   const double duration_s = (options.frames - 1) / options.fps;
-  const std::vector<Pose2> poses = DriveAlong(DrawCurve(options), options, duration_s);
-  const PoseAtTime map_from_base = [&poses](double time_s) {
-    const double position = std::clamp(time_s / kDriveStepS, 0.0, static_cast<double>(poses.size()) - 1.001);
-    const auto index = static_cast<std::size_t>(position);
-    const double share = position - static_cast<double>(index);
-    return poses[index] * Pose2::Exp(share * poses[index].Between(poses[index + 1]).Log());
-  };
+  const SimulatedDrive drive({FreeArea(options), options.roi, options.speed_m_per_s, duration_s}, options.drive,
+                             options.seed);
+  const Motion motion{[&drive](double time_s) { return drive.RolledAt(time_s); },
+                      [&drive](double time_s) { return drive.MapFromBaseAt(time_s); }};
   SimulatedPath path;
   for (int i = 0; i < options.frames; ++i) {
-    path.frames.push_back(FrameAt(map_from_base, i / options.fps));
+    path.frames.push_back(FrameAt(motion, i / options.fps));
   }
-  path.odometry = DriftingOdometry(map_from_base, path.frames, options);
+  RecordWheels(motion, options, drive.slips(), path);
+  if (options.imu_rate_hz > 0.0) {
+    path.imu = SimulateImu(
+        motion.rolled, {options.imu_rate_hz, duration_s, options.imu, drive.jolts(), DeriveSeed(options.seed, kImu)});
+  }
+  path.events = drive.events();
   return path;
 }
 
 SimulatedPath PlanRandom(const PathOptions& options) {
   const RectM area = FreeArea(options);
-  cv::RNG rng(DeriveSeed(options.seed, 4));
+  cv::RNG rng(DeriveSeed(options.seed, kRandomPoses));
   SimulatedPath path;
   for (int i = 0; i < options.frames; ++i) {
     const Pose2 view(rng.uniform(area.x_min, area.x_max), rng.uniform(area.y_min, area.y_max), rng.uniform(-kPi, kPi));
     const double speed = options.speed_m_per_s * rng.uniform(0.2, 1.0);
     const Eigen::Vector3d twist(speed, 0.0, rng.uniform(-0.5, 0.5));
-    path.frames.push_back({StampAt(i * kRandomSpacingS), BaseFromView(view, options.roi), twist});
+    path.frames.push_back({SimulatedStamp(i * kRandomSpacingS), BaseFromView(view, options.roi), twist});
   }
   return path;
 }
@@ -263,10 +213,6 @@ PathType ParsePathType(const std::string& name) {
   throw std::invalid_argument("no trajectory named '" + name + "' (survey, drive, random)");
 }
 
-OdometryErrors OdometryErrors::Scaled(double factor) const {
-  return {scale * factor, yaw_scale * factor, drift_rad_per_m * factor, noise_m * factor, noise_rad * factor};
-}
-
 void PathOptions::Check() const {
   constexpr int kMaxFrames = 1'000'000;
   Require(std::isfinite(floor_width_m) && std::isfinite(floor_height_m), "the floor's size must be finite");
@@ -276,6 +222,9 @@ void PathOptions::Check() const {
   Require(speed_m_per_s >= 0.001 && speed_m_per_s <= 20.0, "the speed must be 0.001 to 20 m/s");
   Require(std::isfinite(odometry.scale) && odometry.scale >= 0.0 && odometry.noise_m >= 0.0,
           "the odometry's errors must not be negative");
+  Require(odometry_rate_hz >= 0.0 && odometry_rate_hz <= 1000.0, "the odometry's rate must be 0 to 1000 per second");
+  Require(imu_rate_hz >= 0.0 && imu_rate_hz <= 1000.0, "the IMU's rate must be 0 to 1000 per second");
+  drive.Check();
 }
 
 SimulatedPath PlanPath(const PathOptions& options) {

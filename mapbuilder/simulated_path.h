@@ -8,30 +8,21 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
+#include "core/io/survey.h"
 #include "core/io/trajectory.h"
+#include "mapbuilder/simulated_drive.h"
+#include "mapbuilder/simulated_sensors.h"
 
 namespace floorloc {
 
 enum class PathType {
   kSurvey,  ///< lanes to and fro that cover the floor
-  kDrive,   ///< a curved drive at constant speed
+  kDrive,   ///< a curved drive
   kRandom,  ///< independent poses, no odometry
 };
 
 /// "survey", "drive" or "random"; throws std::invalid_argument for another name.
 PathType ParsePathType(const std::string& name);
-
-/// Errors of a wheel odometry. Constant per recording: scale and drift, drawn from the given standard deviations.
-struct OdometryErrors {
-  double scale = 0.005;      ///< of distances
-  double yaw_scale = 0.005;  ///< of turns
-  double drift_rad_per_m = 0.0025;
-  double noise_m = 0.003;    ///< after one metre, growing with the root of the distance
-  double noise_rad = 0.005;  ///< after one metre
-
-  /// All errors times a factor.
-  OdometryErrors Scaled(double factor) const;
-};
 
 struct PathOptions {
   PathType type = PathType::kSurvey;
@@ -43,6 +34,10 @@ struct PathOptions {
   double fps = 10.0;     ///< drive
   double speed_m_per_s = 0.3;
   OdometryErrors odometry;
+  double odometry_rate_hz = 0.0;  ///< 0: at the frames
+  DriveOptions drive;
+  double imu_rate_hz = 0.0;  ///< drive; 0: no IMU
+  ImuErrors imu;
   std::uint64_t seed = 1;
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
@@ -58,7 +53,11 @@ struct PathFrame {
 
 struct SimulatedPath {
   std::vector<PathFrame> frames;
-  Trajectory odometry;  ///< odom_from_base at the frames, starting at the identity; empty for random poses
+  Trajectory odometry;  ///< odom_from_base, starting at the identity; empty for random poses
+  Trajectory truth;     ///< map_from_base at the odometry's times
+  Trajectory rolled;    ///< the same without kidnaps, each as if the robot had stayed where it was lifted
+  std::vector<ImuSample> imu;
+  std::vector<DriveEvent> events;  ///< of a drive, in the order of time
 };
 
 /// Throws std::invalid_argument when the options do not pass Check() or the floor is too small for the camera.

@@ -13,4 +13,5 @@ mkdir -p sample
   --trajectory survey --overlap 0.5 --condition mild --jpeg-quality 85 --seed 21
 "$mapbuilder" simulate "${floor[@]}" --out sample/drive \
   --trajectory drive --frames 120 --fps 10 --speed 0.45 --wear 0.05 \
-  --condition mild --shadow 0.45 --lamps 0.25 --blur 3.5 --noise 2.5 --jpeg-quality 80 --odometry-drift 2 --seed 22
+  --condition mild --shadow 0.45 --lamps 0.25 --blur 3.5 --noise 2.5 --jpeg-quality 80 --odometry-drift 2 --seed 22 \
+  --odometry-rate 0 --imu-rate 0 --speed-variation 0

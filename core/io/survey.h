@@ -85,6 +85,7 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames = Ba
 std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
                                         BadFrames bad_frames = BadFrames::kRefuse);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
+std::string FormatImuCsv(const std::vector<ImuSample>& samples);
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
 std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const std::filesystem::path& source);
 /// "id,x,y,yaw": metres and radians in the map frame; yaw may be empty. No id may come twice.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <span>
 #include <unordered_set>
 
@@ -130,6 +131,21 @@ std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesyste
     samples.push_back({*stamp_ns, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
   }
   return samples;
+}
+
+std::string FormatImuCsv(const std::vector<ImuSample>& samples) {
+  std::string text =
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+      "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+  std::array<char, 160> row{};
+  for (const ImuSample& sample : samples) {
+    const Eigen::Vector3d& w = sample.angular_velocity;
+    const Eigen::Vector3d& a = sample.acceleration;
+    std::snprintf(row.data(), row.size(), "%lld,%.7f,%.7f,%.7f,%.7f,%.7f,%.7f\n",
+                  static_cast<long long>(sample.stamp_ns), w.x(), w.y(), w.z(), a.x(), a.y(), a.z());
+    text += row.data();
+  }
+  return text;
 }
 
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source) {

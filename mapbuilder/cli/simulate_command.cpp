@@ -29,6 +29,8 @@ struct Arguments {
   bool keep_direction = false;
   bool no_odometry = false;
   double odometry_drift = 1.0;
+  double imu_errors = 1.0;
+  std::optional<double> odometry_rate, imu_rate, speed_variation;
   std::optional<double> blur_px, shadow, lamps, noise;
   std::optional<int> jpeg_quality;
   bool json = false;
@@ -67,6 +69,19 @@ ConditionLevels ChooseConditions(const Arguments& arguments) {
   return levels;
 }
 
+// A drive is recorded as robots record one, if nothing else is asked for.
+void ChooseSensors(const Arguments& arguments, PathOptions& path) {
+  const bool drive = path.type == PathType::kDrive;
+  if (!drive && (!path.drive.kidnaps_s.empty() || path.drive.stops > 0 || path.drive.slips > 0 || arguments.imu_rate ||
+                 arguments.speed_variation)) {
+    throw std::invalid_argument("--kidnap, --stops, --slips, --imu-rate and --speed-variation need --trajectory drive");
+  }
+  path.odometry_rate_hz = arguments.odometry_rate.value_or(drive ? 50.0 : 0.0);
+  path.imu_rate_hz = arguments.imu_rate.value_or(drive ? 100.0 : 0.0);
+  path.imu = path.imu.Scaled(arguments.imu_errors);
+  path.drive.speed_variation = arguments.speed_variation.value_or(drive ? 0.3 : 0.0);
+}
+
 void PrintSummary(const SimulateOptions& options, const SimulationResult& result) {
   std::cout << options.out.string() << ": " << result.frames << " frames along " << result.path_length_m
             << " m; odometry is off by " << result.odometry_drift_m << " m at the end; " << 100.0 * result.wear_share
@@ -94,6 +109,7 @@ void Run(Arguments& arguments) {
   options.conditions = ChooseConditions(arguments);
   options.path.type = ParsePathType(arguments.trajectory);
   options.path.odometry = options.path.odometry.Scaled(arguments.odometry_drift);
+  ChooseSensors(arguments, options.path);
   options.write_odometry = !arguments.no_odometry;
   options.progress = ProgressOutput::Stderr();
   const SimulationResult result = Simulate(options);
@@ -131,6 +147,24 @@ void AddPathOptions(CLI::App& command, Arguments& a) {
   command.add_flag("--no-odometry", a.no_odometry, "Leave odometry.tum out");
 }
 
+void AddDriveOptions(CLI::App& command, Arguments& a) {
+  DriveOptions& drive = a.options.path.drive;
+  command.add_option(
+      "--odometry-rate", a.odometry_rate,
+      "Odometry per second, with the truth in groundtruth_dense.tum; 0: at the frames (drive: 50, else 0)");
+  command.add_option("--imu-rate", a.imu_rate, "IMU samples per second of a drive; 0: no imu.csv (100)");
+  command.add_option("--imu-errors", a.imu_errors, "Factor on the IMU's errors; 0: perfect IMU")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--speed-variation", a.speed_variation, "Share by which a drive's speed rises and falls (0.3)");
+  command.add_option("--stops", drive.stops, "Times a drive stands still for a while")->capture_default_str();
+  command.add_option("--slips", drive.slips, "Times the wheels of a drive turn without grip")->capture_default_str();
+  command
+      .add_option("--kidnap", drive.kidnaps_s,
+                  "Times, S,S,...: the robot is lifted and put down elsewhere, unnoticed by its wheels")
+      ->delimiter(',');
+}
+
 void AddPictureOptions(CLI::App& command, Arguments& a) {
   command.add_option("--camera", a.camera, "Built-in camera")
       ->check(CLI::IsMember({"down", "forward", "equidistant"}))
@@ -157,6 +191,7 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_option("--out", arguments->options.out, "Folder to be made")->required();
   AddFloorOptions(*command, *arguments);
   AddPathOptions(*command, *arguments);
+  AddDriveOptions(*command, *arguments);
   AddPictureOptions(*command, *arguments);
   command->add_option("--seed", arguments->options.seed, "Of everything but the floor")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "0: one per core")

@@ -22,6 +22,15 @@ TEST(FramesCsv, ReadsRows) {
   EXPECT_EQ(frames[1].filename, "b c.png");
 }
 
+TEST(ImuCsv, ReadsWhatItWrites) {
+  const std::vector<ImuSample> written = {{10, {1, -2, 0.25}, {4, 5, 9.8066501}}, {20, {0, 0, 0}, {0, 0, 0}}};
+  const auto samples = ParseImuCsv(FormatImuCsv(written), "imu.csv");
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[1].stamp_ns, 20);
+  EXPECT_EQ(samples[0].angular_velocity, Eigen::Vector3d(1, -2, 0.25));
+  EXPECT_LT((samples[0].acceleration - Eigen::Vector3d(4, 5, 9.8066501)).norm(), 1e-9);
+}
+
 TEST(ImuCsv, ReadsEurocRows) {
   const auto samples = ParseImuCsv("#timestamp [ns],w_x\n10,1,2,3,4,5,6\n20,-1,0,0,0,0,9.81\n", "imu.csv");
   ASSERT_EQ(samples.size(), 2u);

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/io/survey.h"
+#include "core/io/trajectory.h"
+
+namespace floorloc {
+
+/// A motion: the pose at a time in seconds since the recording's start.
+using PoseAtTime = std::function<Pose2(double time_s)>;
+
+/// Seconds since the recording's start as a time stamp, and back.
+std::int64_t SimulatedStamp(double time_s);
+double SimulatedSeconds(std::int64_t stamp_ns);
+
+/// Errors of a wheel odometry. Constant per recording: scale and drift, drawn from the given standard deviations.
+struct OdometryErrors {
+  double scale = 0.005;      ///< of distances
+  double yaw_scale = 0.005;  ///< of turns
+  double drift_rad_per_m = 0.0025;
+  double noise_m = 0.003;    ///< after one metre, growing with the root of the distance
+  double noise_rad = 0.005;  ///< after one metre
+
+  /// All errors times a factor.
+  OdometryErrors Scaled(double factor) const;
+};
+
+/// A while in which the wheels slip: the odometry reports this motion besides the true one.
+struct WheelSlip {
+  double from_s = 0.0;
+  double duration_s = 0.0;
+  Eigen::Vector3d twist = Eigen::Vector3d::Zero();  ///< base frame: m/s, m/s, rad/s
+};
+
+struct WheelOptions {
+  OdometryErrors errors;
+  std::vector<WheelSlip> slips;
+  std::uint64_t seed = 1;
+};
+
+/// What the wheels tell of a true motion without jumps, at these times: odom_from_base, starting at the identity.
+Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int64_t>& stamps_ns,
+                            const WheelOptions& options);
+
+/// Errors of an inexpensive IMU on a driving robot. Biases are drawn per recording and axis.
+struct ImuErrors {
+  double gyro_noise = 0.0012;  ///< rad/s, of one sample
+  double gyro_bias = 0.006;    ///< rad/s
+  double gyro_walk = 0.0001;   ///< rad/s after one second, growing with the root of the time
+  double accel_noise = 0.02;   ///< m/s^2, of one sample
+  double accel_bias = 0.06;    ///< m/s^2
+  double accel_walk = 0.0008;  ///< m/s^2 after one second
+  double vibration = 0.15;     ///< m/s^2 at 0.3 m/s, growing with the speed
+
+  /// All errors times a factor.
+  ImuErrors Scaled(double factor) const;
+};
+
+/// The robot is lifted, turned and put down: what an IMU feels of it, within half a second before and after.
+struct ImuJolt {
+  double time_s = 0.0;
+  double turn_rad = 0.0;
+};
+
+struct ImuOptions {
+  double rate_hz = 100.0;
+  double duration_s = 0.0;
+  ImuErrors errors;
+  std::vector<ImuJolt> jolts;
+  std::uint64_t seed = 1;
+};
+
+inline constexpr double kGravity = 9.80665;  ///< m/s^2
+
+/// What an IMU at the base's origin, its axes along the base's, measures of a true motion without jumps: each sample
+/// is the mean since the one before. Gravity stands on +z.
+std::vector<ImuSample> SimulateImu(const PoseAtTime& motion, const ImuOptions& options);
+
+}  // namespace floorloc
