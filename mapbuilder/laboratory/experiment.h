@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/fusion/jump_filter.h"
 #include "mapbuilder/laboratory/combination.h"
-#include "mapbuilder/laboratory/jump_filter.h"
 #include "mapbuilder/laboratory/picture_features.h"
 #include "mapbuilder/laboratory/pose_from_matches.h"
 #include "mapbuilder/laboratory/test_frames.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/laboratory/jump_filter.h"
+#include "core/fusion/jump_filter.h"
 
 #include <cmath>
 

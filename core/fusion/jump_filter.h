@@ -20,6 +20,7 @@ class JumpFilter {
 
   /// With odometry, what counts is the jump from where odometry carries the last accepted pose.
   bool Accept(const Pose2& map_from_base, const std::optional<Pose2>& odom_from_base);
+  const JumpFilterOptions& options() const { return options_; }
 
  private:
   JumpFilterOptions options_;

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/fusion/filter_options.h"
+
+#include <cmath>
+#include <initializer_list>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace floorloc {
+namespace {
+
+using Named = std::pair<const char*, double>;
+
+void RequirePositive(std::initializer_list<Named> values) {
+  for (const auto& [name, value] : values) {
+    if (!(value > 0.0) || !std::isfinite(value)) {
+      throw std::invalid_argument(std::string(name) + " must be a positive number");
+    }
+  }
+}
+
+void RequireNotNegative(std::initializer_list<Named> values) {
+  for (const auto& [name, value] : values) {
+    if (!(value >= 0.0) || !std::isfinite(value)) {
+      throw std::invalid_argument(std::string(name) + " must not be negative");
+    }
+  }
+}
+
+}  // namespace
+
+void PoseFilterOptions::Check() const {
+  RequireNotNegative({{"odometry.scale", odometry.scale},
+                      {"odometry.yaw_scale", odometry.yaw_scale},
+                      {"odometry.drift_rad_per_m", odometry.drift_rad_per_m},
+                      {"odometry.noise_m", odometry.noise_m},
+                      {"odometry.noise_rad", odometry.noise_rad},
+                      {"odometry.noise_rad_per_rad", odometry.noise_rad_per_rad},
+                      {"imu.gyro_bias", imu.gyro_bias},
+                      {"imu.gyro_walk", imu.gyro_walk},
+                      {"imu.gyro_scale", imu.gyro_scale},
+                      {"imu.accelerometer_bias", imu.accelerometer_bias},
+                      {"imu.accelerometer_walk", imu.accelerometer_walk},
+                      {"kidnap.sigmas", kidnap.sigmas}});
+  RequirePositive({{"odometry.still_m", odometry.still_m},
+                   {"odometry.still_rad", odometry.still_rad},
+                   {"imu.gyro", imu.gyro},
+                   {"imu.accelerometer", imu.accelerometer},
+                   {"unknown.acceleration_m_s2", unknown.acceleration_m_s2},
+                   {"unknown.speed_m_s", unknown.speed_m_s},
+                   {"unknown.yaw_rate_rad_s", unknown.yaw_rate_rad_s},
+                   {"unknown.coast_s", unknown.coast_s},
+                   {"gates.max_distance_m", gates.max_distance_m},
+                   {"gates.max_angle_rad", gates.max_angle_rad},
+                   {"gates.sigmas", gates.sigmas},
+                   {"gates.max_mahalanobis_squared", gates.max_mahalanobis_squared},
+                   {"gates.max_p_wrong", gates.max_p_wrong},
+                   {"kidnap.max_distance_m", kidnap.max_distance_m},
+                   {"kidnap.max_angle_rad", kidnap.max_angle_rad},
+                   {"kidnap.max_age_s", kidnap.max_age_s},
+                   {"limits.localized_m", limits.localized_m},
+                   {"limits.localized_rad", limits.localized_rad},
+                   {"limits.lost_m", limits.lost_m},
+                   {"limits.lost_rad", limits.lost_rad},
+                   {"history_s", history_s}});
+  if (kidnap.fixes < 1 || clock_jump_messages < 1 || max_messages < 16) {
+    throw std::invalid_argument("kidnap.fixes and clock_jump_messages must be at least 1, max_messages at least 16");
+  }
+}
+
+}  // namespace floorloc

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/fusion/filter_state.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace floorloc {
+
+Eigen::Matrix3d FilterState::MapCovariance() const {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = map_from_base.rotation();
+  return turn * covariance.topLeftCorner<3, 3>() * turn.transpose();
+}
+
+void FilterState::Add(const ErrorVector& error) {
+  map_from_base = map_from_base * Pose2::Exp(error.head<3>());
+  velocity_m_s += error.segment<2>(error_row::kVelocity);
+  imu_bias.yaw_rate_rad_s += error(error_row::kGyroBias);
+  imu_bias.acceleration_m_s2 += error.segment<2>(error_row::kAccelerationBias);
+  odometry_bias.scale += error(error_row::kOdometryScale);
+  odometry_bias.yaw_scale += error(error_row::kOdometryYawScale);
+  odometry_bias.drift_rad_per_m += error(error_row::kOdometryDrift);
+}
+
+Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = pose.rotation().transpose();
+  return turn * additive * turn.transpose();
+}
+
+double LargestSigma(const Eigen::Matrix2d& covariance) {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues().maxCoeff());
+}
+
+}  // namespace floorloc

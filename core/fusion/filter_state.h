@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "core/fusion/imu_track.h"
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// Systematic errors of wheel odometry: true distance = (1 + scale) * measured, true turn = (1 + yaw_scale) * measured
+/// + drift_rad_per_m * path.
+struct OdometryBias {
+  double scale = 0.0;
+  double yaw_scale = 0.0;
+  double drift_rad_per_m = 0.0;
+};
+
+/// Rows of the error state. The pose's error xi lives in the tangent space of the base frame: true = estimate *
+/// Exp(xi); the other errors are true - estimate.
+namespace error_row {
+constexpr int kPose = 0;      // 3
+constexpr int kVelocity = 3;  // 2
+constexpr int kGyroBias = 5;
+constexpr int kAccelerationBias = 6;  // 2
+constexpr int kOdometryScale = 8;
+constexpr int kOdometryYawScale = 9;
+constexpr int kOdometryDrift = 10;
+constexpr int kCount = 11;
+}  // namespace error_row
+
+using ErrorVector = Eigen::Matrix<double, error_row::kCount, 1>;
+using ErrorCovariance = Eigen::Matrix<double, error_row::kCount, error_row::kCount>;
+
+/// What the filter knows at one time.
+struct FilterState {
+  std::int64_t stamp_ns = 0;
+  Pose2 map_from_base;
+  Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< base frame
+  ImuBias imu_bias;
+  OdometryBias odometry_bias;
+  ErrorCovariance covariance = ErrorCovariance::Zero();
+  // Not estimated, but carried along:
+  Pose2 odom_from_base;
+  double path_m = 0.0;    ///< since the last accepted fix
+  double turn_rad = 0.0;  ///< likewise
+
+  /// Covariance of (x, y, yaw), additive in the map frame.
+  Eigen::Matrix3d MapCovariance() const;
+  /// Moves the estimate by an error.
+  void Add(const ErrorVector& error);
+};
+
+/// The covariance of xi in pose * Exp(xi) that an additive one of (x, y, yaw) amounts to.
+Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose);
+
+/// Standard deviation along the longer axis.
+double LargestSigma(const Eigen::Matrix2d& covariance);
+
+}  // namespace floorloc

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/fusion/filter_options.h"
+#include "core/fusion/filter_state.h"
+#include "core/fusion/fused_pose.h"
+#include "core/fusion/measurements.h"
+
+namespace floorloc {
+
+/// Compares a fix with the state of its time: risk, distance, angle and Mahalanobis gates, in this order. The first
+/// that does not pass is the reason.
+FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates);
+
+/// Kalman's correction of the state by a fix of its time.
+void CorrectByFix(const PoseFix& fix, FilterState* state);
+
+/// True when the numbers of a fix can be worked with.
+bool IsValid(const PoseFix& fix);
+
+}  // namespace floorloc

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// How much a fused pose is worth.
+enum class TrackingState {
+  kLocalized,         ///< the last picture agreed, and the pose is good to FilterLimits::localized_*
+  kTrackingOdometry,  ///< carried on by odometry since the last fix
+  kLost,              ///< could be anywhere within more than FilterLimits::lost_*
+};
+/// "localized", "tracking_odometry", "lost"
+const char* ToString(TrackingState state);
+
+/// Time, path and turn since the last accepted fix.
+struct SinceFix {
+  double seconds = 0.0;
+  double metres = 0.0;   ///< length of the path
+  double radians = 0.0;  ///< sum of the turns, whatever their sense
+};
+
+/// Where a vehicle is at one time. Frames as in REP-105: map may jump when a fix corrects it, odom never does.
+struct FusedPose {
+  std::int64_t stamp_ns = 0;
+  Pose2 map_from_base;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame; m^2, m rad, rad^2
+  Pose2 map_from_odom;
+  Pose2 odom_from_base;  ///< sum of the increments; the identity at the first message
+  TrackingState state = TrackingState::kLost;
+  std::optional<SinceFix> since_fix;  ///< empty before the first fix
+};
+
+/// Why a fix was not used.
+enum class FixRejection {
+  kNone,
+  kWrongFixRisk,  ///< its probability to be wrong is too high
+  kJumpDistance,  ///< too far from where the vehicle should be
+  kJumpAngle,     ///< turned too far from it
+  kMahalanobis,   ///< near, but not within what both covariances allow
+  kTooOld,        ///< from before what is remembered
+  kDuplicate,     ///< there is a fix of this time already
+  kInvalid,       ///< not finite, or its covariance is none
+};
+/// "", "wrong_fix_risk", "jump_distance", "jump_angle", "mahalanobis", "too_old", "duplicate", "invalid"
+const char* ToString(FixRejection reason);
+
+/// What became of a fix.
+struct FixOutcome {
+  bool accepted = false;
+  FixRejection reason = FixRejection::kNone;
+  bool reanchored = false;           ///< the vehicle was found again elsewhere: the pose was replaced, not corrected
+  bool first = false;                ///< there was no pose before it
+  double distance_m = 0.0;           ///< from where the vehicle should have been
+  double angle_rad = 0.0;            ///< likewise, absolute
+  double mahalanobis_squared = 0.0;  ///< innovation against both covariances; chi-square with 3 degrees of freedom
+};
+
+}  // namespace floorloc

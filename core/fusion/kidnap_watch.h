@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+
+#include "core/fusion/filter_options.h"
+#include "core/fusion/measurements.h"
+
+namespace floorloc {
+
+/// How the base moved between two times, as increments and IMU have it.
+struct MotionEstimate {
+  Pose2 motion;  ///< base at the first from base at the second
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
+};
+
+/// Remembers the fixes that contradicted a vehicle's pose since the last one that agreed, and tells when they show that
+/// the vehicle is elsewhere.
+class KidnapWatch {
+ public:
+  using MotionBetween = std::function<MotionEstimate(std::int64_t from_ns, std::int64_t to_ns)>;
+
+  explicit KidnapWatch(const KidnapOptions& options) : options_(options) {}
+
+  /// A fix that was not accepted. True when enough of them, this one among them, agree with each other.
+  bool AddContradiction(const PoseFix& fix, const MotionBetween& motion_between);
+  void Clear() { contradictions_.clear(); }
+  /// True while there are contradictions that are not resolved.
+  bool InDoubt() const { return !contradictions_.empty(); }
+
+ private:
+  bool Agree(const PoseFix& earlier, const PoseFix& later, const MotionBetween& motion_between) const;
+
+  KidnapOptions options_;
+  std::deque<PoseFix> contradictions_;
+};
+
+}  // namespace floorloc

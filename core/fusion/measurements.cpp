@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/fusion/measurements.h"
+
+namespace floorloc {
+
+const char* ToString(MessageOutcome outcome) {
+  switch (outcome) {
+    case MessageOutcome::kUsed:
+      return "used";
+    case MessageOutcome::kUsedLate:
+      return "used_late";
+    case MessageOutcome::kDuplicate:
+      return "duplicate";
+    case MessageOutcome::kTooOld:
+      return "too_old";
+    case MessageOutcome::kClockJump:
+      return "clock_jump";
+    case MessageOutcome::kInvalid:
+      return "invalid";
+  }
+  return "";
+}
+
+}  // namespace floorloc

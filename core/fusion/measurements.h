@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// A motion of the robot that wheels or pictures tell.
+struct MotionIncrement {
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;  ///< later than from_ns
+  Pose2 motion;            ///< base at from_ns from base at to_ns
+  /// Of (x, y, yaw), additive, in the frame of the base at from_ns; empty: as OdometryNoise has it.
+  std::optional<Eigen::Matrix3d> covariance;
+};
+
+/// One reading of an IMU whose axes are those of the base frame.
+struct ImuReading {
+  std::int64_t stamp_ns = 0;
+  double yaw_rate_rad_s = 0.0;
+  Eigen::Vector2d acceleration_m_s2 = Eigen::Vector2d::Zero();  ///< forward and left
+};
+
+/// A pose that was measured in the map.
+struct PoseFix {
+  std::int64_t stamp_ns = 0;  ///< when the picture was taken, not when it was understood
+  Pose2 map_from_base;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame
+  double p_wrong = 0.0;                                  ///< probability that it is a wrong place
+};
+
+/// What became of a message.
+enum class MessageOutcome {
+  kUsed,
+  kUsedLate,   ///< out of order; sorted in where it belongs
+  kDuplicate,  ///< its time is taken already; ignored
+  kTooOld,     ///< from before what is remembered; ignored
+  kClockJump,  ///< the sender's clock was set: all memory of the motion begins anew with this message
+  kInvalid,    ///< not finite, or ends before it begins; ignored
+};
+/// "used", "used_late", "duplicate", "too_old", "clock_jump", "invalid"
+const char* ToString(MessageOutcome outcome);
+
+}  // namespace floorloc

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+
+#include "core/fusion/measurements.h"
+
+namespace floorloc {
+
+/// What a track tells of the time between two moments.
+struct TrackMotion {
+  Pose2 motion;                                          ///< base at the first from base at the second
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of a motion xi in the last base frame: motion * Exp(xi)
+  bool has_covariance = false;                           ///< false: the increments came without
+  double path_m = 0.0;
+  double turn_rad = 0.0;
+};
+
+/// The increments of one source in the order of their times, which may have holes. An increment that arrives late takes
+/// its place, and the one after it then begins where the late one ends: "since the previous message" is meant in the
+/// order of sending.
+class MotionTrack {
+ public:
+  MessageOutcome Add(const MotionIncrement& increment);
+  /// Forgets what ends before this time.
+  void DropBefore(std::int64_t stamp_ns);
+  void DropOldest();
+  void Clear() { increments_.clear(); }
+
+  bool empty() const { return increments_.empty(); }
+  std::size_t size() const { return increments_.size(); }
+  /// End of the newest increment. Not of an empty track.
+  std::int64_t newest_ns() const { return increments_.back().to_ns; }
+
+  /// How far, at most to limit_ns, the increments tell the motion from a time on without a hole; the time itself when
+  /// they tell nothing.
+  std::int64_t CoveredUntil(std::int64_t from_ns, std::int64_t limit_ns) const;
+  /// The first time from from_ns on at which an increment begins; limit_ns when there is none before it.
+  std::int64_t NextStart(std::int64_t from_ns, std::int64_t limit_ns) const;
+  /// Of a covered stretch. Increments are cut as motions of constant twist.
+  TrackMotion Between(std::int64_t from_ns, std::int64_t to_ns) const;
+
+ private:
+  std::deque<MotionIncrement>::const_iterator FirstEndingAfter(std::int64_t stamp_ns) const;
+
+  std::deque<MotionIncrement> increments_;  // ascending, without overlap
+};
+
+}  // namespace floorloc

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/fusion/pose_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/fusion/fix_gate.h"
+
+namespace floorloc {
+namespace {
+
+// States are remembered at least so far apart, or nothing but the newest would be done again after a late message.
+constexpr std::int64_t kCheckpointNs = 200'000'000;
+
+// When the clock was set, nobody knows how far the vehicle went meanwhile.
+constexpr double kClockJumpSigmaM = 0.3;
+constexpr double kClockJumpSigmaRad = 0.3;
+
+std::int64_t ToNs(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
+
+double Square(double x) { return x * x; }
+
+const PoseFilterOptions& Checked(const PoseFilterOptions& options) {
+  options.Check();
+  return options;
+}
+
+// The pose is that of the fix, all else as it was, without correlation to it.
+void PlaceAt(const PoseFix& fix, FilterState* state) {
+  state->map_from_base = fix.map_from_base;
+  state->covariance.topRows<3>().setZero();
+  state->covariance.leftCols<3>().setZero();
+  state->covariance.topLeftCorner<3, 3>() = ToBaseFrame(fix.covariance, fix.map_from_base);
+}
+
+FilterState FirstState(std::int64_t stamp_ns, const PoseFilterOptions& options) {
+  using namespace error_row;  // NOLINT: rows are named all over this function
+  FilterState state;
+  state.stamp_ns = stamp_ns;
+  auto variance = state.covariance.diagonal();
+  variance.segment<2>(kVelocity).setConstant(Square(options.unknown.speed_m_s));
+  variance(kGyroBias) = Square(options.imu.gyro_bias);
+  variance.segment<2>(kAccelerationBias).setConstant(Square(options.imu.accelerometer_bias));
+  variance(kOdometryScale) = Square(options.odometry.scale);
+  variance(kOdometryYawScale) = Square(options.odometry.yaw_scale);
+  variance(kOdometryDrift) = Square(options.odometry.drift_rad_per_m);
+  return state;
+}
+
+}  // namespace
+
+PoseFilter::PoseFilter(const PoseFilterOptions& options) : options_(Checked(options)), kidnap_(options.kidnap) {}
+
+bool PoseFilter::IsBeforeHistory(std::int64_t stamp_ns) const {
+  return newest_ns_ && stamp_ns < *newest_ns_ - ToNs(options_.history_s);
+}
+
+void PoseFilter::Advance(std::int64_t stamp_ns) {
+  messages_before_history_ = 0;
+  newest_ns_ = std::max(newest_ns_.value_or(stamp_ns), stamp_ns);
+  if (!checkpoints_.empty() && *newest_ns_ - checkpoints_.back().state.stamp_ns >= 2 * kCheckpointNs) {
+    checkpoints_.push_back({StateAt(*newest_ns_ - kCheckpointNs), std::nullopt});
+  }
+  ForgetOld();
+}
+
+void PoseFilter::ForgetOld() {
+  const std::int64_t horizon_ns = *newest_ns_ - ToNs(options_.history_s);
+  while (checkpoints_.size() > 1 && checkpoints_[1].state.stamp_ns <= horizon_ns) {
+    checkpoints_.pop_front();
+  }
+  const std::int64_t needed_ns = checkpoints_.empty() ? horizon_ns : checkpoints_.front().state.stamp_ns;
+  record_.wheels.DropBefore(std::min(needed_ns, horizon_ns));
+  record_.vision.DropBefore(std::min(needed_ns, horizon_ns));
+  record_.imu.DropBefore(std::min(needed_ns, horizon_ns));
+  while (record_.wheels.size() > options_.max_messages) {
+    record_.wheels.DropOldest();
+  }
+  while (record_.vision.size() > options_.max_messages) {
+    record_.vision.DropOldest();
+  }
+  while (record_.imu.size() > options_.max_messages) {
+    record_.imu.DropOldest();
+  }
+}
+
+// What happens before there is a pose is remembered, too: it moves the odom frame.
+void PoseFilter::Start(std::int64_t stamp_ns) {
+  if (checkpoints_.empty()) {
+    checkpoints_.push_back({FirstState(stamp_ns, options_), std::nullopt});
+  }
+}
+
+// The sender lives in another time now: what is known of the pose goes on there.
+void PoseFilter::BeginAnew(std::int64_t stamp_ns) {
+  FilterState state = StateAt(*newest_ns_);
+  record_ = {};
+  checkpoints_.clear();
+  kidnap_.Clear();
+  last_fix_ns_.reset();
+  last_picture_agreed_ = false;
+  newest_ns_ = stamp_ns;
+  state.stamp_ns = stamp_ns;
+  state.velocity_m_s.setZero();
+  state.covariance.diagonal().head<3>() +=
+      Eigen::Vector3d(Square(kClockJumpSigmaM), Square(kClockJumpSigmaM), Square(kClockJumpSigmaRad));
+  checkpoints_.push_back({state, std::nullopt});
+}
+
+template <typename Track, typename Message>
+MessageOutcome PoseFilter::AddTo(Track* track, const Message& message, std::int64_t begin_ns, std::int64_t end_ns) {
+  if (IsBeforeHistory(end_ns)) {
+    if (++messages_before_history_ < options_.clock_jump_messages) {
+      return MessageOutcome::kTooOld;
+    }
+    BeginAnew(begin_ns);
+    track->Add(message);
+    Advance(end_ns);
+    return MessageOutcome::kClockJump;
+  }
+  const bool past = newest_ns_ && begin_ns < *newest_ns_;
+  const MessageOutcome outcome = track->Add(message);
+  if (outcome == MessageOutcome::kUsed || outcome == MessageOutcome::kUsedLate) {
+    Start(begin_ns);
+    if (past) {
+      RedoSince(begin_ns);
+    }
+    Advance(end_ns);
+  }
+  return outcome;
+}
+
+MessageOutcome PoseFilter::AddIncrement(MotionSource source, const MotionIncrement& increment) {
+  MotionTrack& track = source == MotionSource::kWheels ? record_.wheels : record_.vision;
+  return AddTo(&track, increment, increment.from_ns, increment.to_ns);
+}
+
+MessageOutcome PoseFilter::AddImu(const ImuReading& reading) {
+  const std::int64_t begin_ns = record_.imu.empty() ? reading.stamp_ns : record_.imu.newest_ns();
+  return AddTo(&record_.imu, reading, std::min(begin_ns, reading.stamp_ns), reading.stamp_ns);
+}
+
+std::size_t PoseFilter::LastCheckpointBefore(std::int64_t stamp_ns) const {
+  const auto after = std::upper_bound(checkpoints_.begin(), checkpoints_.end(), stamp_ns,
+                                      [](std::int64_t stamp, const Checkpoint& c) { return stamp < c.state.stamp_ns; });
+  return static_cast<std::size_t>(after - checkpoints_.begin()) - 1;  // the first one is never after what is asked
+}
+
+FilterState PoseFilter::StateAt(std::int64_t stamp_ns) const {
+  FilterState state = checkpoints_[LastCheckpointBefore(stamp_ns)].state;
+  CarryOn(record_, options_, stamp_ns, &state);
+  return state;
+}
+
+// Fixes that were accepted stay accepted; states between them are not needed again.
+void PoseFilter::RedoSince(std::int64_t stamp_ns) {
+  if (checkpoints_.empty() || checkpoints_.back().state.stamp_ns <= stamp_ns) {
+    return;
+  }
+  const std::size_t first = stamp_ns < checkpoints_.front().state.stamp_ns ? 1 : LastCheckpointBefore(stamp_ns) + 1;
+  std::deque<Checkpoint> later(checkpoints_.begin() + static_cast<std::ptrdiff_t>(first), checkpoints_.end());
+  checkpoints_.resize(first);
+  for (const Checkpoint& checkpoint : later) {
+    FilterState state = StateAt(checkpoint.state.stamp_ns);
+    if (checkpoint.fix) {
+      CorrectByFix(*checkpoint.fix, &state);
+      state.path_m = state.turn_rad = 0.0;
+    }
+    checkpoints_.push_back({state, checkpoint.fix});
+  }
+}
+
+FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
+  FixOutcome outcome;
+  if (!IsValid(fix)) {
+    outcome.reason = FixRejection::kInvalid;
+    return outcome;
+  }
+  Start(fix.stamp_ns);
+  if (IsBeforeHistory(fix.stamp_ns) || fix.stamp_ns < checkpoints_.front().state.stamp_ns) {
+    outcome.reason = FixRejection::kTooOld;
+    return outcome;
+  }
+  const Checkpoint& before = checkpoints_[LastCheckpointBefore(fix.stamp_ns)];
+  if (before.fix && before.fix->stamp_ns == fix.stamp_ns) {
+    outcome.reason = FixRejection::kDuplicate;
+    return outcome;
+  }
+  FilterState predicted = StateAt(fix.stamp_ns);
+  outcome = JudgeFix(fix, predicted, options_.gates);
+  Advance(fix.stamp_ns);
+  if (outcome.reason != FixRejection::kWrongFixRisk && (!has_pose_ || IsLost(predicted))) {
+    return Anchor(fix);
+  }
+  return outcome.accepted ? Accept(fix, std::move(predicted), outcome) : Reject(fix, outcome);
+}
+
+// The state of the fix's time is corrected, and what came after is done again.
+FixOutcome PoseFilter::Accept(const PoseFix& fix, FilterState predicted, FixOutcome outcome) {
+  CorrectByFix(fix, &predicted);
+  predicted.path_m = predicted.turn_rad = 0.0;
+  const std::size_t place = LastCheckpointBefore(fix.stamp_ns) + 1;
+  checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(place), {predicted, fix});
+  RedoSince(fix.stamp_ns);
+  kidnap_.Clear();
+  last_fix_ns_ = std::max(last_fix_ns_.value_or(fix.stamp_ns), fix.stamp_ns);
+  last_picture_agreed_ = true;
+  return outcome;
+}
+
+FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
+  last_picture_agreed_ = false;
+  if (outcome.reason == FixRejection::kWrongFixRisk) {
+    return outcome;
+  }
+  const FilterState& sensors = checkpoints_.back().state;
+  const auto motion = [&](std::int64_t from_ns, std::int64_t to_ns) {
+    FilterState moved = sensors;
+    moved.stamp_ns = from_ns;
+    PlaceAt({from_ns, Pose2(), Eigen::Matrix3d::Zero()}, &moved);
+    CarryOn(record_, options_, to_ns, &moved);
+    return MotionEstimate{moved.map_from_base, LargestSigma(moved.covariance.topLeftCorner<2, 2>()),
+                          std::sqrt(moved.covariance(2, 2))};
+  };
+  if (kidnap_.AddContradiction(fix, motion)) {
+    return Anchor(fix);
+  }
+  return outcome;
+}
+
+// The vehicle is where the fix has it. What is known of its sensors stays; the pose begins anew.
+FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
+  FixOutcome outcome;
+  outcome.accepted = true;
+  outcome.first = !has_pose_;
+  outcome.reanchored = has_pose_;
+  FilterState state = StateAt(fix.stamp_ns);
+  PlaceAt(fix, &state);
+  state.path_m = state.turn_rad = 0.0;
+  checkpoints_.clear();
+  checkpoints_.push_back({state, fix});
+  kidnap_.Clear();
+  has_pose_ = true;
+  last_fix_ns_ = fix.stamp_ns;
+  last_picture_agreed_ = true;
+  return outcome;
+}
+
+void PoseFilter::AddMiss(std::int64_t stamp_ns) {
+  if (!last_fix_ns_ || stamp_ns > *last_fix_ns_) {
+    last_picture_agreed_ = false;
+  }
+}
+
+void PoseFilter::SetPose(const PoseFix& pose) {
+  Start(pose.stamp_ns);
+  FilterState state = StateAt(std::max(pose.stamp_ns, checkpoints_.front().state.stamp_ns));
+  if (IsBeforeHistory(pose.stamp_ns)) {
+    record_ = {};
+    newest_ns_ = pose.stamp_ns;
+  }
+  state.stamp_ns = pose.stamp_ns;
+  state.path_m = state.turn_rad = 0.0;
+  PlaceAt(pose, &state);
+  checkpoints_.clear();
+  checkpoints_.push_back({state, std::nullopt});
+  kidnap_.Clear();
+  has_pose_ = true;
+  last_fix_ns_.reset();
+  last_picture_agreed_ = false;
+  Advance(pose.stamp_ns);
+}
+
+std::optional<FilterState> PoseFilter::State() const {
+  if (!has_pose_) {
+    return std::nullopt;
+  }
+  return StateAt(*newest_ns_);
+}
+
+std::optional<FusedPose> PoseFilter::Estimate() const {
+  const std::optional<FilterState> state = State();
+  return state ? std::optional(ToFusedPose(*state)) : std::nullopt;
+}
+
+std::optional<FusedPose> PoseFilter::EstimateAt(std::int64_t stamp_ns) const {
+  if (!has_pose_ || stamp_ns < checkpoints_.front().state.stamp_ns) {
+    return std::nullopt;
+  }
+  return ToFusedPose(StateAt(stamp_ns));
+}
+
+std::optional<Pose2> PoseFilter::MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const {
+  if (checkpoints_.empty() || from_ns < checkpoints_.front().state.stamp_ns || to_ns < from_ns) {
+    return std::nullopt;
+  }
+  FilterState state = StateAt(from_ns);
+  const Pose2 map_from_start = state.map_from_base;
+  CarryOn(record_, options_, to_ns, &state);
+  return map_from_start.Between(state.map_from_base);
+}
+
+bool PoseFilter::IsLost(const FilterState& state) const {
+  return LargestSigma(state.covariance.topLeftCorner<2, 2>()) > options_.limits.lost_m ||
+         std::sqrt(state.covariance(2, 2)) > options_.limits.lost_rad;
+}
+
+FusedPose PoseFilter::ToFusedPose(const FilterState& state) const {
+  FusedPose pose;
+  pose.stamp_ns = state.stamp_ns;
+  pose.map_from_base = state.map_from_base;
+  pose.covariance = state.MapCovariance();
+  pose.odom_from_base = state.odom_from_base;
+  pose.map_from_odom = state.map_from_base * state.odom_from_base.Inverse();
+  const FilterLimits& limits = options_.limits;
+  const bool fine = LargestSigma(pose.covariance.topLeftCorner<2, 2>()) <= limits.localized_m &&
+                    std::sqrt(pose.covariance(2, 2)) <= limits.localized_rad;
+  if (IsLost(state)) {
+    pose.state = TrackingState::kLost;
+  } else {
+    pose.state = last_picture_agreed_ && fine ? TrackingState::kLocalized : TrackingState::kTrackingOdometry;
+  }
+  if (last_fix_ns_) {
+    pose.since_fix = {1e-9 * static_cast<double>(state.stamp_ns - *last_fix_ns_), state.path_m, state.turn_rad};
+  }
+  return pose;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "core/fusion/dead_reckoning.h"
+#include "core/fusion/kidnap_watch.h"
+#include "core/fusion/pose_fuser.h"
+
+namespace floorloc {
+
+/// Extended Kalman filter on SE(2) with its error state in the tangent space (Sola, Deray & Atchuthan 2018): pose,
+/// velocity, biases of the IMU and of the wheels. Fixes are applied at their own time: the states of the last seconds
+/// are remembered, and what came after a late message is done again. Bounded in memory.
+class PoseFilter : public PoseFuser {
+ public:
+  /// Throws std::invalid_argument when the options do not pass Check().
+  explicit PoseFilter(const PoseFilterOptions& options = {});
+
+  MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) override;
+  MessageOutcome AddImu(const ImuReading& reading) override;
+  FixOutcome AddFix(const PoseFix& fix) override;
+  void AddMiss(std::int64_t stamp_ns) override;
+  void SetPose(const PoseFix& pose) override;
+  std::optional<FusedPose> Estimate() const override;
+  std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
+  std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override;
+
+  /// True while fixes contradict the pose and it is not decided who is right.
+  bool InDoubt() const { return kidnap_.InDoubt(); }
+  /// Everything that is estimated, at the newest message; empty before there is a pose.
+  std::optional<FilterState> State() const;
+
+ private:
+  // A remembered state, and the fix that made it.
+  struct Checkpoint {
+    FilterState state;  // after the fix
+    std::optional<PoseFix> fix;
+  };
+
+  template <typename Track, typename Message>
+  MessageOutcome AddTo(Track* track, const Message& message, std::int64_t begin_ns, std::int64_t end_ns);
+  bool IsBeforeHistory(std::int64_t stamp_ns) const;
+  void Start(std::int64_t stamp_ns);
+  void BeginAnew(std::int64_t stamp_ns);
+  void Advance(std::int64_t stamp_ns);
+  void RedoSince(std::int64_t stamp_ns);
+  void ForgetOld();
+  FilterState StateAt(std::int64_t stamp_ns) const;
+  std::size_t LastCheckpointBefore(std::int64_t stamp_ns) const;
+  bool IsLost(const FilterState& state) const;
+  FixOutcome Anchor(const PoseFix& fix);
+  FixOutcome Accept(const PoseFix& fix, FilterState predicted, FixOutcome outcome);
+  FixOutcome Reject(const PoseFix& fix, FixOutcome outcome);
+  FusedPose ToFusedPose(const FilterState& state) const;
+
+  const PoseFilterOptions options_;
+  MotionRecord record_;
+  std::deque<Checkpoint> checkpoints_;  // by time; empty before the first message
+  KidnapWatch kidnap_;
+  std::optional<std::int64_t> newest_ns_;
+  std::optional<std::int64_t> last_fix_ns_;  // accepted
+  bool has_pose_ = false;
+  bool last_picture_agreed_ = false;
+  int messages_before_history_ = 0;
+};
+
+}  // namespace floorloc

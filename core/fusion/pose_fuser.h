@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/fusion/filter_options.h"
+#include "core/fusion/fused_pose.h"
+#include "core/fusion/measurements.h"
+
+namespace floorloc {
+
+/// Ways to make one pose of increments and fixes.
+enum class FusionMethod {
+  kEkf,         ///< PoseFilter
+  kIncrements,  ///< the first fix, carried on by increments alone
+  kFixes,       ///< the last fix, whatever came between
+  kReplace,     ///< increments are added, a fix replaces the pose: the fuser of the thesis (3.3.8)
+  kJumpFilter,  ///< the same, but fixes that jump by more than the distance and angle gates are dropped
+};
+/// "ekf", "increments", "fixes", "replace", "jump_filter"
+const char* ToString(FusionMethod method);
+/// Throws std::invalid_argument that lists the known names.
+FusionMethod ParseFusionMethod(const std::string& name);
+
+enum class MotionSource { kWheels, kVision };
+
+/// Keeps the pose of one vehicle. Not thread-safe: one caller at a time.
+class PoseFuser {
+ public:
+  virtual ~PoseFuser() = default;
+
+  virtual MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) = 0;
+  virtual MessageOutcome AddImu(const ImuReading& reading) = 0;
+  virtual FixOutcome AddFix(const PoseFix& fix) = 0;
+  /// A picture of this time told nothing.
+  virtual void AddMiss(std::int64_t stamp_ns) = 0;
+  /// Sets the pose by hand; the next fixes are judged against it.
+  virtual void SetPose(const PoseFix& pose) = 0;
+
+  /// At the time of the newest message; empty before there was a fix or a pose by hand.
+  virtual std::optional<FusedPose> Estimate() const = 0;
+  /// At a time that is remembered, or after the newest message; empty for earlier ones.
+  virtual std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const = 0;
+  /// Motion of the base between two times without the fixes in between; empty for times that are not remembered.
+  virtual std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const = 0;
+};
+
+/// Throws std::invalid_argument when the options do not pass Check().
+std::unique_ptr<PoseFuser> MakePoseFuser(FusionMethod method, const PoseFilterOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/fusion/jump_filter.h"
+#include "core/fusion/pose_fuser.h"
+
+namespace floorloc {
+
+/// The ways to fuse that need no covariance, to compare with: see FusionMethod. Messages count in the order of their
+/// arrival, whatever their times; every pose claims to be good, with the covariance of the last fix.
+class SimpleFuser : public PoseFuser {
+ public:
+  /// Any method but kEkf.
+  SimpleFuser(FusionMethod method, const FixGates& gates);
+
+  MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) override;
+  MessageOutcome AddImu(const ImuReading& reading) override;
+  FixOutcome AddFix(const PoseFix& fix) override;
+  void AddMiss(std::int64_t stamp_ns) override;
+  void SetPose(const PoseFix& pose) override;
+  std::optional<FusedPose> Estimate() const override;
+  std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
+  std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override;
+
+ private:
+  bool Believes(const PoseFix& fix);
+  void PlaceAt(const PoseFix& fix);
+
+  const FusionMethod method_;
+  JumpFilter jump_filter_;
+  bool has_wheels_ = false;
+  std::optional<std::int64_t> newest_ns_;
+  std::optional<PoseFix> last_fix_;
+  Pose2 map_from_base_;
+  Pose2 odom_from_base_;
+  SinceFix since_fix_;
+};
+
+}  // namespace floorloc
