@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/evaluation/trajectory_error.h"
 #include "core/io/text_file.h"
 
 namespace floorloc {
@@ -69,12 +70,16 @@ class ErrorColors {
 // Metres in the plane -> pixels of the canvas: x right, y up, equal scales, centred in the area.
 class PlaneView {
  public:
-  explicit PlaneView(const std::vector<ErrorSample>& samples) {
-    Eigen::Vector2d low = samples.front().reference_m;
+  explicit PlaneView(const ErrorPlot& plot) {
+    std::vector<Eigen::Vector2d> places = plot.reference_m;
+    for (const ErrorSample& sample : plot.samples) {
+      places.push_back(sample.estimate_m);
+    }
+    Eigen::Vector2d low = places.front();
     Eigen::Vector2d high = low;
-    for (const ErrorSample& sample : samples) {
-      low = low.cwiseMin(sample.reference_m).cwiseMin(sample.estimate_m);
-      high = high.cwiseMax(sample.reference_m).cwiseMax(sample.estimate_m);
+    for (const Eigen::Vector2d& place : places) {
+      low = low.cwiseMin(place);
+      high = high.cwiseMax(place);
     }
     const Eigen::Vector2d size = (high - low).cwiseMax(1e-3);
     pixels_per_m_ = 0.92 * std::min(kPlaneArea.width / size.x(), kPlaneArea.height / size.y());
@@ -118,10 +123,9 @@ void DrawLegend(cv::Mat& canvas, const ErrorColors& colors, const std::string& u
 }
 
 void DrawPlane(cv::Mat& canvas, const ErrorPlot& plot, const ErrorColors& colors) {
-  const PlaneView view(plot.samples);
-  for (std::size_t i = 1; i < plot.samples.size(); ++i) {
-    cv::line(canvas, view(plot.samples[i - 1].reference_m), view(plot.samples[i].reference_m), kReferenceGray, 2,
-             cv::LINE_AA);
+  const PlaneView view(plot);
+  for (std::size_t i = 1; i < plot.reference_m.size(); ++i) {
+    cv::line(canvas, view(plot.reference_m[i - 1]), view(plot.reference_m[i]), kReferenceGray, 2, cv::LINE_AA);
   }
   for (const ErrorSample& sample : plot.samples) {
     cv::circle(canvas, view(sample.estimate_m), 4, colors.Of(sample.error), cv::FILLED, cv::LINE_AA);
@@ -144,8 +148,34 @@ void DrawTimeGrid(cv::Mat& canvas, double top_error, double duration_s, const st
     cv::line(canvas, {x, kTimeArea.y}, {x, kTimeArea.br().y}, kGrid);
     PutText(canvas, NumberText(std::round(time / time_step) * time_step), {x - 8, kTimeArea.br().y + 20});
   }
-  PutText(canvas, "error [" + unit + "]", {kTimeArea.x - 60, kTimeArea.y - 14});
+  PutText(canvas, unit.empty() ? "error" : "error [" + unit + "]", {kTimeArea.x - 60, kTimeArea.y - 14});
   PutText(canvas, "time [s]", {kTimeArea.br().x - 60, kTimeArea.br().y + 45});
+}
+
+// A line across the whole time for each of the usual statistics, named with its number below.
+void DrawStatistics(cv::Mat& canvas, const ErrorPlot& plot, double top_error) {
+  std::vector<double> errors;
+  for (const ErrorSample& sample : plot.samples) {
+    errors.push_back(sample.error);
+  }
+  const ErrorStatistics statistics = Summarize(std::move(errors));
+  struct Line {
+    const char* name;
+    double value;
+    cv::Scalar color;
+  };
+  const std::array<Line, 3> lines = {{{"rmse", statistics.rmse, cv::Scalar(40, 40, 200)},
+                                      {"mean", statistics.mean, cv::Scalar(180, 90, 20)},
+                                      {"median", statistics.median, cv::Scalar(40, 130, 40)}}};
+  int x = kTimeArea.x;
+  for (const Line& line : lines) {
+    const int y = kTimeArea.br().y - static_cast<int>(kTimeArea.height * line.value / top_error);
+    cv::line(canvas, {kTimeArea.x, y}, {kTimeArea.br().x, y}, line.color);
+    const int text_y = kTimeArea.br().y + 45;
+    cv::line(canvas, {x, text_y - 5}, {x + 22, text_y - 5}, line.color, 2, cv::LINE_AA);
+    PutText(canvas, std::string(line.name) + " " + NumberText(line.value), {x + 28, text_y});
+    x += 165;
+  }
 }
 
 void DrawTimes(cv::Mat& canvas, const ErrorPlot& plot, const ErrorColors& colors) {
@@ -161,6 +191,7 @@ void DrawTimes(cv::Mat& canvas, const ErrorPlot& plot, const ErrorColors& colors
                        kTimeArea.br().y - static_cast<int>(kTimeArea.height * sample.error / top_error));
     cv::circle(canvas, at, 3, colors.Of(sample.error), cv::FILLED, cv::LINE_AA);
   }
+  DrawStatistics(canvas, plot, top_error);
 }
 
 }  // namespace

@@ -12,18 +12,19 @@ namespace floorloc {
 /// One estimated pose and how wrong it is.
 struct ErrorSample {
   double time_s = 0.0;  ///< since any moment
-  Eigen::Vector2d reference_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d estimate_m = Eigen::Vector2d::Zero();
   double error = 0.0;  ///< in the unit of the plot
 };
 
 struct ErrorPlot {
   std::string title;
-  std::string unit;                  ///< of the errors, e.g. "mm"
-  std::vector<ErrorSample> samples;  ///< in order of time; at least one
+  std::string unit;                          ///< of the errors, e.g. "mm"; may be empty
+  std::vector<Eigen::Vector2d> reference_m;  ///< the true positions, in order of time
+  std::vector<ErrorSample> samples;          ///< in order of time; at least one
 };
 
-/// Draws the trajectory in the plane, coloured by error, with a scale bar and a legend, beside the error over time.
+/// Draws the trajectory in the plane, coloured by error, with a scale bar and a legend, beside the error over time with
+/// lines for its RMSE, mean and median.
 /// 8-bit BGR.
 cv::Mat DrawErrorPlot(const ErrorPlot& plot);
 

@@ -10,6 +10,10 @@
 namespace floorloc {
 namespace {
 
+// Positions that leave a line by less than about a millionth of its length are taken for a line: what is left of them
+// is rounding, and would turn the trajectory about the line at random.
+constexpr double kFlatness = 1e-12;
+
 template <int kDim>
 struct SimilarityN {
   Eigen::Matrix<double, kDim, kDim> rotation;
@@ -39,10 +43,13 @@ SimilarityN<kDim> Umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
   }
   const Eigen::JacobiSVD<Matrix> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   // One direction may be empty (the plane in space, a line in the plane): a proper rotation fills it in.
-  if (!(svd.singularValues()(kDim - 2) > std::numeric_limits<double>::epsilon())) {
-    throw std::invalid_argument(
-        "the positions do not determine the alignment because they lie on one spot or line; "
-        "align with se2 or none");
+  const double rounding_m =
+      16.0 * std::numeric_limits<double>::epsilon() * (mean_estimate.norm() + mean_reference.norm());
+  if (!(svd.singularValues()(kDim - 2) > kFlatness * svd.singularValues()(0) + rounding_m * rounding_m)) {
+    throw std::invalid_argument(kDim == 2 ? "the positions do not determine the alignment because they lie on one "
+                                            "spot; align with origin or none"
+                                          : "the positions do not determine the alignment because they lie on one "
+                                            "spot or line; align with se2, origin or none");
   }
   Vector signs = Vector::Ones();
   signs(kDim - 1) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
@@ -63,6 +70,11 @@ Similarity3 FromSpace(const SimilarityN<3>& spatial) {
   return {Eigen::Quaterniond(spatial.rotation), spatial.translation, spatial.scale};
 }
 
+Similarity3 OntoFirst(const PosePair& first) {
+  const Eigen::Quaterniond rotation = (first.reference.rotation * first.estimate.rotation.conjugate()).normalized();
+  return {rotation, first.reference.translation_m - rotation * first.estimate.translation_m, 1.0};
+}
+
 }  // namespace
 
 StampedPose3 Similarity3::operator*(const StampedPose3& pose) const {
@@ -71,6 +83,9 @@ StampedPose3 Similarity3::operator*(const StampedPose3& pose) const {
 }
 
 Similarity3 ComputeAlignment(const std::vector<PosePair>& pairs, AlignmentMode mode) {
+  if (pairs.empty() && mode != AlignmentMode::kNone) {
+    throw std::invalid_argument("there are no pairs of poses to align");
+  }
   switch (mode) {
     case AlignmentMode::kNone:
       return {};
@@ -80,6 +95,10 @@ Similarity3 ComputeAlignment(const std::vector<PosePair>& pairs, AlignmentMode m
       return FromSpace(Umeyama<3>(pairs, false));
     case AlignmentMode::kSim3:
       return FromSpace(Umeyama<3>(pairs, true));
+    case AlignmentMode::kScale:
+      return {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), Umeyama<3>(pairs, true).scale};
+    case AlignmentMode::kOrigin:
+      return OntoFirst(pairs.front());
   }
   assert(false);
   return {};

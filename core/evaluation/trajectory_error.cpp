@@ -2,7 +2,6 @@
 #include "core/evaluation/trajectory_error.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -53,12 +52,11 @@ std::vector<PoseError> AbsolutePoseErrors(const std::vector<PosePair>& pairs) {
   return errors;
 }
 
-std::vector<PoseError> RelativePoseErrors(const std::vector<PosePair>& pairs, std::size_t delta_pairs) {
-  assert(delta_pairs >= 1);
+std::vector<PoseError> RelativePoseErrors(const std::vector<PosePair>& pairs, const std::vector<Motion>& motions) {
   std::vector<PoseError> errors;
-  for (std::size_t i = delta_pairs; i < pairs.size(); i += delta_pairs) {
-    const PosePair& from = pairs[i - delta_pairs];
-    const PosePair& to = pairs[i];
+  for (const Motion& motion : motions) {
+    const PosePair& from = pairs[motion.from];
+    const PosePair& to = pairs[motion.to];
     errors.push_back(ErrorOf(Between(MotionOf(from.reference), MotionOf(to.reference)),
                              Between(MotionOf(from.estimate), MotionOf(to.estimate)), to.estimate.stamp_ns));
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/evaluation/association.h"
+#include "core/evaluation/motion_pairs.h"
 
 namespace floorloc {
 
@@ -19,9 +20,8 @@ struct PoseError {
 /// Absolute pose error: reference^-1 * estimate of every pair.
 std::vector<PoseError> AbsolutePoseErrors(const std::vector<PosePair>& pairs);
 
-/// Relative pose error: the same for the motions between pair 0 and pair delta, delta and 2 delta, and so on.
-/// delta_pairs >= 1.
-std::vector<PoseError> RelativePoseErrors(const std::vector<PosePair>& pairs, std::size_t delta_pairs = 1);
+/// Relative pose error: the same for motions, each from one pair to another.
+std::vector<PoseError> RelativePoseErrors(const std::vector<PosePair>& pairs, const std::vector<Motion>& motions);
 
 struct ErrorStatistics {
   double rmse = 0.0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <iostream>
@@ -6,13 +7,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
-#include "core/evaluation/alignment.h"
-#include "core/evaluation/association.h"
-#include "core/evaluation/trajectory_error.h"
+#include "core/evaluation/trajectory_evaluation.h"
 #include "core/io/input_error.h"
+#include "core/io/text_file.h"
 #include "core/io/trajectory.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/plot_trajectory.h"
@@ -22,30 +23,44 @@ namespace {
 
 constexpr double kMmPerM = 1000.0;
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr double kMaxOffsetS = 1e9;
 
-const std::map<std::string, AlignmentMode> kAlignmentModes = {{"none", AlignmentMode::kNone},
-                                                              {"se2", AlignmentMode::kSe2},
-                                                              {"se3", AlignmentMode::kSe3},
-                                                              {"sim3", AlignmentMode::kSim3}};
+const std::map<std::string, AlignmentMode> kAlignmentModes = {
+    {"none", AlignmentMode::kNone}, {"se2", AlignmentMode::kSe2},     {"se3", AlignmentMode::kSe3},
+    {"sim3", AlignmentMode::kSim3}, {"scale", AlignmentMode::kScale}, {"origin", AlignmentMode::kOrigin}};
 
-struct EvaluateOptions {
+// A unit of --delta-unit, and how many of it make one of ours.
+const std::map<std::string, std::pair<DeltaUnit, double>> kDeltaUnits = {{"frames", {DeltaUnit::kFrames, 1.0}},
+                                                                         {"m", {DeltaUnit::kMetres, 1.0}},
+                                                                         {"s", {DeltaUnit::kSeconds, 1.0}},
+                                                                         {"deg", {DeltaUnit::kRadians, kDegPerRad}},
+                                                                         {"rad", {DeltaUnit::kRadians, 1.0}}};
+
+// What is plotted of an error, and in which unit.
+struct PlottedError {
+  double PoseError::*member;
+  const char* unit;
+  double per_si;
+};
+const std::map<std::string, PlottedError> kPlottedErrors = {{"translation", {&PoseError::translation_m, "mm", kMmPerM}},
+                                                            {"rotation", {&PoseError::rotation_rad, "deg", kDegPerRad}},
+                                                            {"full", {&PoseError::full, "", 1.0}}};
+
+// As the user writes it.
+struct Arguments {
   std::string metric;
   std::filesystem::path reference_file;
   std::filesystem::path estimate_file;
   std::string align = "none";
-  double max_diff_s = 0.01;
+  double delta = 1.0;
+  std::string delta_unit = "frames";
   bool json = false;
   std::filesystem::path plot_file;
-};
+  std::string plot_error = "translation";
+  std::filesystem::path errors_file;
+  EvaluationOptions options;
 
-struct Evaluation {
-  std::size_t reference_poses = 0;
-  std::size_t estimated_poses = 0;
-  Similarity3 alignment;
-  std::vector<PosePair> pairs;  ///< aligned
-  std::vector<PoseError> errors;
-  ErrorStatistics translation;  ///< metres
-  ErrorStatistics rotation;     ///< radians
+  bool relative() const { return metric == "rpe"; }
 };
 
 using Member = double ErrorStatistics::*;
@@ -58,70 +73,26 @@ constexpr std::array<std::pair<const char*, Member>, 8> kStatistics = {{{"rmse",
                                                                         {"sse", &ErrorStatistics::sse},
                                                                         {"p99", &ErrorStatistics::p99}}};
 
-void CheckPairCount(const Evaluation& evaluation, const EvaluateOptions& options) {
-  const std::size_t needed = options.metric == "rpe" || options.align != "none" ? 2 : 1;
-  if (evaluation.pairs.size() < needed) {
-    throw InputError(options.estimate_file, "only " + std::to_string(evaluation.pairs.size()) + " of its " +
-                                                std::to_string(evaluation.estimated_poses) + " poses have one of " +
-                                                options.reference_file.string() + " within " +
-                                                std::to_string(options.max_diff_s) + " s, but " + options.metric +
-                                                " needs at least " + std::to_string(needed) +
-                                                "; check that both have the same clock, or allow more with --max-diff");
-  }
+EvaluationOptions Translate(const Arguments& a) {
+  EvaluationOptions options = a.options;
+  options.metric = a.relative() ? ErrorMetric::kRelative : ErrorMetric::kAbsolute;
+  options.align = kAlignmentModes.at(a.align);
+  const auto& [unit, per_our_unit] = kDeltaUnits.at(a.delta_unit);
+  options.motions.unit = unit;
+  options.motions.delta = a.delta / per_our_unit;
+  options.motions.Check();
+  return options;
 }
 
-ErrorStatistics SummarizeMember(const std::vector<PoseError>& errors, double PoseError::*member) {
-  std::vector<double> values;
-  for (const PoseError& error : errors) {
-    values.push_back(error.*member);
-  }
-  return Summarize(std::move(values));
-}
-
-Evaluation Evaluate(const EvaluateOptions& options) {
-  const Trajectory reference = ReadTrajectory(options.reference_file);
-  const Trajectory estimate = ReadTrajectory(options.estimate_file);
-  Evaluation evaluation;
-  evaluation.reference_poses = reference.size();
-  evaluation.estimated_poses = estimate.size();
-  evaluation.pairs = AssociateByTime(reference, estimate, options.max_diff_s);
-  CheckPairCount(evaluation, options);
+TrajectoryEvaluation Evaluate(const Arguments& a) {
+  const EvaluationOptions options = Translate(a);
+  const Trajectory reference = ReadTrajectory(a.reference_file);
+  const Trajectory estimate = ReadTrajectory(a.estimate_file);
   try {
-    evaluation.alignment = ComputeAlignment(evaluation.pairs, kAlignmentModes.at(options.align));
+    return EvaluateTrajectory(reference, estimate, options);
   } catch (const std::invalid_argument& error) {
-    throw InputError(options.estimate_file, error.what());
+    throw InputError(a.estimate_file, error.what());
   }
-  evaluation.pairs = Align(std::move(evaluation.pairs), evaluation.alignment);
-  evaluation.errors =
-      options.metric == "ape" ? AbsolutePoseErrors(evaluation.pairs) : RelativePoseErrors(evaluation.pairs);
-  evaluation.translation = SummarizeMember(evaluation.errors, &PoseError::translation_m);
-  evaluation.rotation = SummarizeMember(evaluation.errors, &PoseError::rotation_rad);
-  return evaluation;
-}
-
-nlohmann::ordered_json StatisticsJson(const ErrorStatistics& statistics) {
-  nlohmann::ordered_json json;
-  for (const auto& [name, member] : kStatistics) {
-    json[name] = statistics.*member;
-  }
-  return json;
-}
-
-void PrintJson(const Evaluation& evaluation, const EvaluateOptions& options) {
-  const Similarity3& a = evaluation.alignment;
-  const nlohmann::ordered_json alignment = {
-      {"translation", {a.translation_m.x(), a.translation_m.y(), a.translation_m.z()}},
-      {"quaternion_xyzw", {a.rotation.x(), a.rotation.y(), a.rotation.z(), a.rotation.w()}},
-      {"scale", a.scale}};
-  const nlohmann::ordered_json json = {{"metric", options.metric},
-                                       {"align", options.align},
-                                       {"pairs", evaluation.pairs.size()},
-                                       {"reference_poses", evaluation.reference_poses},
-                                       {"estimated_poses", evaluation.estimated_poses},
-                                       {"translation", StatisticsJson(evaluation.translation)},
-                                       {"rotation", StatisticsJson(evaluation.rotation)},
-                                       {"alignment", alignment}};
-  std::cout << json.dump(2) << "\n";
 }
 
 // A sum of squares scales with the square of the unit.
@@ -129,70 +100,167 @@ double InUnit(double value, const char* statistic, double per_si) {
   return value * (std::string_view(statistic) == "sse" ? per_si * per_si : per_si);
 }
 
-void PrintTable(const Evaluation& evaluation, const EvaluateOptions& options) {
-  std::printf("%s, alignment %s: %zu pairs of %zu reference and %zu estimated poses\n", options.metric.c_str(),
-              options.align.c_str(), evaluation.pairs.size(), evaluation.reference_poses, evaluation.estimated_poses);
-  std::printf("%-8s %18s %18s\n", "", "translation [mm]", "rotation [deg]");
+nlohmann::ordered_json StatisticsJson(const ErrorStatistics& statistics, double per_si = 1.0) {
+  nlohmann::ordered_json json;
   for (const auto& [name, member] : kStatistics) {
-    std::printf("%-8s %18.4f %18.5f%s\n", name, InUnit(evaluation.translation.*member, name, kMmPerM),
-                InUnit(evaluation.rotation.*member, name, kDegPerRad),
-                std::string_view(name) == "sse" ? "   (squared units)" : "");
+    json[name] = InUnit(statistics.*member, name, per_si);
   }
-  const Similarity3& a = evaluation.alignment;
-  if (options.align != "none") {
-    std::printf("estimate moved by (%.6f, %.6f, %.6f) m, turned by %.6f deg, scaled by %.9f\n", a.translation_m.x(),
-                a.translation_m.y(), a.translation_m.z(),
-                kDegPerRad * Eigen::Quaterniond::Identity().angularDistance(a.rotation), a.scale);
+  return json;
+}
+
+void PrintJson(const TrajectoryEvaluation& evaluation, const Arguments& a) {
+  const Similarity3& moved = evaluation.alignment;
+  nlohmann::ordered_json json = {{"metric", a.metric},
+                                 {"align", a.align},
+                                 {"pairs", evaluation.pairs.size()},
+                                 {"reference_poses", evaluation.reference_poses},
+                                 {"estimated_poses", evaluation.estimated_poses},
+                                 {"translation", StatisticsJson(evaluation.translation)},
+                                 {"rotation", StatisticsJson(evaluation.rotation)},
+                                 {"rotation_deg", StatisticsJson(evaluation.rotation, kDegPerRad)},
+                                 {"full", StatisticsJson(evaluation.full)}};
+  const Eigen::Quaterniond& q = moved.rotation;
+  json["alignment"] = {{"translation", {moved.translation_m.x(), moved.translation_m.y(), moved.translation_m.z()}},
+                       {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+                       {"scale", moved.scale}};
+  if (a.relative()) {
+    json["delta"] = a.delta;
+    json["delta_unit"] = a.delta_unit;
+    json["all_pairs"] = a.options.motions.all_pairs;
+    json["motions"] = evaluation.errors.size();
+  }
+  std::cout << json.dump(2) << "\n";
+}
+
+// What the errors are of, after the name of the metric.
+std::string Conditions(const Arguments& a) {
+  std::ostringstream text;
+  if (a.relative()) {
+    text << " over " << a.delta << " " << a.delta_unit << (a.options.motions.all_pairs ? ", all pairs" : "");
+  }
+  text << ", alignment " << a.align << (a.options.planar ? ", in the plane" : "");
+  return text.str();
+}
+
+void PrintTable(const TrajectoryEvaluation& evaluation, const Arguments& a) {
+  std::printf("%s%s: %zu pairs of %zu reference and %zu estimated poses\n", a.metric.c_str(), Conditions(a).c_str(),
+              evaluation.pairs.size(), evaluation.reference_poses, evaluation.estimated_poses);
+  if (a.relative()) {
+    std::printf("%zu motions compared\n", evaluation.errors.size());
+  }
+  std::printf("%-8s %18s %18s %18s %18s\n", "", "translation [mm]", "rotation [deg]", "rotation [rad]", "full [-]");
+  for (const auto& [name, member] : kStatistics) {
+    std::printf("%-8s %18.4f %18.5f %18.7f %18.7f%s\n", name, InUnit(evaluation.translation.*member, name, kMmPerM),
+                InUnit(evaluation.rotation.*member, name, kDegPerRad), evaluation.rotation.*member,
+                evaluation.full.*member, std::string_view(name) == "sse" ? "   (squared units)" : "");
+  }
+  const Similarity3& moved = evaluation.alignment;
+  if (a.align != "none") {
+    std::printf("estimate moved by (%.6f, %.6f, %.6f) m, turned by %.6f deg, scaled by %.9f\n", moved.translation_m.x(),
+                moved.translation_m.y(), moved.translation_m.z(),
+                kDegPerRad * Eigen::Quaterniond::Identity().angularDistance(moved.rotation), moved.scale);
   }
   std::fflush(stdout);
 }
 
-void Plot(const Evaluation& evaluation, const EvaluateOptions& options) {
+void Plot(const TrajectoryEvaluation& evaluation, const Arguments& a) {
+  const PlottedError& plotted = kPlottedErrors.at(a.plot_error);
   ErrorPlot plot;
-  plot.title =
-      options.metric + " of " + options.estimate_file.filename().string() + ", translation, alignment " + options.align;
-  plot.unit = "mm";
-  // The errors of rpe belong to the ends of the motions: the first pair has none.
-  const std::size_t first = evaluation.pairs.size() - evaluation.errors.size();
-  for (std::size_t i = 0; i < evaluation.errors.size(); ++i) {
-    const PosePair& pair = evaluation.pairs[first + i];
-    plot.samples.push_back({ToSeconds(pair.estimate.stamp_ns), pair.reference.translation_m.head<2>(),
-                            pair.estimate.translation_m.head<2>(), kMmPerM * evaluation.errors[i].translation_m});
+  plot.title = a.metric + " of " + a.estimate_file.filename().string() + ", " + a.plot_error + Conditions(a);
+  plot.unit = plotted.unit;
+  for (const PosePair& pair : evaluation.pairs) {
+    plot.reference_m.push_back(pair.reference.translation_m.head<2>());
   }
-  WriteErrorPlot(options.plot_file, plot);
+  for (std::size_t i = 0; i < evaluation.errors.size(); ++i) {
+    const PosePair& pair = evaluation.pairs[evaluation.error_at[i]];
+    plot.samples.push_back({ToSeconds(pair.estimate.stamp_ns), pair.estimate.translation_m.head<2>(),
+                            plotted.per_si * evaluation.errors[i].*plotted.member});
+  }
+  // Turns that overlap come in the order of their beginnings.
+  std::stable_sort(plot.samples.begin(), plot.samples.end(),
+                   [](const ErrorSample& one, const ErrorSample& other) { return one.time_s < other.time_s; });
+  WriteErrorPlot(a.plot_file, plot);
 }
 
-void Run(const EvaluateOptions& options) {
-  const Evaluation evaluation = Evaluate(options);
-  if (!options.plot_file.empty()) {
-    Plot(evaluation, options);
+void WriteErrors(const TrajectoryEvaluation& evaluation, const std::filesystem::path& file) {
+  std::string text = "timestamp,translation_m,rotation_rad,full\n";
+  for (const PoseError& error : evaluation.errors) {
+    std::array<char, 128> numbers{};
+    std::snprintf(numbers.data(), numbers.size(), ",%.9g,%.9g,%.9g\n", error.translation_m, error.rotation_rad,
+                  error.full);
+    text += FormatSeconds(error.stamp_ns) + numbers.data();
   }
-  if (options.json) {
-    PrintJson(evaluation, options);
-  } else {
-    PrintTable(evaluation, options);
+  WriteFileAtomically(file, text);
+}
+
+void Run(const Arguments& a) {
+  const TrajectoryEvaluation evaluation = Evaluate(a);
+  if (!a.plot_file.empty()) {
+    Plot(evaluation, a);
   }
+  if (!a.errors_file.empty()) {
+    WriteErrors(evaluation, a.errors_file);
+  }
+  a.json ? PrintJson(evaluation, a) : PrintTable(evaluation, a);
+}
+
+template <typename Value>
+CLI::IsMember OneOf(const std::map<std::string, Value>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) {
+    names.push_back(name);
+  }
+  return CLI::IsMember(names);
+}
+
+void AddMotionOptions(CLI::App* command, Arguments* a) {
+  MotionOptions& motions = a->options.motions;
+  command->add_option("--delta", a->delta, "rpe: length of the motions")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--delta-unit", a->delta_unit, "rpe: frames, m (of path), s, deg or rad (of turning)")
+      ->check(OneOf(kDeltaUnits))
+      ->capture_default_str();
+  command->add_flag("--all-pairs", motions.all_pairs, "rpe: overlapping motions, from every pose");
+  command
+      ->add_option("--delta-tolerance", motions.relative_tolerance,
+                   "rpe: how far a length may be from --delta, as a part of it; for s, and with --all-pairs")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--pairs-from-reference", a->options.motions_of_reference,
+                    "rpe: measure the lengths along the reference, not the estimate");
 }
 
 }  // namespace
 
 void AddEvaluateCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("evaluate", "Trajectory errors, with the definitions of evo.");
-  auto options = std::make_shared<EvaluateOptions>();
-  command->add_option("metric", options->metric, "ape: error of the poses; rpe: error of the motions between them")
+  const auto a = std::make_shared<Arguments>();
+  command->add_option("metric", a->metric, "ape: error of the poses; rpe: error of the motions between them")
       ->required()
       ->check(CLI::IsMember({"ape", "rpe"}));
-  command->add_option("reference", options->reference_file, "true trajectory (TUM, or EuRoC when .csv)")->required();
-  command->add_option("estimate", options->estimate_file, "estimated trajectory")->required();
-  command->add_option("--align", options->align, "none, se2, se3 or sim3: move the estimate onto the reference first")
-      ->check(CLI::IsMember({"none", "se2", "se3", "sim3"}))
+  command->add_option("reference", a->reference_file, "true trajectory (TUM, or EuRoC when .csv)")->required();
+  command->add_option("estimate", a->estimate_file, "estimated trajectory")->required();
+  command
+      ->add_option("--align", a->align,
+                   "Move the estimate onto the reference first: se2, se3 or sim3 by least squares; origin: so that the "
+                   "first poses agree; scale: only scale it")
+      ->check(OneOf(kAlignmentModes))
       ->capture_default_str();
-  command->add_option("--max-diff", options->max_diff_s, "largest time difference of a pair, seconds")
+  command->add_option("--max-diff", a->options.max_diff_s, "largest time difference of a pair, seconds")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_flag("--json", options->json, "print JSON: metres and radians");
-  command->add_option("--plot", options->plot_file, "draw the translation errors into this PNG file");
-  command->callback([options] { Run(*options); });
+  command->add_option("--time-offset", a->options.time_offset_s, "added to the estimate's time stamps, seconds")
+      ->check(CLI::Range(-kMaxOffsetS, kMaxOffsetS));
+  command->add_flag("--planar", a->options.planar, "compare x, y and yaw only");
+  AddMotionOptions(command, a.get());
+  command->add_flag("--json", a->json, "print JSON: metres, and radians where no unit is named");
+  command->add_option("--plot", a->plot_file, "draw the errors along the trajectory and over time into this PNG file");
+  command->add_option("--plot-error", a->plot_error, "which errors are drawn: translation, rotation or full")
+      ->check(OneOf(kPlottedErrors))
+      ->capture_default_str();
+  command->add_option("--errors", a->errors_file, "write every single error into this CSV file");
+  command->callback([a] { Run(*a); });
 }
 
 }  // namespace floorloc

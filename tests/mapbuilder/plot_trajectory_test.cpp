@@ -16,11 +16,12 @@ namespace {
 
 // A drive along a circle whose error grows from 0 to 10 mm.
 ErrorPlot Drive(int count) {
-  ErrorPlot plot{"ape of a circle", "mm", {}};
+  ErrorPlot plot{"ape of a circle", "mm", {}, {}};
   for (int i = 0; i < count; ++i) {
     const double angle = 6.0 * i / count;
     const Eigen::Vector2d on_circle(std::cos(angle), std::sin(angle));
-    plot.samples.push_back({1000.0 + i, on_circle, 1.01 * on_circle, 10.0 * i / count});
+    plot.reference_m.push_back(on_circle);
+    plot.samples.push_back({1000.0 + i, 1.01 * on_circle, 10.0 * i / count});
   }
   return plot;
 }
@@ -43,11 +44,17 @@ TEST(ErrorPlot, ShowsTheWholeRangeOfColours) {
   EXPECT_GT(CountColor(picture, {190, 190, 190}), 200) << "the reference";
 }
 
+TEST(ErrorPlot, MarksTheStatistics) {
+  const cv::Mat picture = DrawErrorPlot(Drive(200));
+  EXPECT_GT(CountColor(picture, {40, 40, 200}), 400) << "rmse, a line across the time";
+  EXPECT_GT(CountColor(picture, {40, 130, 40}), 300) << "median, partly covered by the mean";
+}
+
 TEST(ErrorPlot, DrawsDegenerateDrives) {
   EXPECT_FALSE(DrawErrorPlot(Drive(1)).empty());
   ErrorPlot standing = Drive(3);
   for (ErrorSample& sample : standing.samples) {
-    sample = {1.0, {5, 5}, {5, 5}, 0.0};
+    sample = {1.0, {5, 5}, 0.0};
   }
   EXPECT_FALSE(DrawErrorPlot(standing).empty());
 }

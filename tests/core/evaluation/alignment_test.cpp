@@ -54,6 +54,35 @@ TEST(Alignment, AStraightDriveAlignsInThePlaneOnly) {
   EXPECT_THROW(ComputeAlignment(line, AlignmentMode::kSim3), std::invalid_argument);
 }
 
+// A diagonal line has some width by rounding: a turn about it found in that would be a random one.
+TEST(Alignment, RoundingIsNoWidth) {
+  std::vector<PosePair> line;
+  for (int i = 0; i < 100; ++i) {
+    const StampedPose3 pose = PoseAt((0.1 * i) * Eigen::Vector3d(0.3, 0.7, 0.1) + Eigen::Vector3d(1000, -300, 2));
+    line.push_back({pose, PoseAt(1.1 * pose.translation_m)});
+  }
+  EXPECT_THROW(ComputeAlignment(line, AlignmentMode::kSe3), std::invalid_argument);
+  EXPECT_THROW(ComputeAlignment(line, AlignmentMode::kSim3), std::invalid_argument);
+  EXPECT_NO_THROW(ComputeAlignment(line, AlignmentMode::kSe2));
+  const std::vector<PosePair> far_spot(10, {PoseAt({1e6, 2e6, 0.1}), PoseAt({3e5, 0.7, 0})});
+  EXPECT_THROW(ComputeAlignment(far_spot, AlignmentMode::kSe2), std::invalid_argument);
+}
+
+TEST(Alignment, ScaleAloneLeavesTheFrame) {
+  const Similarity3 found = ComputeAlignment(Scattered({kTilted, {1, -2, 3}, 0.4}, {3, 2, 1}), AlignmentMode::kScale);
+  ExpectNear(found, {Eigen::Quaterniond::Identity(), {0, 0, 0}, 0.4});
+}
+
+TEST(Alignment, OriginMovesTheFirstPoseOntoItsReference) {
+  const Similarity3 there{kTilted, {1, -2, 3}, 1.0};
+  PosePair first{PoseAt({5, 6, 7}), PoseAt({1, 1, 1})};
+  first.estimate.rotation = kYaw;
+  first.reference = there * first.estimate;
+  const PosePair wrong{PoseAt({100, 0, 0}), PoseAt({0, 0, 0})};
+  ExpectNear(ComputeAlignment({first, wrong}, AlignmentMode::kOrigin), there);
+  EXPECT_THROW(ComputeAlignment({}, AlignmentMode::kOrigin), std::invalid_argument);
+}
+
 TEST(Alignment, RefusesOneSpot) {
   const std::vector<PosePair> spot = Scattered({}, {0, 0, 0});
   EXPECT_THROW(ComputeAlignment(spot, AlignmentMode::kSe2), std::invalid_argument);
