@@ -21,14 +21,6 @@ std::string SizeText(int width_px, int height_px) {
   return std::to_string(width_px) + " x " + std::to_string(height_px);
 }
 
-void AddTiming(const LocalizationTiming& more, LocalizationTiming& timing) {
-  timing.rectify_ms += more.rectify_ms;
-  timing.features_ms += more.features_ms;
-  timing.match_ms += more.match_ms;
-  timing.register_ms += more.register_ms;
-  timing.total_ms += more.total_ms;
-}
-
 cv::Mat Decode(const LocalizeJob& job) {
   const CameraModel& camera = job.rectifier->camera().camera;
   try {
@@ -62,14 +54,9 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   const cv::Mat picture = Decode(job);
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
-  outcome.search = job.prior ? "prior" : "global";
-  outcome.result = job.map->localizer->Localize(*job.rectifier, picture, job.prior);
-  if (job.prior && outcome.result.status == LocalizationStatus::kNotLocalized) {
-    LocalizationResult global = job.map->localizer->Localize(*job.rectifier, picture, std::nullopt);
-    AddTiming(outcome.result.timing, global.timing);
-    outcome.search = "global";
-    outcome.result = std::move(global);
-  }
+  const Localizer& localizer = *job.map->localizer;
+  outcome.result = localizer.LocalizeHereOrAnywhere(localizer.Observe(*job.rectifier, picture), job.prior);
+  outcome.search = outcome.result.used_prior ? "prior" : "global";
   outcome.total_ms = MillisecondsSince(start);
   return outcome;
 }

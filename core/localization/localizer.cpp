@@ -105,13 +105,6 @@ struct WholeMapLook {
   std::vector<VerifiedPose> poses;
 };
 
-// A frame, as the stages need it.
-struct FrameView {
-  Features features;
-  FrameSamples samples;
-  Eigen::Vector3d camera_center;
-};
-
 // What a frame alone does not show: errors of the map, which turn and shift the floor in view as a whole about its
 // middle.
 Eigen::Matrix3d SystematicCovariance(const Pose2& map_from_base, const Eigen::Vector2d& view_center, double error_m) {
@@ -239,7 +232,7 @@ struct Localizer::Impl {
   }
 
   // Matches, verifies and decides; adds its times to the result's.
-  void Search(const FrameView& frame, const SearchScope& scope, WholeMapLook* look, LocalizationResult* result) const {
+  void Search(const FrameObservation& frame, const SearchScope& scope, WholeMapLook* look, LocalizationResult* result) const {
     Stopwatch stage;
     const FrameMatches matches = FindMatches(frame.features, scope);
     result->timing.match_ms += stage.LapMs();
@@ -253,7 +246,7 @@ struct Localizer::Impl {
   }
 
   // The best pose is laid over the mosaic; so are its rivals when the keypoints do not tell them apart.
-  PoseDecision Decide(const FrameView& frame, std::vector<VerifiedPose>* poses) const {
+  PoseDecision Decide(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
     const PoseEvidence evidence{verifier.max_distance(), CellsOf(frame), repeats};
     PoseDecision decision = DecidePose(*poses, evidence, options.registration);
     if (!raster || decision.best < 0) {
@@ -271,7 +264,7 @@ struct Localizer::Impl {
     return DecidePose(*poses, evidence, options.registration);
   }
 
-  static std::vector<int> CellsOf(const FrameView& frame) {
+  static std::vector<int> CellsOf(const FrameObservation& frame) {
     std::vector<int> cells;
     cells.reserve(frame.features.keypoints.size());
     for (const Keypoint& k : frame.features.keypoints) {
@@ -280,7 +273,7 @@ struct Localizer::Impl {
     return cells;
   }
 
-  void Conclude(const FrameView& frame, const std::vector<VerifiedPose>& verified, const PoseDecision& decision,
+  void Conclude(const FrameObservation& frame, const std::vector<VerifiedPose>& verified, const PoseDecision& decision,
                 LocalizationResult* result) const {
     result->status = StatusOf(decision.status);
     result->reason = ReasonOf(decision.status);
@@ -338,35 +331,59 @@ Localizer::~Localizer() = default;
 
 const FloorMap& Localizer::map() const { return impl_->map; }
 
-LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat& raw,
-                                       const std::optional<PosePrior>& prior) const {
-  LocalizationResult result;
-  result.used_prior = prior.has_value();
-  Stopwatch total;
+FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw) const {
   Stopwatch stage;
   const GroundImage image = rectifier.Rectify(raw);
-  result.timing.rectify_ms = stage.LapMs();
-
+  const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
-  const FrameView frame{impl_->extractor->Extract(image, prepared), FrameSamples(image, prepared),
-                        rectifier.camera().CameraCenter()};
-  result.timing.features_ms = stage.LapMs();
+  FrameObservation frame{impl_->extractor->Extract(image, prepared),
+                         FrameSamples(image, prepared),
+                         rectifier.camera().CameraCenter(),
+                         rectifier.camera().floor.roi,
+                         rectify_ms,
+                         0.0};
+  frame.features_ms = stage.LapMs();
+  return frame;
+}
+
+LocalizationResult Localizer::Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
+  LocalizationResult result;
+  result.used_prior = prior.has_value();
+  result.timing.rectify_ms = frame.rectify_ms;
+  result.timing.features_ms = frame.features_ms;
   result.keypoints = static_cast<int>(frame.features.keypoints.size());
+  Stopwatch search;
   if (result.keypoints < impl_->options.registration.min_inliers) {
     result.reason = NotLocalizedReason::kTooFewKeypoints;
-    result.timing.total_ms = total.LapMs();
-    return result;
-  }
-
-  WholeMapLook look;
-  for (const SearchScope& scope : SearchScopes(prior, rectifier.camera().floor.roi, impl_->repeats)) {
-    impl_->Search(frame, scope, &look, &result);
-    if (result.status == LocalizationStatus::kLocalized || result.reason == NotLocalizedReason::kContradictsPrior) {
-      break;
+  } else {
+    WholeMapLook look;
+    for (const SearchScope& scope : SearchScopes(prior, frame.roi, impl_->repeats)) {
+      impl_->Search(frame, scope, &look, &result);
+      if (result.status == LocalizationStatus::kLocalized || result.reason == NotLocalizedReason::kContradictsPrior) {
+        break;
+      }
     }
   }
-  result.timing.total_ms = total.LapMs();
+  result.timing.total_ms = frame.rectify_ms + frame.features_ms + search.LapMs();
   return result;
+}
+
+LocalizationResult Localizer::LocalizeHereOrAnywhere(const FrameObservation& frame,
+                                                     const std::optional<PosePrior>& prior) const {
+  const LocalizationResult here = Localize(frame, prior);
+  if (!prior || here.status != LocalizationStatus::kNotLocalized) {
+    return here;
+  }
+  LocalizationResult anywhere = Localize(frame, std::nullopt);
+  anywhere.timing.match_ms += here.timing.match_ms;
+  anywhere.timing.register_ms += here.timing.register_ms;
+  anywhere.timing.total_ms += here.timing.total_ms - frame.rectify_ms - frame.features_ms;
+  return anywhere;
+}
+
+LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat& raw,
+                                       const std::optional<PosePrior>& prior) const {
+  return Localize(Observe(rectifier, raw), prior);
 }
 
 }  // namespace floorloc

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "core/localization/frame_observation.h"
 #include "core/localization/localization_result.h"
 #include "core/localization/pose_prior.h"
 #include "core/map/floor_map.h"
@@ -42,8 +43,13 @@ class Localizer {
   Localizer(const Localizer&) = delete;
   Localizer& operator=(const Localizer&) = delete;
 
-  /// raw: CV_8UC1 picture of the rectifier's camera. With a prior that finds nothing there is no global search:
-  /// the caller decides.
+  /// What is sought of a picture. raw: CV_8UC1 picture of the rectifier's camera.
+  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw) const;
+  /// With a prior that finds nothing there is no global search: the caller decides.
+  LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
+  /// Looks where the prior says, and on the whole map when nothing is there; result.used_prior tells which found it.
+  LocalizationResult LocalizeHereOrAnywhere(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
+  /// Observes and localizes.
   LocalizationResult Localize(const Rectifier& rectifier, const cv::Mat& raw,
                               const std::optional<PosePrior>& prior) const;
 

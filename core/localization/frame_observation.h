@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/geometry/floor_plane.h"
+#include "core/localization/photometric_aligner.h"
+#include "core/vision/features.h"
+
+namespace floorloc {
+
+/// What a localizer takes from a picture: made once, sought as often as needed.
+struct FrameObservation {
+  Features features;              ///< base frame
+  FrameSamples samples;           ///< to be laid over the mosaic
+  Eigen::Vector3d camera_center;  ///< base frame, metres
+  RectM roi;                      ///< what the camera sees, base frame
+  double rectify_ms = 0.0;
+  double features_ms = 0.0;
+};
+
+}  // namespace floorloc
