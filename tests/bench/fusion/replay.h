@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/fusion/pose_fuser.h"
+#include "tests/bench/fusion/scenario.h"
+
+namespace floorloc {
+
+/// A way to fuse, as it stands in the table.
+struct FusionVariant {
+  std::string name;
+  FusionMethod method = FusionMethod::kEkf;
+  bool uses_imu = false;
+};
+
+std::vector<FusionVariant> AllFusionVariants();
+
+/// What the fuser said when an increment had come, and the truth of that time.
+struct FusionSample {
+  std::int64_t stamp_ns = 0;
+  std::optional<FusedPose> estimate;
+  Pose2 truth;
+};
+
+/// Hands the messages to a new fuser, one after the other. One sample per increment. `truth` has the increments' times.
+std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messages, const Trajectory& truth,
+                                         const FusionVariant& variant);
+
+}  // namespace floorloc

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/fusion/scenario.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+
+namespace floorloc {
+namespace {
+
+// Places, and how look-alikes lie to each other on floors of patterns.
+class WrongPlaces {
+ public:
+  WrongPlaces(const Trajectory& truth, std::mt19937_64& random) : random_(random) {
+    for (const StampedPose3& pose : truth) {
+      min_ = min_.cwiseMin(pose.translation_m.head<2>());
+      max_ = max_.cwiseMax(pose.translation_m.head<2>());
+    }
+  }
+
+  // Half of the errors lead anywhere, half to the next tile (0.3 m), where the heading is the same.
+  Pose2 DrawError(const Pose2& right) {
+    if (Uniform(0.0, 1.0) < 0.5) {
+      const Pose2 anywhere(Uniform(min_.x(), max_.x()), Uniform(min_.y(), max_.y()),
+                           Uniform(-std::numbers::pi, std::numbers::pi));
+      return anywhere * right.Inverse();
+    }
+    const double direction = std::numbers::pi / 2.0 * std::floor(Uniform(0.0, 4.0));
+    return {kTileM * std::cos(direction), kTileM * std::sin(direction), 0.0};
+  }
+
+  double Uniform(double from, double to) { return std::uniform_real_distribution<double>(from, to)(random_); }
+
+ private:
+  static constexpr double kTileM = 0.3;
+  std::mt19937_64& random_;
+  Eigen::Vector2d min_ = Eigen::Vector2d::Constant(1e9);
+  Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e9);
+};
+
+// The motion that wheels report and that is none: slips are spread evenly over the drive.
+double SlippedM(const MotionIncrement& increment, const FusionRecording& recording, int slips) {
+  constexpr double kSlipS = 0.5;
+  constexpr double kSlipSpeed = 0.2;
+  const double start_s = ToSeconds(recording.odometry.front().stamp_ns);
+  const double spacing_s = (ToSeconds(recording.odometry.back().stamp_ns) - start_s) / (slips + 1);
+  const double time_s = ToSeconds(increment.from_ns) - start_s;
+  const double nearest = std::round(time_s / spacing_s);
+  const bool slipping = nearest >= 1.0 && nearest <= slips && std::abs(time_s - nearest * spacing_s) < 0.5 * kSlipS;
+  return slipping ? kSlipSpeed * 1e-9 * static_cast<double>(increment.to_ns - increment.from_ns) : 0.0;
+}
+
+void AddIncrements(const FusionRecording& recording, const FusionScenario& scenario,
+                   std::vector<FusionMessage>& messages) {
+  for (std::size_t i = 1; i < recording.odometry.size(); ++i) {
+    const StampedPose3& before = recording.odometry[i - 1];
+    const StampedPose3& after = recording.odometry[i];
+    Eigen::Vector3d twist = before.ToPose2().Between(after.ToPose2()).Log();
+    twist.z() += scenario.drift_rad_per_m * twist.head<2>().norm();
+    twist.head<2>() *= scenario.odometry_scale;
+    MotionIncrement increment{before.stamp_ns, after.stamp_ns, Pose2(), std::nullopt};
+    twist.x() += SlippedM(increment, recording, scenario.slips);
+    increment.motion = Pose2::Exp(twist);
+    messages.push_back({after.stamp_ns, increment});
+  }
+}
+
+bool IsInOutage(std::int64_t stamp_ns, const FusionRecording& recording, const FusionScenario& scenario) {
+  const double middle_ns = 0.5 * (static_cast<double>(recording.odometry.front().stamp_ns) +
+                                  static_cast<double>(recording.odometry.back().stamp_ns));
+  return std::abs(static_cast<double>(stamp_ns) - middle_ns) < 0.5e9 * scenario.outage_s;
+}
+
+void AddFixes(const FusionRecording& recording, const FusionScenario& scenario, std::uint64_t seed,
+              std::vector<FusionMessage>& messages) {
+  constexpr std::size_t kUnharmed = 5;  // at the start: whether a first fix is right, no fuser can know
+  std::mt19937_64 random(seed);
+  WrongPlaces places(recording.truth, random);
+  int left_in_run = 0;
+  Pose2 error;
+  for (std::size_t i = 0; i < recording.fixes.size(); ++i) {
+    PoseFix fix = recording.fixes[i];
+    const bool dropped = places.Uniform(0.0, 1.0) < scenario.drop_rate;
+    const double late_s = scenario.latency_s * places.Uniform(0.5, 1.5);
+    if (left_in_run == 0 && i >= kUnharmed && places.Uniform(0.0, 1.0) < scenario.wrong_rate / scenario.wrong_run) {
+      left_in_run = scenario.wrong_run;
+      error = places.DrawError(fix.map_from_base);
+    }
+    if (left_in_run > 0) {
+      fix.map_from_base = error * fix.map_from_base;
+      --left_in_run;
+    }
+    const std::int64_t arrival_ns = fix.stamp_ns + std::llround(1e9 * late_s);
+    if (!dropped && !IsInOutage(fix.stamp_ns, recording, scenario)) {
+      messages.push_back({arrival_ns, fix});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<FusionScenario> AllFusionScenarios() {
+  return {
+      {.name = "as recorded"},
+      {.name = "more drift", .odometry_scale = 1.03, .drift_rad_per_m = 0.03},
+      {.name = "wheels slip four times", .slips = 4},
+      {.name = "80 % of the fixes and 8 s dropped", .drop_rate = 0.8, .outage_s = 8.0},
+      {.name = "10 % of the fixes wrong", .wrong_rate = 0.1},
+      {.name = "10 % wrong, 4 in a row alike", .wrong_rate = 0.1, .wrong_run = 4},
+      {.name = "fixes 0.4 s late", .latency_s = 0.4},
+      {.name = "kidnaps", .kidnapped = true},
+      {.name = "kidnaps, all of it",
+       .kidnapped = true,
+       .odometry_scale = 1.03,
+       .drift_rad_per_m = 0.03,
+       .slips = 4,
+       .drop_rate = 0.3,
+       .wrong_rate = 0.05,
+       .latency_s = 0.2},
+  };
+}
+
+std::vector<FusionMessage> MakeMessages(const FusionRecording& recording, const FusionScenario& scenario,
+                                        std::uint64_t seed) {
+  std::vector<FusionMessage> messages;
+  AddIncrements(recording, scenario, messages);
+  for (const ImuReading& reading : recording.imu) {
+    messages.push_back({reading.stamp_ns, reading});
+  }
+  AddFixes(recording, scenario, seed, messages);
+  for (const std::int64_t stamp_ns : recording.misses_ns) {
+    messages.push_back({stamp_ns, PictureMiss{stamp_ns}});
+  }
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const FusionMessage& a, const FusionMessage& b) { return a.arrival_ns < b.arrival_ns; });
+  return messages;
+}
+
+}  // namespace floorloc
