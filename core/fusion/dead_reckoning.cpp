@@ -69,7 +69,9 @@ class Step {
     }
     if (stretch_.vision) {
       raw_ = record_.vision.Between(stretch_.from_ns, stretch_.to_ns);
-      return {raw_.motion, MotionByState::Zero(), VisionNoise(raw_) + Stillness()};
+      MotionModel model = FromVision(raw_);
+      model.noise += Stillness();
+      return model;
     }
     const MotionModel model = stretch_.imu ? FromImu() : Unknown();
     raw_.motion = model.motion;
@@ -84,9 +86,14 @@ class Step {
            Eigen::Vector3d(Square(o.still_m), Square(o.still_m), Square(o.still_rad)).asDiagonal().toDenseMatrix();
   }
 
-  // A motion without covariance has the noise of wheels.
-  Eigen::Matrix3d VisionNoise(const TrackMotion& raw) const {
-    return raw.has_covariance ? raw.covariance : FromWheels(raw).noise;
+  // Motions that come without covariance have the noise of wheels.
+  MotionModel FromVision(const TrackMotion& raw) const {
+    const Eigen::Vector2d way = (1.0 + state_.vision_scale) * raw.motion.translation();
+    MotionModel model;
+    model.motion = Pose2(way.x(), way.y(), raw.motion.yaw());
+    model.by_state.block<2, 1>(0, kVisionScale) = raw.motion.rotation().transpose() * raw.motion.translation();
+    model.noise = raw.has_covariance ? raw.covariance : FromWheels(raw).noise;
+    return model;
   }
 
   // The turn is spread over the stretch: an error of it turns the way travelled by half as much.
@@ -148,10 +155,11 @@ class Step {
 
   void WeighInOthers() {
     if (stretch_.wheels && stretch_.vision) {
-      const TrackMotion seen = record_.vision.Between(stretch_.from_ns, stretch_.to_ns);
+      const MotionModel seen = FromVision(record_.vision.Between(stretch_.from_ns, stretch_.to_ns));
       Eigen::Matrix<double, 3, kAll> jacobian = Eigen::Matrix<double, 3, kAll>::Zero();
+      jacobian.leftCols<kCount>() = -seen.by_state;
       jacobian.rightCols<3>().setIdentity();
-      Correct<3>(motion_.Between(seen.motion).Log(), jacobian, VisionNoise(seen));
+      Correct<3>(motion_.Between(seen.motion).Log(), jacobian, seen.noise);
     }
     if (stretch_.imu && (stretch_.wheels || stretch_.vision)) {
       WeighInGyro();

@@ -37,6 +37,7 @@ void PoseFilterOptions::Check() const {
                       {"odometry.noise_m", odometry.noise_m},
                       {"odometry.noise_rad", odometry.noise_rad},
                       {"odometry.noise_rad_per_rad", odometry.noise_rad_per_rad},
+                      {"vision.scale", vision.scale},
                       {"imu.gyro_bias", imu.gyro_bias},
                       {"imu.gyro_walk", imu.gyro_walk},
                       {"imu.gyro_scale", imu.gyro_scale},

@@ -17,6 +17,11 @@ struct OdometryNoise {
   double still_rad = 2e-4;
 };
 
+/// Errors of visual odometry that its covariances do not tell.
+struct VisionNoise {
+  double scale = 0.003;  ///< of distances: the camera's height over the floor, standard deviation
+};
+
 /// Errors of an IMU, per root of the sampling rate as data sheets have them.
 struct ImuNoise {
   double gyro = 3e-4;           ///< rad/s per root Hz
@@ -66,6 +71,7 @@ struct FilterLimits {
 
 struct PoseFilterOptions {
   OdometryNoise odometry;
+  VisionNoise vision;
   ImuNoise imu;
   UnknownMotion unknown;
   FixGates gates;

@@ -20,6 +20,7 @@ void FilterState::Add(const ErrorVector& error) {
   odometry_bias.scale += error(error_row::kOdometryScale);
   odometry_bias.yaw_scale += error(error_row::kOdometryYawScale);
   odometry_bias.drift_rad_per_m += error(error_row::kOdometryDrift);
+  vision_scale += error(error_row::kVisionScale);
 }
 
 Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose) {

@@ -27,7 +27,8 @@ constexpr int kAccelerationBias = 6;  // 2
 constexpr int kOdometryScale = 8;
 constexpr int kOdometryYawScale = 9;
 constexpr int kOdometryDrift = 10;
-constexpr int kCount = 11;
+constexpr int kVisionScale = 11;
+constexpr int kCount = 12;
 }  // namespace error_row
 
 using ErrorVector = Eigen::Matrix<double, error_row::kCount, 1>;
@@ -40,6 +41,7 @@ struct FilterState {
   Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< base frame
   ImuBias imu_bias;
   OdometryBias odometry_bias;
+  double vision_scale = 0.0;  ///< true distance = (1 + vision_scale) * what pictures tell
   ErrorCovariance covariance = ErrorCovariance::Zero();
   // Not estimated, but carried along:
   Pose2 odom_from_base;

@@ -45,6 +45,7 @@ FilterState FirstState(std::int64_t stamp_ns, const PoseFilterOptions& options) 
   variance(kOdometryScale) = Square(options.odometry.scale);
   variance(kOdometryYawScale) = Square(options.odometry.yaw_scale);
   variance(kOdometryDrift) = Square(options.odometry.drift_rad_per_m);
+  variance(kVisionScale) = Square(options.vision.scale);
   return state;
 }
 

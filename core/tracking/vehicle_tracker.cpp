@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/tracking/vehicle_tracker.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace floorloc {
+namespace {
+
+// Odometry that ends so much before a picture still tells how the vehicle moved up to it.
+constexpr std::int64_t kOdometryLagNs = 30'000'000;
+
+PlanarOdometryOptions VisualOptions(double resolution_m) {
+  PlanarOdometryOptions options;
+  options.resolution_m = resolution_m;
+  return options;
+}
+
+struct Sigmas {
+  double position_m = 0.0;
+  double yaw_rad = 0.0;
+};
+
+Sigmas SigmasOf(const FusedPose& pose) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(pose.covariance.topLeftCorner<2, 2>());
+  return {std::sqrt(axes.eigenvalues().maxCoeff()), std::sqrt(pose.covariance(2, 2))};
+}
+
+}  // namespace
+
+struct VehicleTracker::State {
+  State(const TrackerOptions& o, double resolution_m)
+      : options(o), fuser(MakePoseFuser(o.method, o.filter)), visual(VisualOptions(resolution_m)) {}
+
+  TrackerOptions options;
+  std::unique_ptr<PoseFuser> fuser;
+  PlanarOdometry visual;
+  std::optional<std::int64_t> last_frame_ns;
+  std::optional<std::int64_t> odometry_until_ns;
+  int contradictions = 0;  // in a row
+
+  // How the wheels have the motion since the last frame.
+  std::optional<Pose2> WheelsSinceLastFrame(std::int64_t stamp_ns) const {
+    if (!last_frame_ns || !odometry_until_ns || *odometry_until_ns + kOdometryLagNs < stamp_ns) {
+      return std::nullopt;
+    }
+    return fuser->MotionBetween(*last_frame_ns, stamp_ns);
+  }
+
+  void TrackVisually(std::int64_t stamp_ns, const Features& features, FrameOutcome* outcome) {
+    if (!options.visual_odometry || (last_frame_ns && stamp_ns <= *last_frame_ns)) {
+      return;
+    }
+    outcome->visual = visual.Track(stamp_ns, features, WheelsSinceLastFrame(stamp_ns));
+    outcome->visual_used = true;
+    last_frame_ns = stamp_ns;
+    if (const auto& motion = outcome->visual.motion) {
+      fuser->AddIncrement(MotionSource::kVision,
+                          {motion->from_ns, motion->to_ns, motion->from_from_to, motion->covariance});
+    }
+  }
+
+  void TakeFix(std::int64_t stamp_ns, const LocalizationResult& found, FrameOutcome* outcome) {
+    if (found.status != LocalizationStatus::kLocalized) {
+      fuser->AddMiss(stamp_ns);
+      return;
+    }
+    outcome->fix = fuser->AddFix({stamp_ns, found.map_from_base, found.covariance, found.p_wrong});
+    const FixRejection reason = outcome->fix->reason;
+    const bool contradicts = reason == FixRejection::kJumpDistance || reason == FixRejection::kJumpAngle ||
+                             reason == FixRejection::kMahalanobis;
+    contradictions = contradicts ? contradictions + 1 : 0;
+  }
+};
+
+VehicleTracker::VehicleTracker(const TrackerOptions& options, double resolution_m)
+    : state_(std::make_unique<State>(options, resolution_m)) {}
+VehicleTracker::~VehicleTracker() = default;
+VehicleTracker::VehicleTracker(VehicleTracker&&) noexcept = default;
+VehicleTracker& VehicleTracker::operator=(VehicleTracker&&) noexcept = default;
+
+MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
+  const MessageOutcome outcome = state_->fuser->AddIncrement(MotionSource::kWheels, increment);
+  if (outcome == MessageOutcome::kClockJump) {
+    state_->visual.Reset();
+    state_->last_frame_ns.reset();
+    state_->odometry_until_ns.reset();
+  }
+  if (outcome == MessageOutcome::kUsed || outcome == MessageOutcome::kClockJump) {
+    state_->odometry_until_ns = std::max(state_->odometry_until_ns.value_or(increment.to_ns), increment.to_ns);
+  }
+  return outcome;
+}
+
+MessageOutcome VehicleTracker::AddImu(const ImuReading& reading) { return state_->fuser->AddImu(reading); }
+
+void VehicleTracker::SetPose(const PoseFix& pose) {
+  state_->fuser->SetPose(pose);
+  state_->contradictions = 0;
+}
+
+std::optional<PosePrior> VehicleTracker::Prior(std::int64_t stamp_ns) const {
+  const PriorOptions& o = state_->options.prior;
+  const std::optional<FusedPose> expected = state_->fuser->EstimateAt(stamp_ns);
+  if (!expected || expected->state == TrackingState::kLost || state_->contradictions > 0) {
+    return std::nullopt;
+  }
+  const Sigmas sigmas = SigmasOf(*expected);
+  if (o.sigmas * sigmas.position_m > o.max_radius_m || o.sigmas * sigmas.yaw_rad > o.max_yaw_radius_rad) {
+    return std::nullopt;
+  }
+  return PosePrior{expected->map_from_base, std::max(o.min_radius_m, o.sigmas * sigmas.position_m),
+                   std::max(o.min_yaw_radius_rad, o.sigmas * sigmas.yaw_rad)};
+}
+
+FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& features,
+                                      const LocalizationResult& found) {
+  FrameOutcome outcome;
+  state_->TrackVisually(stamp_ns, features, &outcome);
+  state_->TakeFix(stamp_ns, found, &outcome);
+  return outcome;
+}
+
+std::optional<FusedPose> VehicleTracker::Estimate() const { return state_->fuser->Estimate(); }
+
+std::optional<FusedPose> VehicleTracker::EstimateAt(std::int64_t stamp_ns) const {
+  return state_->fuser->EstimateAt(stamp_ns);
+}
+
+// As far as odometry carries the vehicle before it is worse than localized, and within what it takes to notice that it
+// was carried away.
+NextPicture VehicleTracker::Next() const {
+  const std::optional<FusedPose> now = Estimate();
+  if (!now || now->state != TrackingState::kLocalized) {
+    return {};
+  }
+  const NextPictureOptions& o = state_->options.next;
+  const FilterLimits& limits = state_->options.filter.limits;
+  const OdometryNoise& noise = state_->options.filter.odometry;
+  const Sigmas sigmas = SigmasOf(*now);
+  const double room_m2 = limits.localized_m * limits.localized_m - sigmas.position_m * sigmas.position_m;
+  const double room_rad2 = limits.localized_rad * limits.localized_rad - sigmas.yaw_rad * sigmas.yaw_rad;
+  const double metres =
+      std::min(room_m2 / (noise.noise_m * noise.noise_m), room_rad2 / (noise.noise_rad * noise.noise_rad));
+  const double since_s = now->since_fix ? now->since_fix->seconds : 0.0;
+  const double since_m = now->since_fix ? now->since_fix->metres : 0.0;
+  return {std::max(0.0, o.max_s - since_s), std::clamp(o.max_m - since_m, 0.0, std::max(0.0, metres))};
+}
+
+}  // namespace floorloc

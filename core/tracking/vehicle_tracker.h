@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/fusion/pose_fuser.h"
+#include "core/localization/frame_observation.h"
+#include "core/localization/localization_result.h"
+#include "core/localization/pose_prior.h"
+#include "core/odometry/planar_odometry.h"
+
+namespace floorloc {
+
+/// Where a frame is looked for first: around the pose that is expected, as far as it is uncertain.
+struct PriorOptions {
+  double sigmas = 4.0;
+  double min_radius_m = 0.05;
+  double max_radius_m = 0.5;  ///< an uncertainty beyond it: the whole map is searched
+  double min_yaw_radius_rad = 0.06;
+  double max_yaw_radius_rad = 0.5;
+};
+
+/// When the next picture is wanted: before the pose gets worse than FilterLimits::localized_*, and soon enough to
+/// notice that the vehicle was carried away.
+struct NextPictureOptions {
+  double max_s = 1.0;
+  double max_m = 0.25;
+};
+
+struct TrackerOptions {
+  FusionMethod method = FusionMethod::kEkf;
+  PoseFilterOptions filter;
+  bool visual_odometry = true;  ///< motion between pictures counts, too
+  PriorOptions prior;
+  NextPictureOptions next;
+};
+
+/// When the next picture is wanted, whichever comes first; zero: now.
+struct NextPicture {
+  double seconds = 0.0;
+  double metres = 0.0;
+};
+
+/// What a picture did to the pose.
+struct FrameOutcome {
+  std::optional<FixOutcome> fix;  ///< empty: the picture was not localized
+  PlanarOdometryResult visual;
+  bool visual_used = false;  ///< false: a picture from before the last one, or no visual odometry
+};
+
+/// One vehicle: turns its pictures, odometry and IMU into a pose. Not thread-safe. Localizing, which takes long, is the
+/// caller's, between Prior() and AddFrame(), so that it needs no lock around it.
+class VehicleTracker {
+ public:
+  /// resolution_m: of the rectified pictures. Throws std::invalid_argument on bad options.
+  VehicleTracker(const TrackerOptions& options, double resolution_m);
+  ~VehicleTracker();
+  VehicleTracker(VehicleTracker&&) noexcept;
+  VehicleTracker& operator=(VehicleTracker&&) noexcept;
+
+  /// Motion as the wheels have it.
+  MessageOutcome AddOdometry(const MotionIncrement& increment);
+  MessageOutcome AddImu(const ImuReading& reading);
+  void SetPose(const PoseFix& pose);
+
+  /// Where to look for a picture of this time; empty: on the whole map.
+  std::optional<PosePrior> Prior(std::int64_t stamp_ns) const;
+  /// Takes in a picture that was looked up.
+  FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
+
+  /// At the newest message; empty before the first fix.
+  std::optional<FusedPose> Estimate() const;
+  std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const;
+  NextPicture Next() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace floorloc
