@@ -13,7 +13,7 @@ namespace floorloc {
 enum class TrackingState {
   kLocalized,         ///< the last picture agreed, and the pose is good to FilterLimits::localized_*
   kTrackingOdometry,  ///< carried on by odometry since the last fix
-  kLost,              ///< could be anywhere within more than FilterLimits::lost_*
+  kLost,              ///< uncertain by more than FilterLimits::lost_*, or contradicted by several pictures that agree
 };
 /// "localized", "tracking_odometry", "lost"
 const char* ToString(TrackingState state);
@@ -33,6 +33,7 @@ struct FusedPose {
   Pose2 map_from_odom;
   Pose2 odom_from_base;  ///< sum of the increments; the identity at the first message
   TrackingState state = TrackingState::kLost;
+  bool in_doubt = false;              ///< the last fix contradicts it
   std::optional<SinceFix> since_fix;  ///< empty before the first fix
 };
 

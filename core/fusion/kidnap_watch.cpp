@@ -21,14 +21,20 @@ bool KidnapWatch::Agree(const PoseFix& earlier, const PoseFix& later, const Moti
 bool KidnapWatch::AddContradiction(const PoseFix& fix, const MotionBetween& motion_between) {
   const auto max_age_ns = static_cast<std::int64_t>(1e9 * options_.max_age_s);
   std::erase_if(contradictions_, [&](const PoseFix& c) { return fix.stamp_ns - c.stamp_ns > max_age_ns; });
-  const auto agreeing = std::count_if(contradictions_.begin(), contradictions_.end(), [&](const PoseFix& c) {
+  const auto others = std::count_if(contradictions_.begin(), contradictions_.end(), [&](const PoseFix& c) {
     return c.stamp_ns < fix.stamp_ns && Agree(c, fix, motion_between);
   });
   contradictions_.push_back(fix);
   if (contradictions_.size() > kMaxContradictions) {
     contradictions_.pop_front();
   }
-  return agreeing + 1 >= options_.fixes;
+  agreeing_ = static_cast<int>(others) + 1;
+  return agreeing_ >= options_.fixes;
+}
+
+void KidnapWatch::Clear() {
+  contradictions_.clear();
+  agreeing_ = 0;
 }
 
 }  // namespace floorloc

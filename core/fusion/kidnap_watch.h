@@ -27,15 +27,18 @@ class KidnapWatch {
 
   /// A fix that was not accepted. True when enough of them, this one among them, agree with each other.
   bool AddContradiction(const PoseFix& fix, const MotionBetween& motion_between);
-  void Clear() { contradictions_.clear(); }
+  void Clear();
   /// True while there are contradictions that are not resolved.
   bool InDoubt() const { return !contradictions_.empty(); }
+  /// True when the last of them does not stand alone.
+  bool InSeriousDoubt() const { return agreeing_ > 1; }
 
  private:
   bool Agree(const PoseFix& earlier, const PoseFix& later, const MotionBetween& motion_between) const;
 
   KidnapOptions options_;
   std::deque<PoseFix> contradictions_;
+  int agreeing_ = 0;  // with the last one, itself included
 };
 
 }  // namespace floorloc

@@ -317,7 +317,8 @@ FusedPose PoseFilter::ToFusedPose(const FilterState& state) const {
   const FilterLimits& limits = options_.limits;
   const bool fine = LargestSigma(pose.covariance.topLeftCorner<2, 2>()) <= limits.localized_m &&
                     std::sqrt(pose.covariance(2, 2)) <= limits.localized_rad;
-  if (IsLost(state)) {
+  pose.in_doubt = kidnap_.InDoubt();
+  if (IsLost(state) || kidnap_.InSeriousDoubt()) {
     pose.state = TrackingState::kLost;
   } else {
     pose.state = last_picture_agreed_ && fine ? TrackingState::kLocalized : TrackingState::kTrackingOdometry;

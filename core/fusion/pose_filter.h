@@ -28,8 +28,6 @@ class PoseFilter : public PoseFuser {
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
   std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override;
 
-  /// True while fixes contradict the pose and it is not decided who is right.
-  bool InDoubt() const { return kidnap_.InDoubt(); }
   /// Everything that is estimated, at the newest message; empty before there is a pose.
   std::optional<FilterState> State() const;
 

@@ -39,7 +39,6 @@ struct VehicleTracker::State {
   PlanarOdometry visual;
   std::optional<std::int64_t> last_frame_ns;
   std::optional<std::int64_t> odometry_until_ns;
-  int contradictions = 0;  // in a row
 
   // How the wheels have the motion since the last frame.
   std::optional<Pose2> WheelsSinceLastFrame(std::int64_t stamp_ns) const {
@@ -68,10 +67,6 @@ struct VehicleTracker::State {
       return;
     }
     outcome->fix = fuser->AddFix({stamp_ns, found.map_from_base, found.covariance, found.p_wrong});
-    const FixRejection reason = outcome->fix->reason;
-    const bool contradicts = reason == FixRejection::kJumpDistance || reason == FixRejection::kJumpAngle ||
-                             reason == FixRejection::kMahalanobis;
-    contradictions = contradicts ? contradictions + 1 : 0;
   }
 };
 
@@ -96,15 +91,12 @@ MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
 
 MessageOutcome VehicleTracker::AddImu(const ImuReading& reading) { return state_->fuser->AddImu(reading); }
 
-void VehicleTracker::SetPose(const PoseFix& pose) {
-  state_->fuser->SetPose(pose);
-  state_->contradictions = 0;
-}
+void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose); }
 
 std::optional<PosePrior> VehicleTracker::Prior(std::int64_t stamp_ns) const {
   const PriorOptions& o = state_->options.prior;
   const std::optional<FusedPose> expected = state_->fuser->EstimateAt(stamp_ns);
-  if (!expected || expected->state == TrackingState::kLost || state_->contradictions > 0) {
+  if (!expected || expected->state == TrackingState::kLost || expected->in_doubt) {
     return std::nullopt;
   }
   const Sigmas sigmas = SigmasOf(*expected);

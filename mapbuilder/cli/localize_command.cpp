@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/fuse_frames.h"
 #include "mapbuilder/localize_frames.h"
 
 namespace floorloc {
@@ -20,6 +22,11 @@ struct Arguments {
   double max_p_wrong = RegistrationOptions().max_p_wrong;
   std::uint32_t seed = 1;
   LocalizeFramesOptions options;
+  bool fuse = false;
+  std::string fusion_method = "ekf";
+  bool no_imu = false;
+  bool prior_given = false;
+  FuseFramesOptions fusion;
 };
 
 double Median(std::vector<double> values) {
@@ -45,6 +52,71 @@ void PrintSummary(const std::vector<LocalizedFrame>& frames) {
               with_status(LocalizationStatus::kNotLocalized), Median(ms));
 }
 
+// How often each state, each rejection, and finding the vehicle elsewhere.
+void PrintFusionSummary(const FusedDrive& drive) {
+  std::map<std::string, int> states, rejections;
+  int reanchored = 0;
+  for (const FusedFrame& frame : drive.frames) {
+    ++states[frame.pose ? ToString(frame.pose->state) : "before the first fix"];
+    if (frame.outcome.fix && !frame.outcome.fix->accepted) {
+      ++rejections[ToString(frame.outcome.fix->reason)];
+    }
+    reanchored += frame.outcome.fix && frame.outcome.fix->reanchored ? 1 : 0;
+  }
+  std::printf("fused:");
+  for (const auto& [state, count] : states) {
+    std::printf(" %d %s,", count, state.c_str());
+  }
+  std::printf(" found again elsewhere %d times\n", reanchored);
+  for (const auto& [reason, count] : rejections) {
+    std::printf("       %d fixes rejected: %s\n", count, reason.c_str());
+  }
+}
+
+template <typename Frames>
+void WriteResults(const std::filesystem::path& file, const Frames& frames) {
+  if (file.empty()) {
+    return;
+  }
+  std::string lines;
+  for (const auto& frame : frames) {
+    lines += ToJsonLine(frame) + "\n";
+  }
+  WriteFileAtomically(file, lines);
+}
+
+void LocalizeOnly(const Arguments& a, const Localizer& localizer, const Survey& survey) {
+  const std::vector<LocalizedFrame> frames = LocalizeFrames(localizer, survey, a.options);
+  WriteFileAtomically(a.out, FormatTum(ToTrajectory(frames)));
+  WriteResults(a.results, frames);
+  PrintSummary(frames);
+}
+
+void LocalizeAndFuse(Arguments& a, const Localizer& localizer, const Survey& survey) {
+  a.fusion.tracker.method = ParseFusionMethod(a.fusion_method);
+  a.fusion.use_prior = !(a.prior_given && a.options.prior == PriorSource::kNone);
+  a.fusion.use_imu = !a.no_imu;
+  a.fusion.progress = a.options.progress;
+  const FusedDrive drive = FuseFrames(localizer, survey, a.fusion);
+  WriteFileAtomically(a.out, FormatTum(ToTrajectory(drive.poses)));
+  WriteResults(a.results, drive.frames);
+  std::vector<LocalizedFrame> frames;
+  for (const FusedFrame& frame : drive.frames) {
+    frames.push_back(frame.localized);
+  }
+  PrintSummary(frames);
+  PrintFusionSummary(drive);
+}
+
+LocalizerOptions MakeLocalizerOptions(const Arguments& a) {
+  LocalizerOptions options;
+  options.index.type = ParseMatcherType(a.matcher);
+  options.index.seed = a.seed;
+  options.registration.seed = a.seed;
+  options.registration.max_p_wrong = a.max_p_wrong;
+  return options;
+}
+
 void Run(Arguments& a) {
   CheckWritable(a.out);
   if (!a.results.empty()) {
@@ -52,25 +124,32 @@ void Run(Arguments& a) {
   }
   a.options.prior = ParsePriorSource(a.prior);
   a.options.progress = ProgressOutput::Stderr();
-  LocalizerOptions localizer_options;
-  localizer_options.index.type = ParseMatcherType(a.matcher);
-  localizer_options.index.seed = a.seed;
-  localizer_options.registration.seed = a.seed;
-  localizer_options.registration.max_p_wrong = a.max_p_wrong;
+  if (a.fuse && a.options.prior == PriorSource::kTruth) {
+    throw CLI::ValidationError("--fuse", "looks where the fused pose is; leave --prior truth out");
+  }
   const Survey survey = ReadSurvey(a.frames);
   const MapDatabase database(a.map);
-  const Localizer localizer(database.ReadMap(), localizer_options,
+  const Localizer localizer(database.ReadMap(), MakeLocalizerOptions(a),
                             [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
-  const std::vector<LocalizedFrame> frames = LocalizeFrames(localizer, survey, a.options);
-  WriteFileAtomically(a.out, FormatTum(ToTrajectory(frames)));
-  if (!a.results.empty()) {
-    std::string lines;
-    for (const LocalizedFrame& frame : frames) {
-      lines += ToJsonLine(frame) + "\n";
-    }
-    WriteFileAtomically(a.results, lines);
+  if (a.fuse) {
+    LocalizeAndFuse(a, localizer, survey);
+  } else {
+    LocalizeOnly(a, localizer, survey);
   }
-  PrintSummary(frames);
+}
+
+void AddFusionOptions(CLI::App& command, Arguments& a) {
+  auto* fuse = command.add_flag("--fuse", a.fuse,
+                                "Fuse fixes, odometry, IMU and the motion between pictures; --out then "
+                                "is the fused trajectory");
+  command.add_option("--fusion-method", a.fusion_method, "ekf; to compare: increments, fixes, replace, jump_filter")
+      ->check(CLI::IsMember({"ekf", "increments", "fixes", "replace", "jump_filter"}))
+      ->needs(fuse)
+      ->capture_default_str();
+  command.add_flag("--dense", a.fusion.dense, "Fused poses at every message, not at the frames only")->needs(fuse);
+  command.add_flag("--no-imu", a.no_imu, "Leave imu.csv out")->needs(fuse);
+  command.add_flag("!--no-visual-odometry", a.fusion.tracker.visual_odometry, "Leave the motion between pictures out")
+      ->needs(fuse);
 }
 
 }  // namespace
@@ -82,9 +161,13 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--frames", a->frames, "Folder in the survey format")->required();
   command->add_option("--out", a->out, "Trajectory of the fixes to write (TUM)")->required();
   command->add_option("--results", a->results, "One JSON line per frame");
-  command->add_option("--prior", a->prior, "none: whole map; odometry: carried on from the last fix; truth")
-      ->check(CLI::IsMember({"none", "odometry", "truth"}))
-      ->capture_default_str();
+  auto* prior =
+      command
+          ->add_option("--prior", a->prior,
+                       "none: whole map; odometry: carried on from the last fix; truth. With --fuse: none, or "
+                       "else where the fused pose is")
+          ->check(CLI::IsMember({"none", "odometry", "truth"}))
+          ->capture_default_str();
   command->add_option("--matcher", a->matcher, "Global search")
       ->check(CLI::IsMember({"auto", "hash", "flann", "brute_force"}))
       ->capture_default_str();
@@ -94,7 +177,11 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();
   command->add_option("--seed", a->seed, "Of all random choices")->capture_default_str();
-  command->callback([a] { Run(*a); });
+  AddFusionOptions(*command, *a);
+  command->callback([a, prior] {
+    a->prior_given = prior->count() > 0;
+    Run(*a);
+  });
 }
 
 }  // namespace floorloc

@@ -313,10 +313,10 @@ TEST_F(Gates, WidenWhenTheVehicleMayBeFarOff) {
 TEST_F(Gates, ARejectedFixIsNoticed) {
   Send({0.5, 0, 0});
   EXPECT_EQ(drive_.filter.Estimate()->state, TrackingState::kTrackingOdometry);
-  EXPECT_TRUE(drive_.filter.InDoubt());
+  EXPECT_TRUE(drive_.filter.Estimate()->in_doubt);
   EXPECT_TRUE(Send({0, 0, 0}).accepted);
   EXPECT_EQ(drive_.filter.Estimate()->state, TrackingState::kLocalized);
-  EXPECT_FALSE(drive_.filter.InDoubt());
+  EXPECT_FALSE(drive_.filter.Estimate()->in_doubt);
 }
 
 TEST(PoseFilter, FindsAKidnappedVehicleAgain) {
@@ -324,10 +324,14 @@ TEST(PoseFilter, FindsAKidnappedVehicleAgain) {
   drive.RunTo(5.0);
   drive.truth = Pose2(-3.0, 1.0, 2.0);
   std::vector<FixOutcome> outcomes;
+  std::vector<TrackingState> states;
   for (double t = 5.25; t < 6.1; t += 0.25) {
     drive.RunTo(t);
     outcomes.push_back(drive.last_fix);
+    states.push_back(drive.filter.Estimate()->state);
   }
+  EXPECT_EQ(states, (std::vector<TrackingState>{TrackingState::kTrackingOdometry, TrackingState::kLost,
+                                                TrackingState::kLocalized, TrackingState::kLocalized}));
   EXPECT_EQ(outcomes[0].reason, FixRejection::kJumpDistance);
   EXPECT_EQ(outcomes[1].reason, FixRejection::kJumpDistance);
   EXPECT_TRUE(outcomes[2].accepted);
