@@ -19,11 +19,11 @@ struct PlanarOdometryOptions {
   double resolution_m = 7e-4;       ///< of the rectified pictures
   float max_ratio_binary = 0.9F;    ///< ratio test, binary descriptors
   float max_ratio_float = 0.85F;    ///< ratio test, float descriptors
-  double systematic_m = 1e-4;       ///< error of a registration that its residuals do not show (vibration, calibration)
+  double systematic_m = 4e-4;       ///< error of a registration that its residuals do not show (vibration, calibration)
   double systematic_rad = 2e-4;     ///< the same for the heading
   double min_inlier_share = 0.1;    ///< of the keypoints on the common floor; fewer: lost
   double min_overlap = 0.6;         ///< share of a frame's keypoints on the keyframe's floor; less: next keyframe
-  double max_speed_m_s = 5.0;       ///< faster motions are not believed, nor looked for
+  double max_speed_m_s = 3.0;       ///< faster motions are not believed, nor looked for
   double max_yaw_rate_rad_s = 6.0;  ///< the same for turns
   double max_guess_error_m = 0.1;   ///< motions farther from a given guess, plus half its length, are not believed
   double max_guess_error_rad = 0.35;  ///< the same for turns

@@ -184,7 +184,7 @@ TEST(PlanarOdometryTest, StandingStillDoesNotDrift) {
     variance += result.motion ? result.motion->covariance(0, 0) + result.motion->covariance(1, 1) : 0.0;
   }
   EXPECT_GT(variance, 1e-10);
-  EXPECT_LT(std::sqrt(variance), 4e-4) << "the uncertainty does not grow either";
+  EXPECT_LT(std::sqrt(variance), 6e-4) << "not much more than the systematic error of one registration";
 }
 
 TEST(PlanarOdometryTest, AnotherFloorIsALossAndTheOldOneIsFoundAgain) {

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "core/geometry/camera.h"
+#include "core/odometry/point_tracker.h"
+
+namespace floorloc {
+
+struct MonocularOdometryOptions {
+  PointTrackerOptions tracker;
+  double noise_px = 0.5;               ///< of a tracked point
+  double min_parallax_px = 3.0;        ///< less displacement beyond a rotation tells no translation
+  double keyframe_parallax_px = 12.0;  ///< more of it: next keyframe
+  int min_points = 30;                 ///< fewer tracked points: lost
+  double min_inlier_share = 0.5;       ///< of the tracked points that agree with a motion; fewer: lost
+
+  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  void Check() const;
+};
+
+enum class MonocularStatus {
+  kFirstFrame,
+  kTracked,
+  kRotated,  ///< no translation was seen yet, so none is reported: standing still, turning on the spot, or just begun
+  kLost,     ///< too few points were found again or agree; the frame begins anew where the camera was last
+};
+
+const char* ToString(MonocularStatus status);
+
+struct MonocularOdometryResult {
+  MonocularStatus status = MonocularStatus::kFirstFrame;
+  /// x right, y down, z forward along the optical axis; the world is the first frame's camera.
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
+  int tracked = 0;           ///< points found again since the keyframe
+  int inliers = 0;           ///< of them, those that agree with the motion
+  double parallax_px = 0.0;  ///< median displacement since the keyframe that no rotation explains
+  bool new_keyframe = false;
+  int scale_breaks = 0;  ///< how often so far the scale could not be handed on from one keyframe to the next
+};
+
+/// Monocular visual odometry for cameras that look anywhere: points of ORB, BRISK or AKAZE, carried by Lucas-Kanade;
+/// the essential matrix between a keyframe and the frame by the five-point algorithm in RANSAC. One camera does not see
+/// how long its way is: the first way between keyframes is one unit long, and the points that were triangulated in one
+/// pair of keyframes tell the length of the next. With positions from elsewhere (wheels, GNSS) those tell the length.
+/// Deterministic, bounded state.
+class MonocularOdometry {
+ public:
+  /// Throws std::invalid_argument on a bad camera or bad options.
+  MonocularOdometry(const CameraModel& camera, const MonocularOdometryOptions& options);
+  ~MonocularOdometry();
+  MonocularOdometry(MonocularOdometry&&) noexcept;
+  MonocularOdometry& operator=(MonocularOdometry&&) noexcept;
+
+  /// raw: CV_8UC1 of the camera's size. position_m: of the camera at that time in any fixed frame; only distances
+  /// between keyframes are used. Throws std::invalid_argument when the stamp is not after the previous one or the
+  /// picture's size is wrong.
+  MonocularOdometryResult Track(std::int64_t stamp_ns, const cv::Mat& raw,
+                                const std::optional<Eigen::Vector3d>& position_m = std::nullopt);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace floorloc
