@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/registration/registration.h"
+#include "core/vision/ground_image.h"
+
+namespace floorloc {
+
+/// Planar odometry by corners that are carried from picture to picture (pyramidal Lucas-Kanade, forward and backward):
+/// the alternative to features that the product does not use. Where corners were first seen is the keyframe; it is
+/// kept while half of them are left.
+class KltOdometry {
+ public:
+  explicit KltOdometry(const RegistrationOptions& registration) : registration_(registration) {}
+
+  /// gray: rectified picture or a filtered one of its size. guess: motion since the previous frame; without it that
+  /// since the one before goes on. The base's motion since the previous frame; empty when it is lost, and for the first
+  /// frame.
+  std::optional<Pose2> Track(const cv::Mat& gray, const GroundImage& image, const std::optional<Pose2>& guess);
+
+ private:
+  void Detect(const cv::Mat& gray, const GroundImage& image);
+  void Carry(const std::vector<cv::Mat>& pyramid, const GroundGrid& grid);
+
+  RegistrationOptions registration_;
+  std::vector<cv::Mat> pyramid_;                  // of the previous frame
+  std::vector<cv::Point2f> places_px_;            // in the previous frame
+  std::vector<Eigen::Vector2d> keyframe_places_;  // of the same corners in the keyframe, base frame, metres
+  std::size_t detected_ = 0;
+  Pose2 keyframe_from_base_;
+  Pose2 step_;
+};
+
+}  // namespace floorloc

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/bench/odometry/drift.h"
+#include "tests/bench/odometry/drive.h"
+
+namespace floorloc {
+
+/// One way to measure motions, run over a drive from its first frame to its last.
+struct OdometryMethod {
+  std::string name;
+  std::function<std::vector<OdometryStep>(const Drive&)> run;
+};
+
+/// The product's with and without wheel odometry as a guess, KLT alike, and KLT on contrast-normalised
+/// pictures.
+std::vector<OdometryMethod> OdometryMethods();
+
+}  // namespace floorloc
