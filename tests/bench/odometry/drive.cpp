@@ -39,9 +39,8 @@ Drive Thin(const Drive& drive, std::size_t step) {
   return thin;
 }
 
-std::vector<SimulatedDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph,
-                                           int frames) {
-  std::vector<SimulatedDrive> drives;
+std::vector<BenchDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph, int frames) {
+  std::vector<BenchDrive> drives;
   ProgressBar progress("drives", 10, ProgressOutput::Stderr());
   for (const std::string condition : {"mild", "hard"}) {
     for (const std::string floor : {"concrete", "carpet", "wood", "tiles", "photo"}) {

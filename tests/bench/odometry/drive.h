@@ -28,14 +28,13 @@ Drive ReadDrive(const std::filesystem::path& folder);
 /// Every step-th frame.
 Drive Thin(const Drive& drive, std::size_t step);
 
-struct SimulatedDrive {
+struct BenchDrive {
   std::filesystem::path folder;
   std::string condition;
 };
 
 /// Makes drives over five floors under mild and hard conditions, unless they are there already: 20 frames per second
 /// at 0.4 m/s. photograph: of a floor, one is quilted from it. Throws InputError when they can't be written.
-std::vector<SimulatedDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph,
-                                           int frames);
+std::vector<BenchDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph, int frames);
 
 }  // namespace floorloc

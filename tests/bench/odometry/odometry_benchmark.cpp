@@ -91,7 +91,7 @@ void RunGroup(const std::string& name, const std::vector<fs::path>& folders) {
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   std::map<std::string, std::vector<fs::path>> groups;
-  for (const SimulatedDrive& drive : SimulateDrives(arguments.state, arguments.photograph, arguments.frames)) {
+  for (const BenchDrive& drive : SimulateDrives(arguments.state, arguments.photograph, arguments.frames)) {
     groups["five floors, " + drive.condition].push_back(drive.folder);
   }
   for (const fs::path& folder : arguments.folders) {
