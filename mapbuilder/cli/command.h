@@ -12,6 +12,7 @@ void AddCalibrateCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddEvaluateFeaturesCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddLocalizeCommand(CLI::App& app);

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   floorloc::AddMergeCommand(app);
   floorloc::AddExportCommand(app);
   floorloc::AddEvaluateCommand(app);
+  floorloc::AddEvaluateFeaturesCommand(app);
   floorloc::AddCompareCommand(app);
   floorloc::AddReportCommand(app);
   floorloc::AddSimulateCommand(app);

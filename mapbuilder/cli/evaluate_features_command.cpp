@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+#include "mapbuilder/cli/command.h"
+#include "mapbuilder/laboratory/feature_evaluation.h"
+#include "mapbuilder/laboratory/html_report.h"
+
+namespace floorloc {
+namespace {
+
+// As the user writes it.
+struct Arguments {
+  std::vector<std::string> images;
+  std::vector<std::string> features;
+  int pictures = 5;
+  bool json = false;
+  std::filesystem::path out;
+  FeatureEvaluationOptions options;
+};
+
+FeatureEvaluationOptions Translate(const Arguments& a) {
+  FeatureEvaluationOptions options = a.options;
+  for (const std::string& text : a.images) {
+    options.sets.push_back(ParsePictureSet(text, a.pictures));
+  }
+  if (!a.features.empty()) {
+    options.features = ParseDetectors(a.features);
+  }
+  options.matches_folder = a.out;
+  options.progress = ProgressOutput::Stderr();
+  return options;
+}
+
+std::string ToText(const LaboratoryReport& report) {
+  std::string text = report.title + "\n";
+  for (const std::string& line : report.conditions) {
+    text += "  " + line + "\n";
+  }
+  for (const ResultTable& table : report.tables) {
+    text += "\n" + ToText(table);
+  }
+  return text;
+}
+
+std::string ToJsonText(const LaboratoryReport& report) {
+  nlohmann::ordered_json json{
+      {"title", report.title}, {"conditions", report.conditions}, {"tables", nlohmann::json::array()}};
+  for (const ResultTable& table : report.tables) {
+    json["tables"].push_back(ToJson(table));
+  }
+  return json.dump(2) + "\n";
+}
+
+void Run(const Arguments& a) {
+  const FeatureEvaluationOptions options = Translate(a);
+  if (!a.out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(a.out, error);
+    CheckWritable(a.out / "index.html");
+  }
+  const LaboratoryReport report = EvaluateFeatures(options);
+  if (!a.out.empty()) {
+    WriteFileAtomically(a.out / "index.html", ToHtml(report));
+    WriteFileAtomically(a.out / "tables.json", ToJsonText(report));
+  }
+  std::cout << (a.json ? ToJsonText(report) : ToText(report));
+}
+
+}  // namespace
+
+void AddEvaluateFeaturesCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("evaluate-features",
+                         "Features for visual odometry: time, matches under shadow, fog, brightness and rotation, "
+                         "matches with following frames, and how these depend on the number of features");
+  const auto a = std::make_shared<Arguments>();
+  FeatureEvaluationOptions& o = a->options;
+  command->add_option("--images", a->images,
+                      "Sets of pictures, each NAME=PATH[,PATH...]: pictures, folders of pictures, or a folder of such "
+                      "folders, of which the first pictures are taken");
+  command->add_option("--sequence", o.sequences, "Folder(s) of pictures in a row, or in the survey format");
+  command->add_option("--features", a->features, "orb, akaze, brisk, sift, surf; default: all")->delimiter(',');
+  command->add_option("--count", o.features_per_picture, "Features wanted in the pictures of --images")
+      ->capture_default_str();
+  command->add_option("--counts", o.features_of_sequences, "Features wanted in the first picture of --sequence")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--pictures", a->pictures, "Most of a set, spread evenly over it")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--following", o.following_frames, "Pictures after the first of a sequence")
+      ->capture_default_str();
+  command->add_option("--seed", o.seed, "Of shadows, fog and brightness")->capture_default_str();
+  command->add_flag("--json", a->json, "Print JSON");
+  command->add_option("--out", a->out, "Write a page (index.html), tables.json and pictures of the matches there");
+  command->callback([a] { Run(*a); });
+}
+
+}  // namespace floorloc

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "mapbuilder/laboratory/combination.h"
+#include "mapbuilder/laboratory/laboratory.h"
+#include "mapbuilder/laboratory/picture_set.h"
+#include "mapbuilder/progress.h"
+
+namespace floorloc {
+
+/// What is evaluated on what. Where there are no pictures for a table, it is left out.
+struct FeatureEvaluationOptions {
+  std::vector<PictureSet> sets;                  ///< tables 1 to 3
+  std::vector<std::filesystem::path> sequences;  ///< folders of pictures in a row: tables 4 and 5
+  std::vector<DetectorKind> features = {DetectorKind::kOrb, DetectorKind::kAkaze, DetectorKind::kBrisk,
+                                        DetectorKind::kSift, DetectorKind::kSurf};
+  int features_per_picture = 300;
+  std::vector<int> features_of_sequences = {50, 250, 450, 650};
+  int following_frames = 29;
+  std::uint32_t seed = 1;                ///< of the manipulations
+  std::filesystem::path matches_folder;  ///< pictures of the matches go there; empty: nowhere
+  ProgressOutput progress;
+
+  /// Throws std::invalid_argument.
+  void Check() const;
+};
+
+/// The evaluation of features for visual odometry by Filipecka (2023), tables 1 to 5, on any pictures. Throws
+/// InputError or std::invalid_argument.
+LaboratoryReport EvaluateFeatures(const FeatureEvaluationOptions& options);
+
+}  // namespace floorloc

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/laboratory/picture_set.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "core/io/text_file.h"
+
+namespace floorloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxPixels = 100'000'000;
+
+bool IsPicture(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
+std::vector<fs::path> SortedEntries(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> entries;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    entries.push_back(entry->path());
+  }
+  if (error) {
+    throw InputError(folder, "cannot be read as a folder (" + error.message() + "); check the path");
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+// The pictures that lie in the folder itself.
+std::vector<fs::path> PicturesIn(const fs::path& folder) {
+  std::vector<fs::path> pictures = SortedEntries(folder);
+  std::erase_if(pictures, [](const fs::path& file) { return !fs::is_regular_file(file) || !IsPicture(file); });
+  return pictures;
+}
+
+std::vector<fs::path> FirstOfEachFolder(const fs::path& folder) {
+  std::vector<fs::path> pictures;
+  for (const fs::path& entry : SortedEntries(folder)) {
+    if (fs::is_directory(entry)) {
+      const std::vector<fs::path> inside = PicturesOf(entry);
+      pictures.insert(pictures.end(), inside.begin(), inside.begin() + (inside.empty() ? 0 : 1));
+    }
+  }
+  return pictures;
+}
+
+std::vector<fs::path> PicturesAt(const fs::path& path) {
+  if (fs::is_regular_file(path)) {
+    return {path};
+  }
+  std::vector<fs::path> pictures = PicturesOf(path);
+  if (pictures.empty()) {
+    pictures = FirstOfEachFolder(path);
+  }
+  if (pictures.empty()) {
+    throw InputError(path, "has no pictures; give a JPEG or PNG file, or a folder of such");
+  }
+  return pictures;
+}
+
+std::vector<fs::path> SpreadEvenly(const std::vector<fs::path>& files, std::size_t most) {
+  if (files.size() <= most) {
+    return files;
+  }
+  std::vector<fs::path> chosen;
+  for (std::size_t i = 0; i < most; ++i) {
+    chosen.push_back(files[i * files.size() / most]);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<fs::path> PicturesOf(const fs::path& folder) {
+  return PicturesIn(fs::is_directory(folder / "images") ? folder / "images" : folder);
+}
+
+PictureSet ParsePictureSet(const std::string& text, int most) {
+  const std::size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == text.size()) {
+    throw std::invalid_argument("'" + text + "' is not a set of pictures; write NAME=FOLDER");
+  }
+  PictureSet set;
+  set.name = text.substr(0, equals);
+  std::istringstream paths(text.substr(equals + 1));
+  for (std::string path; std::getline(paths, path, ',');) {
+    const std::vector<fs::path> pictures = PicturesAt(path);
+    set.files.insert(set.files.end(), pictures.begin(), pictures.end());
+  }
+  set.files = SpreadEvenly(set.files, static_cast<std::size_t>(most));
+  return set;
+}
+
+cv::Mat ReadPicture(const fs::path& file) {
+  const auto bytes = ReadBinaryFile(file);
+  const std::optional<ImageHeader> header = ProbeImage(bytes);
+  if (!header) {
+    throw InputError(file, "is neither a JPEG nor a PNG picture; convert it");
+  }
+  if (std::int64_t{header->width_px} * header->height_px > kMaxPixels) {
+    throw InputError(file, "has more than 100 million pixels; make it smaller");
+  }
+  return DecodeGray(bytes, header->width_px, header->height_px, file);
+}
+
+}  // namespace floorloc
