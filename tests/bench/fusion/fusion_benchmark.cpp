@@ -6,10 +6,13 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
+#include <opencv2/core/utility.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "core/localization/localizer.h"
+#include "core/map/map_database.h"
 #include "tests/bench/fusion/fusion_score.h"
 
 namespace floorloc {
@@ -18,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
+  fs::path map;
   std::vector<fs::path> drives;
   int repetitions = 5;
 };
@@ -82,9 +86,13 @@ void PrintScenario(const FusionScenario& scenario, const std::vector<FusionRecor
 }
 
 void Run(const Arguments& arguments) {
+  cv::setNumThreads(1);
+  const MapDatabase database(arguments.map);
+  const Localizer localizer(database.ReadMap(), LocalizerOptions(),
+                            [&database](const TileId& tile) { return database.ReadMosaicTile(tile); });
   std::vector<FusionRecording> recordings;
   for (const fs::path& drive : arguments.drives) {
-    recordings.push_back(ReadFusionRecording(drive, fs::path(drive.string() + ".jsonl")));
+    recordings.push_back(ReadFusionRecording(localizer, drive));
   }
   std::cout
       << "| | RMSE, mm | worst jump, mm | found again after a kidnap, s: median (worst) | called good, % | wrong but "
@@ -105,8 +113,8 @@ int main(int argc, char** argv) {
   floorloc::Arguments arguments;
   CLI::App app("Replays drives under several scenarios through every way to fuse, and prints one table.",
                "fusion_benchmark");
-  app.add_option("drives", arguments.drives, "Simulated drives; DRIVE.jsonl is what localize --results wrote of them")
-      ->required();
+  app.add_option("--map", arguments.map, "Map of the drives' floor")->required();
+  app.add_option("drives", arguments.drives, "Folders of simulated drives")->required();
   app.add_option("--repetitions", arguments.repetitions, "Times a scenario is replayed, with other luck")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

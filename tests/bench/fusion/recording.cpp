@@ -3,55 +3,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "core/evaluation/alignment.h"
 #include "core/io/delimited_text.h"
+#include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
+#include "core/odometry/planar_odometry.h"
 
 namespace floorloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-PoseFix ParseFix(const nlohmann::json& row, std::int64_t stamp_ns) {
-  PoseFix fix;
-  fix.stamp_ns = stamp_ns;
-  fix.map_from_base = Pose2(row.at("x"), row.at("y"), row.at("yaw"));
-  const auto covariance = row.at("covariance").get<std::vector<double>>();
-  if (covariance.size() != 9) {
-    throw std::out_of_range("a covariance needs nine numbers");
-  }
-  fix.covariance = Eigen::Map<const Eigen::Matrix3d>(covariance.data());
-  fix.p_wrong = row.at("p_wrong");
-  return fix;
+// How the wheels have the motion between two times: what visual odometry is told to expect.
+std::optional<Pose2> WheelsBetween(const Trajectory& odometry, std::int64_t from_ns, std::int64_t to_ns) {
+  const std::optional<Pose2> from = InterpolatePose(odometry, from_ns);
+  const std::optional<Pose2> to = InterpolatePose(odometry, to_ns);
+  return from && to ? std::optional(from->Between(*to)) : std::nullopt;
 }
 
-// Frames stand in the results in the order of frames.csv: their stamps are exact there.
-void ReadFixes(const fs::path& results, const Survey& survey, FusionRecording& recording) {
-  std::istringstream lines(ReadTextFile(results));
-  std::string line;
-  std::size_t count = 0;
-  while (std::getline(lines, line)) {
-    const int number = static_cast<int>(count) + 1;
-    try {
-      const nlohmann::json row = nlohmann::json::parse(line);
-      const SurveyFrame& frame = survey.frames.at(count++);
-      if (row.at("status") == "localized") {
-        recording.fixes.push_back(ParseFix(row, frame.stamp_ns));
-      } else {
-        recording.misses_ns.push_back(frame.stamp_ns);
-      }
-    } catch (const std::exception& error) {
-      throw InputError(results, number, std::string(error.what()) + "; write the file anew with localize --results");
+std::vector<RecordedPicture> LookAtPictures(const Localizer& localizer, const Survey& survey) {
+  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m));
+  PlanarOdometryOptions options;
+  options.resolution_m = localizer.map().info.camera().floor.resolution_m;
+  PlanarOdometry visual(options);
+  std::vector<RecordedPicture> pictures;
+  const CameraModel& camera = survey.camera.camera;
+  for (const SurveyFrame& frame : survey.frames) {
+    const cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
+    const FrameObservation seen = localizer.Observe(rectifier, raw);
+    const LocalizationResult found = localizer.Localize(seen, std::nullopt);
+    RecordedPicture picture{frame.stamp_ns, std::nullopt, std::nullopt};
+    if (found.status == LocalizationStatus::kLocalized) {
+      picture.fix = PoseFix{frame.stamp_ns, found.map_from_base, found.covariance, found.p_wrong};
     }
+    const auto guess =
+        pictures.empty() ? std::nullopt : WheelsBetween(survey.odometry, pictures.back().stamp_ns, frame.stamp_ns);
+    if (const auto motion = visual.Track(frame.stamp_ns, seen.features, guess).motion) {
+      picture.motion = MotionIncrement{motion->from_ns, motion->to_ns, motion->from_from_to, motion->covariance};
+    }
+    pictures.push_back(picture);
   }
-  if (count != survey.frames.size()) {
-    throw InputError(results, "does not have one line per frame; write it anew with localize --results");
-  }
+  return pictures;
 }
 
 std::vector<std::int64_t> ReadKidnaps(const fs::path& events) {
@@ -74,12 +69,12 @@ std::vector<std::int64_t> ReadKidnaps(const fs::path& events) {
 }
 
 // Least squares, and again over the better half, so that a wrong fix cannot bend it.
-Pose2 MapFromTruth(const std::vector<PoseFix>& fixes, const Trajectory& truth, const fs::path& drive) {
+Pose2 MapFromTruth(const std::vector<RecordedPicture>& pictures, const Trajectory& truth, const fs::path& drive) {
   std::vector<PosePair> pairs;
-  for (const PoseFix& fix : fixes) {
-    if (const auto pose = InterpolatePose(truth, fix.stamp_ns)) {
-      pairs.push_back(
-          {StampedPose3::FromPose2(fix.stamp_ns, fix.map_from_base), StampedPose3::FromPose2(fix.stamp_ns, *pose)});
+  for (const RecordedPicture& picture : pictures) {
+    if (const auto pose = InterpolatePose(truth, picture.stamp_ns); pose && picture.fix) {
+      pairs.push_back({StampedPose3::FromPose2(picture.stamp_ns, picture.fix->map_from_base),
+                       StampedPose3::FromPose2(picture.stamp_ns, *pose)});
     }
   }
   if (pairs.size() < 10) {
@@ -101,7 +96,7 @@ Pose2 MapFromTruth(const std::vector<PoseFix>& fixes, const Trajectory& truth, c
 
 }  // namespace
 
-FusionRecording ReadFusionRecording(const fs::path& drive, const fs::path& results) {
+FusionRecording ReadFusionRecording(const Localizer& localizer, const fs::path& drive) {
   const Survey survey = ReadSurvey(drive);
   FusionRecording recording;
   recording.name = drive.filename().string();
@@ -109,10 +104,10 @@ FusionRecording ReadFusionRecording(const fs::path& drive, const fs::path& resul
   for (const ImuSample& sample : survey.imu) {
     recording.imu.push_back({sample.stamp_ns, sample.angular_velocity.z(), sample.acceleration.head<2>()});
   }
-  ReadFixes(results, survey, recording);
+  recording.pictures = LookAtPictures(localizer, survey);
   recording.kidnaps_ns = ReadKidnaps(drive / "events.csv");
   const Trajectory truth = ReadTum(drive / "groundtruth_dense.tum");
-  const Pose2 map_from_truth = MapFromTruth(recording.fixes, survey.ground_truth, drive);
+  const Pose2 map_from_truth = MapFromTruth(recording.pictures, survey.ground_truth, drive);
   for (const StampedPose3& pose : truth) {
     recording.truth.push_back(StampedPose3::FromPose2(pose.stamp_ns, map_from_truth * pose.ToPose2()));
   }

@@ -3,27 +3,35 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/fusion/measurements.h"
 #include "core/io/trajectory.h"
+#include "core/localization/localizer.h"
 
 namespace floorloc {
+
+/// One picture and what it told.
+struct RecordedPicture {
+  std::int64_t stamp_ns = 0;
+  std::optional<PoseFix> fix;             ///< sought on the whole map; empty: not localized
+  std::optional<MotionIncrement> motion;  ///< since the picture before; empty: not known
+};
 
 /// What a robot sent on a drive, and the truth.
 struct FusionRecording {
   std::string name;
-  Trajectory odometry;                  ///< odom_from_base
-  std::vector<ImuReading> imu;          ///< empty without one
-  std::vector<PoseFix> fixes;           ///< in the order of time, in the map's frame
-  std::vector<std::int64_t> misses_ns;  ///< pictures that gave no fix
-  Trajectory truth;                     ///< map_from_base at the odometry's times, in the map's frame
+  Trajectory odometry;                    ///< odom_from_base
+  std::vector<ImuReading> imu;            ///< empty without one
+  std::vector<RecordedPicture> pictures;  ///< in the order of time, in the map's frame
+  Trajectory truth;                       ///< map_from_base at the odometry's times, in the map's frame
   std::vector<std::int64_t> kidnaps_ns;
 };
 
-/// Reads a simulated drive and what `floorloc-mapbuilder localize --results` said of its frames. The truth is moved
-/// into the map's frame by the fixes themselves, robustly. Throws InputError.
-FusionRecording ReadFusionRecording(const std::filesystem::path& drive, const std::filesystem::path& results);
+/// Reads a simulated drive and localizes its frames. The truth is moved into the map's frame by the fixes themselves,
+/// robustly. Throws InputError.
+FusionRecording ReadFusionRecording(const Localizer& localizer, const std::filesystem::path& drive);
 
 }  // namespace floorloc

@@ -9,11 +9,15 @@ namespace {
 // Hands over one message of any kind.
 struct Deliver {
   PoseFuser& fuser;
-  bool uses_imu;
+  const FusionVariant& variant;
 
-  void operator()(const MotionIncrement& increment) const { fuser.AddIncrement(MotionSource::kWheels, increment); }
+  void operator()(const ToldMotion& motion) const {
+    if (motion.source == MotionSource::kWheels || variant.uses_pictures_motion) {
+      fuser.AddIncrement(motion.source, motion.increment);
+    }
+  }
   void operator()(const ImuReading& reading) const {
-    if (uses_imu) {
+    if (variant.uses_imu) {
       fuser.AddImu(reading);
     }
   }
@@ -28,8 +32,9 @@ std::vector<FusionVariant> AllFusionVariants() {
           {"fixes only", FusionMethod::kFixes},
           {"replace on fix (thesis)", FusionMethod::kReplace},
           {"jump filter (thesis)", FusionMethod::kJumpFilter},
-          {"floorloc", FusionMethod::kEkf},
-          {"floorloc with IMU", FusionMethod::kEkf, true}};
+          {"floorloc, wheels", FusionMethod::kEkf},
+          {"floorloc, wheels and pictures' motion", FusionMethod::kEkf, true},
+          {"floorloc, the same and an IMU", FusionMethod::kEkf, true, true}};
 }
 
 std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messages, const Trajectory& truth,
@@ -37,10 +42,12 @@ std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messa
   const std::unique_ptr<PoseFuser> fuser = MakePoseFuser(variant.method, PoseFilterOptions());
   std::vector<FusionSample> samples;
   for (const FusionMessage& message : messages) {
-    std::visit(Deliver{*fuser, variant.uses_imu}, message.content);
-    if (const auto* increment = std::get_if<MotionIncrement>(&message.content)) {
-      const StampedPose3& pose = truth.at(samples.size() + 1);  // the first row is before the first increment
-      samples.push_back({increment->to_ns, fuser->EstimateAt(increment->to_ns), pose.ToPose2()});
+    std::visit(Deliver{*fuser, variant}, message.content);
+    const auto* motion = std::get_if<ToldMotion>(&message.content);
+    if (motion != nullptr && motion->source == MotionSource::kWheels) {
+      const StampedPose3& pose = truth.at(samples.size() + 1);  // the first row is before the first motion
+      const std::int64_t now_ns = motion->increment.to_ns;
+      samples.push_back({now_ns, fuser->EstimateAt(now_ns), pose.ToPose2()});
     }
   }
   return samples;

@@ -14,19 +14,21 @@ namespace floorloc {
 struct FusionVariant {
   std::string name;
   FusionMethod method = FusionMethod::kEkf;
+  bool uses_pictures_motion = false;
   bool uses_imu = false;
 };
 
 std::vector<FusionVariant> AllFusionVariants();
 
-/// What the fuser said when an increment had come, and the truth of that time.
+/// What the fuser said when the wheels had told of a motion, and the truth of that time.
 struct FusionSample {
   std::int64_t stamp_ns = 0;
   std::optional<FusedPose> estimate;
   Pose2 truth;
 };
 
-/// Hands the messages to a new fuser, one after the other. One sample per increment. `truth` has the increments' times.
+/// Hands the messages to a new fuser, one after the other. One sample per motion of
+/// the wheels; `truth` has the times of these.
 std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messages, const Trajectory& truth,
                                          const FusionVariant& variant);
 

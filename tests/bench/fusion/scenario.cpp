@@ -63,7 +63,7 @@ void AddIncrements(const FusionRecording& recording, const FusionScenario& scena
     MotionIncrement increment{before.stamp_ns, after.stamp_ns, Pose2(), std::nullopt};
     twist.x() += SlippedM(increment, recording, scenario.slips);
     increment.motion = Pose2::Exp(twist);
-    messages.push_back({after.stamp_ns, increment});
+    messages.push_back({after.stamp_ns, ToldMotion{MotionSource::kWheels, increment}});
   }
 }
 
@@ -73,28 +73,53 @@ bool IsInOutage(std::int64_t stamp_ns, const FusionRecording& recording, const F
   return std::abs(static_cast<double>(stamp_ns) - middle_ns) < 0.5e9 * scenario.outage_s;
 }
 
-void AddFixes(const FusionRecording& recording, const FusionScenario& scenario, std::uint64_t seed,
-              std::vector<FusionMessage>& messages) {
-  constexpr std::size_t kUnharmed = 5;  // at the start: whether a first fix is right, no fuser can know
+// Makes some fixes wrong, alone or in runs.
+class FixSpoiler {
+ public:
+  FixSpoiler(const FusionScenario& scenario, WrongPlaces& places) : scenario_(scenario), places_(places) {}
+
+  PoseFix Spoil(PoseFix fix) {
+    constexpr int kUnharmed = 5;  // at the start: whether a first fix is right, no fuser can know
+    const bool begins = places_.Uniform(0.0, 1.0) < scenario_.wrong_rate / scenario_.wrong_run;
+    if (left_in_run_ == 0 && begins && seen_ >= kUnharmed) {
+      left_in_run_ = scenario_.wrong_run;
+      error_ = places_.DrawError(fix.map_from_base);
+    }
+    if (left_in_run_ > 0) {
+      fix.map_from_base = error_ * fix.map_from_base;
+      --left_in_run_;
+    }
+    ++seen_;
+    return fix;
+  }
+
+ private:
+  const FusionScenario& scenario_;
+  WrongPlaces& places_;
+  int seen_ = 0;
+  int left_in_run_ = 0;
+  Pose2 error_;
+};
+
+void AddPictures(const FusionRecording& recording, const FusionScenario& scenario, std::uint64_t seed,
+                 std::vector<FusionMessage>& messages) {
   std::mt19937_64 random(seed);
   WrongPlaces places(recording.truth, random);
-  int left_in_run = 0;
-  Pose2 error;
-  for (std::size_t i = 0; i < recording.fixes.size(); ++i) {
-    PoseFix fix = recording.fixes[i];
+  FixSpoiler spoiler(scenario, places);
+  for (const RecordedPicture& picture : recording.pictures) {
     const bool dropped = places.Uniform(0.0, 1.0) < scenario.drop_rate;
     const double late_s = scenario.latency_s * places.Uniform(0.5, 1.5);
-    if (left_in_run == 0 && i >= kUnharmed && places.Uniform(0.0, 1.0) < scenario.wrong_rate / scenario.wrong_run) {
-      left_in_run = scenario.wrong_run;
-      error = places.DrawError(fix.map_from_base);
+    const std::int64_t arrival_ns = picture.stamp_ns + std::llround(1e9 * late_s);
+    if (IsInOutage(picture.stamp_ns, recording, scenario)) {
+      continue;
     }
-    if (left_in_run > 0) {
-      fix.map_from_base = error * fix.map_from_base;
-      --left_in_run;
+    if (picture.motion) {
+      messages.push_back({arrival_ns, ToldMotion{MotionSource::kVision, *picture.motion}});
     }
-    const std::int64_t arrival_ns = fix.stamp_ns + std::llround(1e9 * late_s);
-    if (!dropped && !IsInOutage(fix.stamp_ns, recording, scenario)) {
-      messages.push_back({arrival_ns, fix});
+    if (picture.fix && !dropped) {
+      messages.push_back({arrival_ns, spoiler.Spoil(*picture.fix)});
+    } else {
+      messages.push_back({arrival_ns, PictureMiss{picture.stamp_ns}});
     }
   }
 }
@@ -106,10 +131,10 @@ std::vector<FusionScenario> AllFusionScenarios() {
       {.name = "as recorded"},
       {.name = "more drift", .odometry_scale = 1.03, .drift_rad_per_m = 0.03},
       {.name = "wheels slip four times", .slips = 4},
-      {.name = "80 % of the fixes and 8 s dropped", .drop_rate = 0.8, .outage_s = 8.0},
+      {.name = "80 % not localized, 8 s blind", .drop_rate = 0.8, .outage_s = 8.0},
       {.name = "10 % of the fixes wrong", .wrong_rate = 0.1},
       {.name = "10 % wrong, 4 in a row alike", .wrong_rate = 0.1, .wrong_run = 4},
-      {.name = "fixes 0.4 s late", .latency_s = 0.4},
+      {.name = "pictures 0.4 s late", .latency_s = 0.4},
       {.name = "kidnaps", .kidnapped = true},
       {.name = "kidnaps, all of it",
        .kidnapped = true,
@@ -129,10 +154,7 @@ std::vector<FusionMessage> MakeMessages(const FusionRecording& recording, const 
   for (const ImuReading& reading : recording.imu) {
     messages.push_back({reading.stamp_ns, reading});
   }
-  AddFixes(recording, scenario, seed, messages);
-  for (const std::int64_t stamp_ns : recording.misses_ns) {
-    messages.push_back({stamp_ns, PictureMiss{stamp_ns}});
-  }
+  AddPictures(recording, scenario, seed, messages);
   std::stable_sort(messages.begin(), messages.end(),
                    [](const FusionMessage& a, const FusionMessage& b) { return a.arrival_ns < b.arrival_ns; });
   return messages;

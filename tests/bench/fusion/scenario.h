@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/fusion/pose_fuser.h"
 #include "tests/bench/fusion/recording.h"
 
 namespace floorloc {
@@ -17,8 +18,8 @@ struct FusionScenario {
   double odometry_scale = 1.0;   ///< factor on distances, besides the recording's own errors
   double drift_rad_per_m = 0.0;  ///< likewise
   int slips = 0;                 ///< the wheels spin that often for half a second, 0.1 m in all each time
-  double drop_rate = 0.0;        ///< share of the fixes that is missing
-  double outage_s = 0.0;         ///< no fixes for so long, in the middle of the drive
+  double drop_rate = 0.0;        ///< share of the pictures that are not localized
+  double outage_s = 0.0;         ///< the camera sees nothing for so long, in the middle of the drive
   double wrong_rate = 0.0;       ///< share of the fixes that is wrong, as sure of themselves as the right ones
   int wrong_run = 1;             ///< so many fixes in a row are off by the same motion, as on a floor with look-alikes
   double latency_s = 0.0;        ///< between a picture and its fix; from half to one and a half times as long
@@ -27,13 +28,20 @@ struct FusionScenario {
 /// The scenarios of the table.
 std::vector<FusionScenario> AllFusionScenarios();
 
+/// A motion, and who tells of it.
+struct ToldMotion {
+  MotionSource source = MotionSource::kWheels;
+  MotionIncrement increment;
+};
+
+/// A picture that was not localized.
 struct PictureMiss {
   std::int64_t stamp_ns = 0;
 };
 
 struct FusionMessage {
   std::int64_t arrival_ns = 0;
-  std::variant<MotionIncrement, ImuReading, PoseFix, PictureMiss> content;
+  std::variant<ToldMotion, ImuReading, PoseFix, PictureMiss> content;
 };
 
 /// The recording's messages as they arrive, changed as the scenario has it. The same seed gives the same messages.

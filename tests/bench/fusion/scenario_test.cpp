@@ -22,7 +22,12 @@ FusionRecording StraightDrive() {
     recording.odometry.push_back(StampedPose3::FromPose2(stamp_ns, pose));
     recording.truth.push_back(StampedPose3::FromPose2(stamp_ns, pose));
     if (stamp_ns % kFixNs == 0) {
-      recording.fixes.push_back({stamp_ns, pose, 1e-6 * Eigen::Matrix3d::Identity(), 1e-9});
+      const Eigen::Matrix3d covariance = 1e-6 * Eigen::Matrix3d::Identity();
+      recording.pictures.push_back({stamp_ns, PoseFix{stamp_ns, pose, covariance, 1e-9}, std::nullopt});
+      if (stamp_ns > 0) {
+        recording.pictures.back().motion =
+            MotionIncrement{stamp_ns - kFixNs, stamp_ns, Pose2(0.06, 0.0, 0.0), covariance};
+      }
     }
   }
   return recording;
@@ -38,6 +43,8 @@ std::vector<PoseFix> FixesIn(const std::vector<FusionMessage>& messages) {
   return fixes;
 }
 
+bool IsWheels(const ToldMotion* motion) { return motion != nullptr && motion->source == MotionSource::kWheels; }
+
 bool IsWrong(const PoseFix& fix) {
   const Pose2 truth(0.3e-9 * static_cast<double>(fix.stamp_ns), 0.0, 0.0);
   return truth.Between(fix.map_from_base).Log().norm() > 1e-6;
@@ -46,7 +53,7 @@ bool IsWrong(const PoseFix& fix) {
 TEST(FusionScenario, WithoutChangesReplaysTheRecording) {
   const FusionRecording recording = StraightDrive();
   const std::vector<FusionMessage> messages = MakeMessages(recording, {}, 1);
-  EXPECT_EQ(messages.size(), 5000U + 501U);
+  EXPECT_EQ(messages.size(), 5000U + 501U + 500U);
   EXPECT_TRUE(std::is_sorted(messages.begin(), messages.end(),
                              [](const auto& a, const auto& b) { return a.arrival_ns < b.arrival_ns; }));
   const std::vector<PoseFix> fixes = FixesIn(messages);
@@ -85,8 +92,8 @@ TEST(FusionScenario, StretchesAndBendsOdometry) {
   const FusionScenario scenario{.odometry_scale = 1.1, .drift_rad_per_m = 0.02};
   Pose2 odom_from_base;
   for (const FusionMessage& message : MakeMessages(StraightDrive(), scenario, 1)) {
-    if (const auto* increment = std::get_if<MotionIncrement>(&message.content)) {
-      odom_from_base = odom_from_base * increment->motion;
+    if (const auto* motion = std::get_if<ToldMotion>(&message.content); IsWheels(motion)) {
+      odom_from_base = odom_from_base * motion->increment.motion;
     }
   }
   EXPECT_NEAR(odom_from_base.yaw(), 0.02 * 30.0, 1e-6);
@@ -96,8 +103,8 @@ TEST(FusionScenario, StretchesAndBendsOdometry) {
 TEST(FusionScenario, LetsWheelsSlip) {
   double distance_m = 0.0;
   for (const FusionMessage& message : MakeMessages(StraightDrive(), {.slips = 4}, 1)) {
-    if (const auto* increment = std::get_if<MotionIncrement>(&message.content)) {
-      distance_m += increment->motion.x();
+    if (const auto* motion = std::get_if<ToldMotion>(&message.content); IsWheels(motion)) {
+      distance_m += motion->increment.motion.x();
     }
   }
   EXPECT_NEAR(distance_m, 30.0 + 4 * 0.1, 0.005);
@@ -107,7 +114,7 @@ TEST(ReplayMessages, SamplesEveryIncrementOfEveryFuser) {
   FusionRecording recording = StraightDrive();
   recording.odometry.resize(501);
   recording.truth.resize(501);
-  recording.fixes.resize(51);
+  recording.pictures.resize(51);
   const std::vector<FusionMessage> messages = MakeMessages(recording, {}, 1);
   for (const FusionVariant& variant : AllFusionVariants()) {
     const std::vector<FusionSample> samples = ReplayMessages(messages, recording.truth, variant);
