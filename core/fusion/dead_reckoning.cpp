@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/fusion/dead_reckoning.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "core/fusion/kalman_correction.h"
 
 namespace floorloc {
 namespace {
@@ -67,16 +68,14 @@ class Step {
       raw_ = record_.wheels.Between(stretch_.from_ns, stretch_.to_ns);
       return FromWheels(raw_);
     }
+    const MotionModel model = stretch_.imu ? FromImu() : Unknown();
     if (stretch_.vision) {
       raw_ = record_.vision.Between(stretch_.from_ns, stretch_.to_ns);
-      MotionModel model = FromVision(raw_);
-      model.noise += Stillness();
-      return model;
+    } else {
+      raw_.motion = model.motion;
+      raw_.path_m = model.motion.translation().norm();
+      raw_.turn_rad = std::abs(model.motion.yaw());
     }
-    const MotionModel model = stretch_.imu ? FromImu() : Unknown();
-    raw_.motion = model.motion;
-    raw_.path_m = model.motion.translation().norm();
-    raw_.turn_rad = std::abs(model.motion.yaw());
     return model;
   }
 
@@ -84,16 +83,6 @@ class Step {
     const OdometryNoise& o = options_.odometry;
     return dt_ *
            Eigen::Vector3d(Square(o.still_m), Square(o.still_m), Square(o.still_rad)).asDiagonal().toDenseMatrix();
-  }
-
-  // Motions that come without covariance have the noise of wheels.
-  MotionModel FromVision(const TrackMotion& raw) const {
-    const Eigen::Vector2d way = (1.0 + state_.vision_scale) * raw.motion.translation();
-    MotionModel model;
-    model.motion = Pose2(way.x(), way.y(), raw.motion.yaw());
-    model.by_state.block<2, 1>(0, kVisionScale) = raw.motion.rotation().transpose() * raw.motion.translation();
-    model.noise = raw.has_covariance ? raw.covariance : FromWheels(raw).noise;
-    return model;
   }
 
   // The turn is spread over the stretch: an error of it turns the way travelled by half as much.
@@ -138,11 +127,14 @@ class Step {
     return model;
   }
 
+  // Pictures tell where to linearize; how sure they are is CorrectByVision's concern.
   MotionModel Unknown() const {
     const UnknownMotion& u = options_.unknown;
     MotionModel model;
     double way_sigma = u.speed_m_s * dt_;
-    if (dt_ <= u.coast_s) {
+    if (stretch_.vision) {
+      model.motion = record_.vision.Between(stretch_.from_ns, stretch_.to_ns).motion;
+    } else if (dt_ <= u.coast_s) {
       const Eigen::Vector2d way = dt_ * state_.velocity_m_s;
       model.motion = Pose2(way.x(), way.y(), 0.0);
       model.by_state.block<2, 2>(0, kVelocity) = dt_ * Eigen::Matrix2d::Identity();
@@ -154,14 +146,7 @@ class Step {
   }
 
   void WeighInOthers() {
-    if (stretch_.wheels && stretch_.vision) {
-      const MotionModel seen = FromVision(record_.vision.Between(stretch_.from_ns, stretch_.to_ns));
-      Eigen::Matrix<double, 3, kAll> jacobian = Eigen::Matrix<double, 3, kAll>::Zero();
-      jacobian.leftCols<kCount>() = -seen.by_state;
-      jacobian.rightCols<3>().setIdentity();
-      Correct<3>(motion_.Between(seen.motion).Log(), jacobian, seen.noise);
-    }
-    if (stretch_.imu && (stretch_.wheels || stretch_.vision)) {
+    if (stretch_.imu && stretch_.wheels) {
       WeighInGyro();
       WeighInAccelerations();
     }
@@ -185,15 +170,10 @@ class Step {
     Correct<2>(ImuWay() - motion_.translation(), jacobian, ImuWayVariance() * Eigen::Matrix2d::Identity());
   }
 
-  // Kalman's correction of state and motion; Joseph's form keeps the covariance positive.
   template <int kRows>
   void Correct(const Eigen::Matrix<double, kRows, 1>& residual, const Eigen::Matrix<double, kRows, kAll>& jacobian,
                const Eigen::Matrix<double, kRows, kRows>& noise) {
-    const Eigen::Matrix<double, kRows, kRows> innovation = jacobian * covariance_ * jacobian.transpose() + noise;
-    const Eigen::Matrix<double, kAll, kRows> gain = innovation.ldlt().solve(jacobian * covariance_).transpose();
-    const AllCovariance kept = AllCovariance::Identity() - gain * jacobian;
-    covariance_ = kept * covariance_ * kept.transpose() + gain * noise * gain.transpose();
-    const AllErrors error = gain * residual;
+    const AllErrors error = KalmanCorrection<kRows, kAll>(residual, jacobian, noise, &covariance_);
     state_.Add(error.template head<kCount>());
     motion_ = motion_ * Pose2::Exp(error.template tail<3>());
   }

@@ -17,9 +17,9 @@ struct MotionRecord {
   ImuTrack imu;
 };
 
-/// Carries a state on to a later time: the prediction of the Kalman filter. Wheels, else pictures, else the IMU, else
-/// the last velocity tell the motion of each stretch; whatever else covers it is weighed in. Stochastic cloning is not
-/// needed, since the motion of a stretch is an error of its own until the stretch is added to the pose.
+/// Carries a state on to a later time: the prediction of the Kalman filter. Wheels, else the IMU, else the last
+/// velocity tell the motion of each stretch; the IMU is weighed in where the wheels turn. The motion of a stretch is an
+/// error of its own until it is added to the pose.
 void CarryOn(const MotionRecord& record, const PoseFilterOptions& options, std::int64_t to_ns, FilterState* state);
 
 }  // namespace floorloc

@@ -46,6 +46,8 @@ void PoseFilterOptions::Check() const {
                       {"kidnap.sigmas", kidnap.sigmas}});
   RequirePositive({{"odometry.still_m", odometry.still_m},
                    {"odometry.still_rad", odometry.still_rad},
+                   {"vision.frame_m", vision.frame_m},
+                   {"vision.frame_rad", vision.frame_rad},
                    {"imu.gyro", imu.gyro},
                    {"imu.accelerometer", imu.accelerometer},
                    {"unknown.acceleration_m_s2", unknown.acceleration_m_s2},

@@ -19,14 +19,16 @@ struct OdometryNoise {
 
 /// Errors of visual odometry that its covariances do not tell.
 struct VisionNoise {
-  double scale = 0.003;  ///< of distances: the camera's height over the floor, standard deviation
+  double scale = 0.003;   ///< of distances: the camera's height over the floor, standard deviation
+  double frame_m = 1e-3;  ///< of each picture by itself: the camera vibrates
+  double frame_rad = 7e-4;
 };
 
 /// Errors of an IMU, per root of the sampling rate as data sheets have them.
 struct ImuNoise {
-  double gyro = 3e-4;           ///< rad/s per root Hz
+  double gyro = 1e-3;           ///< rad/s per root Hz; vibration included
   double gyro_bias = 0.02;      ///< rad/s, standard deviation at the start
-  double gyro_walk = 2e-5;      ///< rad/s per root s
+  double gyro_walk = 1e-4;      ///< rad/s per root s
   double gyro_scale = 0.003;    ///< of turns
   double accelerometer = 0.03;  ///< m/s^2 per root Hz; vibration included
   double accelerometer_bias = 0.2;

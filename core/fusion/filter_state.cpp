@@ -21,6 +21,7 @@ void FilterState::Add(const ErrorVector& error) {
   odometry_bias.yaw_scale += error(error_row::kOdometryYawScale);
   odometry_bias.drift_rad_per_m += error(error_row::kOdometryDrift);
   vision_scale += error(error_row::kVisionScale);
+  visual_map_from_base = visual_map_from_base * Pose2::Exp(error.segment<3>(error_row::kVisual));
 }
 
 Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "core/fusion/imu_track.h"
 #include "core/geometry/pose2.h"
@@ -28,7 +29,8 @@ constexpr int kOdometryScale = 8;
 constexpr int kOdometryYawScale = 9;
 constexpr int kOdometryDrift = 10;
 constexpr int kVisionScale = 11;
-constexpr int kCount = 12;
+constexpr int kVisual = 12;  // 3
+constexpr int kCount = 15;
 }  // namespace error_row
 
 using ErrorVector = Eigen::Matrix<double, error_row::kCount, 1>;
@@ -42,6 +44,11 @@ struct FilterState {
   ImuBias imu_bias;
   OdometryBias odometry_bias;
   double vision_scale = 0.0;  ///< true distance = (1 + vision_scale) * what pictures tell
+  /// Where visual odometry has the base at the last picture: drifts against map_from_base, but slowly, while each
+  /// picture by itself is a little off as the camera vibrates. Estimating both keeps what consecutive motions have in
+  /// common.
+  Pose2 visual_map_from_base;
+  std::optional<std::int64_t> visual_ns;  ///< time of that picture; empty: there was none
   ErrorCovariance covariance = ErrorCovariance::Zero();
   // Not estimated, but carried along:
   Pose2 odom_from_base;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/fusion/kalman_correction.h"
+
 namespace floorloc {
 namespace {
 
@@ -44,12 +46,8 @@ void CorrectByFix(const PoseFix& fix, FilterState* state) {
   using Jacobian = Eigen::Matrix<double, 3, error_row::kCount>;
   const Jacobian jacobian = Jacobian::Identity();
   const Eigen::Matrix3d noise = ToBaseFrame(fix.covariance, fix.map_from_base);
-  const Eigen::Matrix3d innovation = state->covariance.topLeftCorner<3, 3>() + noise;
-  const Eigen::Matrix<double, error_row::kCount, 3> gain =
-      innovation.ldlt().solve(state->covariance.topRows<3>()).transpose();
-  const ErrorCovariance kept = ErrorCovariance::Identity() - gain * jacobian;
-  state->covariance = kept * state->covariance * kept.transpose() + gain * noise * gain.transpose();
-  state->Add(gain * state->map_from_base.Between(fix.map_from_base).Log());
+  const Eigen::Vector3d residual = state->map_from_base.Between(fix.map_from_base).Log();
+  state->Add(KalmanCorrection<3, error_row::kCount>(residual, jacobian, noise, &state->covariance));
 }
 
 bool IsValid(const PoseFix& fix) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/fusion/fix_gate.h"
+#include "core/fusion/visual_correction.h"
 
 namespace floorloc {
 namespace {
@@ -32,6 +33,7 @@ void PlaceAt(const PoseFix& fix, FilterState* state) {
   state->covariance.topRows<3>().setZero();
   state->covariance.leftCols<3>().setZero();
   state->covariance.topLeftCorner<3, 3>() = ToBaseFrame(fix.covariance, fix.map_from_base);
+  state->visual_ns.reset();
 }
 
 FilterState FirstState(std::int64_t stamp_ns, const PoseFilterOptions& options) {
@@ -61,7 +63,7 @@ void PoseFilter::Advance(std::int64_t stamp_ns) {
   messages_before_history_ = 0;
   newest_ns_ = std::max(newest_ns_.value_or(stamp_ns), stamp_ns);
   if (!checkpoints_.empty() && *newest_ns_ - checkpoints_.back().state.stamp_ns >= 2 * kCheckpointNs) {
-    checkpoints_.push_back({StateAt(*newest_ns_ - kCheckpointNs), std::nullopt});
+    checkpoints_.push_back({StateAt(*newest_ns_ - kCheckpointNs), {}, {}});
   }
   ForgetOld();
 }
@@ -89,7 +91,7 @@ void PoseFilter::ForgetOld() {
 // What happens before there is a pose is remembered, too: it moves the odom frame.
 void PoseFilter::Start(std::int64_t stamp_ns) {
   if (checkpoints_.empty()) {
-    checkpoints_.push_back({FirstState(stamp_ns, options_), std::nullopt});
+    checkpoints_.push_back({FirstState(stamp_ns, options_), {}, {}});
   }
 }
 
@@ -106,7 +108,7 @@ void PoseFilter::BeginAnew(std::int64_t stamp_ns) {
   state.velocity_m_s.setZero();
   state.covariance.diagonal().head<3>() +=
       Eigen::Vector3d(Square(kClockJumpSigmaM), Square(kClockJumpSigmaM), Square(kClockJumpSigmaRad));
-  checkpoints_.push_back({state, std::nullopt});
+  checkpoints_.push_back({state, {}, {}});
 }
 
 template <typename Track, typename Message>
@@ -134,7 +136,23 @@ MessageOutcome PoseFilter::AddTo(Track* track, const Message& message, std::int6
 
 MessageOutcome PoseFilter::AddIncrement(MotionSource source, const MotionIncrement& increment) {
   MotionTrack& track = source == MotionSource::kWheels ? record_.wheels : record_.vision;
-  return AddTo(&track, increment, increment.from_ns, increment.to_ns);
+  const MessageOutcome outcome = AddTo(&track, increment, increment.from_ns, increment.to_ns);
+  const bool used = outcome == MessageOutcome::kUsed || outcome == MessageOutcome::kUsedLate;
+  if (used && source == MotionSource::kVision) {
+    AddVision(increment);
+  }
+  return outcome;
+}
+
+// The state of the picture's time is corrected, and what came after is done again.
+void PoseFilter::AddVision(const MotionIncrement& increment) {
+  if (increment.to_ns < checkpoints_.front().state.stamp_ns) {
+    return;
+  }
+  Checkpoint& checkpoint = CheckpointAt(increment.to_ns);
+  checkpoint.vision = increment;
+  CorrectByVision(increment, options_.vision, &checkpoint.state);
+  RedoSince(increment.to_ns);
 }
 
 MessageOutcome PoseFilter::AddImu(const ImuReading& reading) {
@@ -154,21 +172,32 @@ FilterState PoseFilter::StateAt(std::int64_t stamp_ns) const {
   return state;
 }
 
-// Fixes that were accepted stay accepted; states between them are not needed again.
+PoseFilter::Checkpoint& PoseFilter::CheckpointAt(std::int64_t stamp_ns) {
+  const std::size_t before = LastCheckpointBefore(stamp_ns);
+  if (checkpoints_[before].state.stamp_ns == stamp_ns) {
+    return checkpoints_[before];
+  }
+  return *checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(before + 1),
+                              {StateAt(stamp_ns), {}, {}});
+}
+
+// Fixes that were accepted stay accepted.
 void PoseFilter::RedoSince(std::int64_t stamp_ns) {
   if (checkpoints_.empty() || checkpoints_.back().state.stamp_ns <= stamp_ns) {
     return;
   }
   const std::size_t first = stamp_ns < checkpoints_.front().state.stamp_ns ? 1 : LastCheckpointBefore(stamp_ns) + 1;
-  std::deque<Checkpoint> later(checkpoints_.begin() + static_cast<std::ptrdiff_t>(first), checkpoints_.end());
-  checkpoints_.resize(first);
-  for (const Checkpoint& checkpoint : later) {
-    FilterState state = StateAt(checkpoint.state.stamp_ns);
-    if (checkpoint.fix) {
-      CorrectByFix(*checkpoint.fix, &state);
+  for (std::size_t i = first; i < checkpoints_.size(); ++i) {
+    FilterState state = checkpoints_[i - 1].state;
+    CarryOn(record_, options_, checkpoints_[i].state.stamp_ns, &state);
+    if (checkpoints_[i].vision) {
+      CorrectByVision(*checkpoints_[i].vision, options_.vision, &state);
+    }
+    if (checkpoints_[i].fix) {
+      CorrectByFix(*checkpoints_[i].fix, &state);
       state.path_m = state.turn_rad = 0.0;
     }
-    checkpoints_.push_back({state, checkpoint.fix});
+    checkpoints_[i].state = state;
   }
 }
 
@@ -201,8 +230,9 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
 FixOutcome PoseFilter::Accept(const PoseFix& fix, FilterState predicted, FixOutcome outcome) {
   CorrectByFix(fix, &predicted);
   predicted.path_m = predicted.turn_rad = 0.0;
-  const std::size_t place = LastCheckpointBefore(fix.stamp_ns) + 1;
-  checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(place), {predicted, fix});
+  Checkpoint& checkpoint = CheckpointAt(fix.stamp_ns);
+  checkpoint.state = predicted;
+  checkpoint.fix = fix;
   RedoSince(fix.stamp_ns);
   kidnap_.Clear();
   last_fix_ns_ = std::max(last_fix_ns_.value_or(fix.stamp_ns), fix.stamp_ns);
@@ -240,7 +270,7 @@ FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
   PlaceAt(fix, &state);
   state.path_m = state.turn_rad = 0.0;
   checkpoints_.clear();
-  checkpoints_.push_back({state, fix});
+  checkpoints_.push_back({state, {}, fix});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_ = fix.stamp_ns;
@@ -265,7 +295,7 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   state.path_m = state.turn_rad = 0.0;
   PlaceAt(pose, &state);
   checkpoints_.clear();
-  checkpoints_.push_back({state, std::nullopt});
+  checkpoints_.push_back({state, {}, {}});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_.reset();

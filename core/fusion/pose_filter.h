@@ -32,9 +32,10 @@ class PoseFilter : public PoseFuser {
   std::optional<FilterState> State() const;
 
  private:
-  // A remembered state, and the fix that made it.
+  // A remembered state, and what was measured at its time.
   struct Checkpoint {
-    FilterState state;  // after the fix
+    FilterState state;  // after both
+    std::optional<MotionIncrement> vision;
     std::optional<PoseFix> fix;
   };
 
@@ -44,6 +45,8 @@ class PoseFilter : public PoseFuser {
   void Start(std::int64_t stamp_ns);
   void BeginAnew(std::int64_t stamp_ns);
   void Advance(std::int64_t stamp_ns);
+  void AddVision(const MotionIncrement& increment);
+  Checkpoint& CheckpointAt(std::int64_t stamp_ns);
   void RedoSince(std::int64_t stamp_ns);
   void ForgetOld();
   FilterState StateAt(std::int64_t stamp_ns) const;

@@ -25,8 +25,8 @@ struct SensorErrors {
   ImuBias imu;
   double wheel_noise_m = 0.003;  ///< after one metre
   double wheel_noise_rad = 0.005;
-  double gyro_noise = 0.0012;  ///< per reading
-  double accelerometer_noise = 0.1;
+  double gyro_noise = 0.01;  ///< per reading
+  double accelerometer_noise = 0.3;
   double fix_sigma_m = 4e-4;
   double fix_sigma_rad = 6e-4;
 };

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace floorloc {
+
+/// Correction of an error state by residual = jacobian * error + noise. Returns the expected error and replaces the
+/// covariance by the one that is left; Joseph's form keeps it positive.
+template <int kRows, int kState>
+Eigen::Matrix<double, kState, 1> KalmanCorrection(const Eigen::Matrix<double, kRows, 1>& residual,
+                                                  const Eigen::Matrix<double, kRows, kState>& jacobian,
+                                                  const Eigen::Matrix<double, kRows, kRows>& noise,
+                                                  Eigen::Matrix<double, kState, kState>* covariance) {
+  using Covariance = Eigen::Matrix<double, kState, kState>;
+  const Eigen::Matrix<double, kRows, kState> seen = jacobian * *covariance;
+  const Eigen::Matrix<double, kRows, kRows> innovation = seen * jacobian.transpose() + noise;
+  const Eigen::Matrix<double, kState, kRows> gain = innovation.ldlt().solve(seen).transpose();
+  const Covariance kept = Covariance::Identity() - gain * jacobian;
+  *covariance = (kept * *covariance * kept.transpose() + gain * noise * gain.transpose()).eval();
+  return gain * residual;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/fusion/visual_correction.h"
+
+#include <Eigen/Cholesky>
+
+#include "core/fusion/kalman_correction.h"
+
+namespace floorloc {
+namespace {
+
+using namespace error_row;  // NOLINT: rows are named all over this file
+
+Eigen::Matrix3d FrameNoise(const VisionNoise& noise) {
+  const Eigen::Vector3d sigma(noise.frame_m, noise.frame_m, noise.frame_rad);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+// The visual pose begins where the base is, but for what is off in this picture.
+void BeginVisualPose(const Eigen::Matrix3d& frame_noise, FilterState* state) {
+  ErrorCovariance jacobian = ErrorCovariance::Identity();
+  jacobian.block<3, 3>(kVisual, kVisual).setZero();
+  jacobian.block<3, 3>(kVisual, kPose).setIdentity();
+  state->covariance = jacobian * state->covariance * jacobian.transpose();
+  state->covariance.block<3, 3>(kVisual, kVisual) += frame_noise;
+  state->visual_map_from_base = state->map_from_base;
+}
+
+void MoveVisualPose(const MotionIncrement& increment, FilterState* state) {
+  const Eigen::Vector2d way = (1.0 + state->vision_scale) * increment.motion.translation();
+  const Pose2 motion(way.x(), way.y(), increment.motion.yaw());
+  ErrorCovariance jacobian = ErrorCovariance::Identity();
+  jacobian.block<3, 3>(kVisual, kVisual) = motion.Inverse().Adjoint();
+  jacobian.block<2, 1>(kVisual, kVisionScale) = motion.rotation().transpose() * increment.motion.translation();
+  state->covariance = jacobian * state->covariance * jacobian.transpose();
+  if (increment.covariance) {
+    state->covariance.block<3, 3>(kVisual, kVisual) += ToBaseFrame(*increment.covariance, motion);
+  }
+  state->visual_map_from_base = state->visual_map_from_base * motion;
+}
+
+}  // namespace
+
+void CorrectByVision(const MotionIncrement& motion, const VisionNoise& noise, FilterState* state) {
+  const Eigen::Matrix3d frame_noise = FrameNoise(noise);
+  const bool goes_on = state->visual_ns == motion.from_ns;
+  state->visual_ns = motion.to_ns;
+  if (!goes_on) {
+    BeginVisualPose(frame_noise, state);
+    return;
+  }
+  MoveVisualPose(motion, state);
+  Eigen::Matrix<double, 3, kCount> jacobian = Eigen::Matrix<double, 3, kCount>::Zero();
+  jacobian.block<3, 3>(0, kPose).setIdentity();
+  jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d residual = state->map_from_base.Between(state->visual_map_from_base).Log();
+  state->Add(KalmanCorrection<3, kCount>(residual, jacobian, frame_noise, &state->covariance));
+}
+
+}  // namespace floorloc
