@@ -185,6 +185,7 @@ class Step {
     jacobian.block<3, 3>(kPose, kMotion).setIdentity();
     ErrorVector noise = ErrorVector::Zero();
     MoveVelocity(&jacobian, &noise);
+    ForgetFixBias(&jacobian, &noise);
     noise(kGyroBias) = Square(options_.imu.gyro_walk) * dt_;
     noise.segment<2>(kAccelerationBias).setConstant(Square(options_.imu.accelerometer_walk) * dt_);
     state_.covariance = jacobian * covariance_ * jacobian.transpose();
@@ -195,6 +196,15 @@ class Step {
     state_.path_m += raw_.path_m;
     state_.turn_rad += raw_.turn_rad;
     state_.stamp_ns = stretch_.to_ns;
+  }
+
+  // A Gauss-Markov process along the path.
+  void ForgetFixBias(Eigen::Matrix<double, kCount, kAll>* jacobian, ErrorVector* noise) {
+    const SharedFixNoise& shared = options_.shared_fix;
+    const double kept = std::exp(-raw_.path_m / shared.correlation_m);
+    state_.fix_bias *= kept;
+    jacobian->middleRows<3>(kFixBias) *= kept;
+    noise->segment<3>(kFixBias) = (1.0 - kept * kept) * FixBiasVariance(shared);
   }
 
   // With an IMU the velocity goes on from what it was; without, it is the mean velocity of the stretch, give or take

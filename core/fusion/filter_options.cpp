@@ -46,6 +46,9 @@ void PoseFilterOptions::Check() const {
                       {"kidnap.sigmas", kidnap.sigmas}});
   RequirePositive({{"odometry.still_m", odometry.still_m},
                    {"odometry.still_rad", odometry.still_rad},
+                   {"shared_fix.sigma_m", shared_fix.sigma_m},
+                   {"shared_fix.sigma_rad", shared_fix.sigma_rad},
+                   {"shared_fix.correlation_m", shared_fix.correlation_m},
                    {"vision.frame_m", vision.frame_m},
                    {"vision.frame_rad", vision.frame_rad},
                    {"imu.gyro", imu.gyro},

@@ -35,6 +35,14 @@ struct ImuNoise {
   double accelerometer_walk = 2e-3;  ///< m/s^2 per root s; slopes of the floor included
 };
 
+/// Errors that fixes of one place share (the map's, the camera's): they do not average out while a vehicle stands
+/// still.
+struct SharedFixNoise {
+  double sigma_m = 2e-4;
+  double sigma_rad = 3e-4;
+  double correlation_m = 0.2;  ///< after this path the errors are others
+};
+
 /// What is assumed of a vehicle while nothing tells how it moves.
 struct UnknownMotion {
   double acceleration_m_s2 = 1.0;  ///< how fast its velocity changes
@@ -75,6 +83,7 @@ struct PoseFilterOptions {
   OdometryNoise odometry;
   VisionNoise vision;
   ImuNoise imu;
+  SharedFixNoise shared_fix;
   UnknownMotion unknown;
   FixGates gates;
   KidnapOptions kidnap;

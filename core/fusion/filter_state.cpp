@@ -21,6 +21,7 @@ void FilterState::Add(const ErrorVector& error) {
   odometry_bias.yaw_scale += error(error_row::kOdometryYawScale);
   odometry_bias.drift_rad_per_m += error(error_row::kOdometryDrift);
   vision_scale += error(error_row::kVisionScale);
+  fix_bias += error.segment<3>(error_row::kFixBias);
   visual_map_from_base = visual_map_from_base * Pose2::Exp(error.segment<3>(error_row::kVisual));
 }
 
@@ -28,6 +29,10 @@ Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose) 
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = pose.rotation().transpose();
   return turn * additive * turn.transpose();
+}
+
+Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise) {
+  return Eigen::Vector3d(noise.sigma_m, noise.sigma_m, noise.sigma_rad).cwiseAbs2();
 }
 
 double LargestSigma(const Eigen::Matrix2d& covariance) {

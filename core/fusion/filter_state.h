@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/fusion/filter_options.h"
 #include "core/fusion/imu_track.h"
 #include "core/geometry/pose2.h"
 
@@ -29,8 +30,9 @@ constexpr int kOdometryScale = 8;
 constexpr int kOdometryYawScale = 9;
 constexpr int kOdometryDrift = 10;
 constexpr int kVisionScale = 11;
-constexpr int kVisual = 12;  // 3
-constexpr int kCount = 15;
+constexpr int kVisual = 12;   // 3
+constexpr int kFixBias = 15;  // 3
+constexpr int kCount = 18;
 }  // namespace error_row
 
 using ErrorVector = Eigen::Matrix<double, error_row::kCount, 1>;
@@ -48,7 +50,8 @@ struct FilterState {
   /// picture by itself is a little off as the camera vibrates. Estimating both keeps what consecutive motions have in
   /// common.
   Pose2 visual_map_from_base;
-  std::optional<std::int64_t> visual_ns;  ///< time of that picture; empty: there was none
+  std::optional<std::int64_t> visual_ns;               ///< time of that picture; empty: there was none
+  Eigen::Vector3d fix_bias = Eigen::Vector3d::Zero();  ///< what fixes nearby are off in common; tangent space
   ErrorCovariance covariance = ErrorCovariance::Zero();
   // Not estimated, but carried along:
   Pose2 odom_from_base;
@@ -63,6 +66,9 @@ struct FilterState {
 
 /// The covariance of xi in pose * Exp(xi) that an additive one of (x, y, yaw) amounts to.
 Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose);
+
+/// Of x, y, yaw.
+Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise);
 
 /// Standard deviation along the longer axis.
 double LargestSigma(const Eigen::Matrix2d& covariance);

@@ -26,28 +26,61 @@ FixRejection FirstClosedGate(const FixOutcome& fix, double p_wrong, const Filter
   return fix.mahalanobis_squared > gates.max_mahalanobis_squared ? FixRejection::kMahalanobis : FixRejection::kNone;
 }
 
+// A fix against the state: residual = jacobian * error + noise.
+struct FixInnovation {
+  Eigen::Vector3d residual;
+  Eigen::Matrix<double, 3, error_row::kCount> jacobian = Eigen::Matrix<double, 3, error_row::kCount>::Zero();
+  Eigen::Matrix3d noise;
+};
+
+FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
+  FixInnovation innovation;
+  innovation.residual = (state.map_from_base * Pose2::Exp(state.fix_bias)).Between(fix.map_from_base).Log();
+  innovation.jacobian.block<3, 3>(0, error_row::kPose).setIdentity();
+  innovation.jacobian.block<3, 3>(0, error_row::kFixBias).setIdentity();
+  innovation.noise = ToBaseFrame(fix.covariance, fix.map_from_base);
+  return innovation;
+}
+
 }  // namespace
 
 FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates) {
-  const Pose2 jump = predicted.map_from_base.Between(fix.map_from_base);
-  const Eigen::Vector3d innovation = jump.Log();
+  const FixInnovation innovation = Compare(fix, predicted);
   const Eigen::Matrix3d covariance =
-      predicted.covariance.topLeftCorner<3, 3>() + ToBaseFrame(fix.covariance, fix.map_from_base);
+      innovation.jacobian * predicted.covariance * innovation.jacobian.transpose() + innovation.noise;
+  const Pose2 jump = predicted.map_from_base.Between(fix.map_from_base);
   FixOutcome outcome;
   outcome.distance_m = jump.translation().norm();
   outcome.angle_rad = std::abs(jump.yaw());
-  outcome.mahalanobis_squared = innovation.dot(covariance.ldlt().solve(innovation));
+  outcome.mahalanobis_squared = innovation.residual.dot(covariance.ldlt().solve(innovation.residual));
   outcome.reason = FirstClosedGate(outcome, fix.p_wrong, predicted, gates);
   outcome.accepted = outcome.reason == FixRejection::kNone;
   return outcome;
 }
 
 void CorrectByFix(const PoseFix& fix, FilterState* state) {
-  using Jacobian = Eigen::Matrix<double, 3, error_row::kCount>;
-  const Jacobian jacobian = Jacobian::Identity();
-  const Eigen::Matrix3d noise = ToBaseFrame(fix.covariance, fix.map_from_base);
-  const Eigen::Vector3d residual = state->map_from_base.Between(fix.map_from_base).Log();
-  state->Add(KalmanCorrection<3, error_row::kCount>(residual, jacobian, noise, &state->covariance));
+  const FixInnovation innovation = Compare(fix, *state);
+  state->Add(KalmanCorrection<3, error_row::kCount>(innovation.residual, innovation.jacobian, innovation.noise,
+                                                    &state->covariance));
+}
+
+void PlaceAtFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state) {
+  const Eigen::Matrix3d bias = FixBiasVariance(shared).asDiagonal();
+  PlaceAt(fix.map_from_base, ToBaseFrame(fix.covariance, fix.map_from_base) + bias, state);
+  state->fix_bias.setZero();
+  state->covariance.middleRows<3>(error_row::kFixBias).setZero();
+  state->covariance.middleCols<3>(error_row::kFixBias).setZero();
+  state->covariance.block<3, 3>(error_row::kFixBias, error_row::kFixBias) = bias;
+  state->covariance.block<3, 3>(error_row::kFixBias, error_row::kPose) = -bias;
+  state->covariance.block<3, 3>(error_row::kPose, error_row::kFixBias) = -bias;
+}
+
+void PlaceAt(const Pose2& map_from_base, const Eigen::Matrix3d& covariance, FilterState* state) {
+  state->map_from_base = map_from_base;
+  state->covariance.topRows<3>().setZero();
+  state->covariance.leftCols<3>().setZero();
+  state->covariance.topLeftCorner<3, 3>() = covariance;
+  state->visual_ns.reset();
 }
 
 bool IsValid(const PoseFix& fix) {

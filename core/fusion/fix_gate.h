@@ -15,6 +15,12 @@ FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixG
 /// Kalman's correction of the state by a fix of its time.
 void CorrectByFix(const PoseFix& fix, FilterState* state);
 
+/// Puts the state where a fix is, without correlation to what was before. All else stays.
+void PlaceAtFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state);
+
+/// The same for a pose that is no fix. covariance: in the base frame.
+void PlaceAt(const Pose2& map_from_base, const Eigen::Matrix3d& covariance, FilterState* state);
+
 /// True when the numbers of a fix can be worked with.
 bool IsValid(const PoseFix& fix);
 

@@ -27,15 +27,6 @@ const PoseFilterOptions& Checked(const PoseFilterOptions& options) {
   return options;
 }
 
-// The pose is that of the fix, all else as it was, without correlation to it.
-void PlaceAt(const PoseFix& fix, FilterState* state) {
-  state->map_from_base = fix.map_from_base;
-  state->covariance.topRows<3>().setZero();
-  state->covariance.leftCols<3>().setZero();
-  state->covariance.topLeftCorner<3, 3>() = ToBaseFrame(fix.covariance, fix.map_from_base);
-  state->visual_ns.reset();
-}
-
 FilterState FirstState(std::int64_t stamp_ns, const PoseFilterOptions& options) {
   using namespace error_row;  // NOLINT: rows are named all over this function
   FilterState state;
@@ -48,6 +39,7 @@ FilterState FirstState(std::int64_t stamp_ns, const PoseFilterOptions& options) 
   variance(kOdometryYawScale) = Square(options.odometry.yaw_scale);
   variance(kOdometryDrift) = Square(options.odometry.drift_rad_per_m);
   variance(kVisionScale) = Square(options.vision.scale);
+  variance.segment<3>(kFixBias) = FixBiasVariance(options.shared_fix);
   return state;
 }
 
@@ -249,7 +241,7 @@ FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
   const auto motion = [&](std::int64_t from_ns, std::int64_t to_ns) {
     FilterState moved = sensors;
     moved.stamp_ns = from_ns;
-    PlaceAt({from_ns, Pose2(), Eigen::Matrix3d::Zero()}, &moved);
+    PlaceAt(Pose2(), Eigen::Matrix3d::Zero(), &moved);
     CarryOn(record_, options_, to_ns, &moved);
     return MotionEstimate{moved.map_from_base, LargestSigma(moved.covariance.topLeftCorner<2, 2>()),
                           std::sqrt(moved.covariance(2, 2))};
@@ -267,7 +259,7 @@ FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
   outcome.first = !has_pose_;
   outcome.reanchored = has_pose_;
   FilterState state = StateAt(fix.stamp_ns);
-  PlaceAt(fix, &state);
+  PlaceAtFix(fix, options_.shared_fix, &state);
   state.path_m = state.turn_rad = 0.0;
   checkpoints_.clear();
   checkpoints_.push_back({state, {}, fix});
@@ -293,7 +285,7 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   }
   state.stamp_ns = pose.stamp_ns;
   state.path_m = state.turn_rad = 0.0;
-  PlaceAt(pose, &state);
+  PlaceAt(pose.map_from_base, ToBaseFrame(pose.covariance, pose.map_from_base), &state);
   checkpoints_.clear();
   checkpoints_.push_back({state, {}, {}});
   kidnap_.Clear();
