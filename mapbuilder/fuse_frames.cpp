@@ -15,18 +15,6 @@ namespace {
 // How far gravity may lean from the IMU's z axis on average.
 constexpr double kMaxTilt = 0.2;
 
-void CheckImuAxes(const Survey& survey) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const ImuSample& sample : survey.imu) {
-    sum += sample.acceleration;
-  }
-  if (!survey.imu.empty() && !(sum.z() > 0.0 && sum.head<2>().norm() < kMaxTilt * sum.z())) {
-    throw InputError(survey.folder / "imu.csv",
-                     "its z axis does not point up: turn the readings to the base frame (x forward, y left, z up), or "
-                     "leave them out with --no-imu");
-  }
-}
-
 /// A drive on its way through the tracker.
 class Run {
  public:
@@ -136,6 +124,18 @@ nlohmann::ordered_json ToJson(const FusedPose& pose) {
 }
 
 }  // namespace
+
+void CheckImuAxes(const Survey& survey) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ImuSample& sample : survey.imu) {
+    sum += sample.acceleration;
+  }
+  if (!survey.imu.empty() && !(sum.z() > 0.0 && sum.head<2>().norm() < kMaxTilt * sum.z())) {
+    throw InputError(survey.folder / "imu.csv",
+                     "its z axis does not point up: turn the readings to the base frame (x forward, y left, z up), or "
+                     "leave them out with --no-imu");
+  }
+}
 
 FusedDrive FuseFrames(const Localizer& localizer, const Survey& survey, const FuseFramesOptions& options) {
   if (options.use_imu) {

@@ -30,6 +30,9 @@ struct FusedDrive {
   std::vector<FusedPose> poses;  ///< by time: at the frames, or at every message
 };
 
+/// Throws InputError when the axes of imu.csv are not those of the base frame, by where gravity is.
+void CheckImuAxes(const Survey& survey);
+
 /// Runs a recorded drive through a vehicle's tracker as it would have run then: every message at its time, no look
 /// ahead. Odometry and IMU are used where the folder has them. Throws InputError, also when the IMU's axes are not
 /// those of the base frame.

@@ -32,7 +32,7 @@ FeatureEvaluationOptions Translate(const Arguments& a) {
   if (!a.features.empty()) {
     options.features = ParseDetectors(a.features);
   }
-  options.matches_folder = a.out;
+  options.pictures_folder = a.out;
   options.progress = ProgressOutput::Stderr();
   return options;
 }
@@ -78,13 +78,15 @@ void AddEvaluateFeaturesCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("evaluate-features",
                          "Features for visual odometry: time, matches under shadow, fog, brightness and rotation, "
-                         "matches with following frames, and how these depend on the number of features");
+                         "matches with following frames, how these depend on the number of features, and "
+                         "the paths of monocular odometry");
   const auto a = std::make_shared<Arguments>();
   FeatureEvaluationOptions& o = a->options;
   command->add_option("--images", a->images,
                       "Sets of pictures, each NAME=PATH[,PATH...]: pictures, folders of pictures, or a folder of such "
                       "folders, of which the first pictures are taken");
   command->add_option("--sequence", o.sequences, "Folder(s) of pictures in a row, or in the survey format");
+  command->add_option("--drive", o.drive, "Folder in the survey format with groundtruth.tum, for the paths");
   command->add_option("--features", a->features, "orb, akaze, brisk, sift, surf; default: all")->delimiter(',');
   command->add_option("--count", o.features_per_picture, "Features wanted in the pictures of --images")
       ->capture_default_str();
@@ -98,7 +100,8 @@ void AddEvaluateFeaturesCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--seed", o.seed, "Of shadows, fog and brightness")->capture_default_str();
   command->add_flag("--json", a->json, "Print JSON");
-  command->add_option("--out", a->out, "Write a page (index.html), tables.json and pictures of the matches there");
+  command->add_option("--out", a->out,
+                      "Write a page (index.html), tables.json and pictures of matches and paths there");
   command->callback([a] { Run(*a); });
 }
 

@@ -10,6 +10,7 @@
 #include "core/io/text_file.h"
 #include "core/vision/surf.h"
 #include "mapbuilder/laboratory/feature_tables.h"
+#include "mapbuilder/laboratory/odometry_table.h"
 
 namespace floorloc {
 namespace {
@@ -69,7 +70,7 @@ void DrawFirstPicture(const PictureSet& set, const std::vector<SetScore>& scores
     for (const Condition condition : kConditions) {
       const CopyMatches found = MatchWithCopy(gray, score.pictures.front().setting, condition, copies);
       const std::string name = set.name + "-" + ToString(condition) + "-" + ToString(score.kind) + ".jpg";
-      DrawMatches(gray, Manipulate(gray, condition, copies.seed), found, options.matches_folder / name);
+      DrawMatches(gray, Manipulate(gray, condition, copies.seed), found, options.pictures_folder / name);
     }
   }
 }
@@ -113,7 +114,7 @@ void AddSetTables(const FeatureEvaluationOptions& options, LaboratoryReport* rep
   std::vector<ResultTable> tables;
   for (const PictureSet& set : options.sets) {
     const std::vector<SetScore> scores = ScoreSet(set, options);
-    if (!options.matches_folder.empty()) {
+    if (!options.pictures_folder.empty()) {
       DrawFirstPicture(set, scores, options);
     }
     tables.push_back(ConditionTable(tables.empty() ? 2 : 3, scores));
@@ -122,6 +123,28 @@ void AddSetTables(const FeatureEvaluationOptions& options, LaboratoryReport* rep
   }
   report->tables.push_back(TimeTable(all));
   report->tables.insert(report->tables.end(), tables.begin(), tables.end());
+}
+
+void AddSequenceTables(const FeatureEvaluationOptions& options, LaboratoryReport* report) {
+  if (options.sequences.empty()) {
+    report->conditions.push_back("tables 4 and 5 are left out: they need --sequence FOLDER");
+    return;
+  }
+  const std::vector<FollowingScore> scores = ScoreSequences(options);
+  report->tables.push_back(FollowingTable(scores));
+  report->tables.push_back(CorrelationTable(scores));
+}
+
+void AddDriveTable(const FeatureEvaluationOptions& options, LaboratoryReport* report) {
+  if (options.drive.empty()) {
+    report->conditions.push_back("table 6 is left out: it needs --drive FOLDER");
+    return;
+  }
+  const std::vector<DriveScore> scores = ScoreDrive(options.drive, options.features, options.progress);
+  report->tables.push_back(DriveTable(scores));
+  if (!options.pictures_folder.empty()) {
+    DrawDrive(scores, options.pictures_folder);
+  }
 }
 
 }  // namespace
@@ -160,13 +183,8 @@ LaboratoryReport EvaluateFeatures(const FeatureEvaluationOptions& options) {
   if (options.sets.size() == 1) {
     report.conditions.push_back("table 3 is left out: it needs a second --images NAME=FOLDER");
   }
-  if (options.sequences.empty()) {
-    report.conditions.push_back("tables 4 and 5 are left out: they need --sequence FOLDER");
-  } else {
-    const std::vector<FollowingScore> scores = ScoreSequences(options);
-    report.tables.push_back(FollowingTable(scores));
-    report.tables.push_back(CorrelationTable(scores));
-  }
+  AddSequenceTables(options, &report);
+  AddDriveTable(options, &report);
   return report;
 }
 

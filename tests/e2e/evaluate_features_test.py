@@ -54,6 +54,28 @@ class EvaluateFeatures(builder.Scratch):
         for condition in CONDITIONS:
             self.assertEqual((out / f"floor-{condition}-orb.jpg").read_bytes()[:2], b"\xff\xd8")
 
+    def test_paths_of_a_drive(self):
+        drive, out = self.folder / "drive", self.folder / "out"
+        builder.run_ok("simulate", "--texture", "concrete", "--size", "1.0x0.8", "--trajectory", "drive", "--frames",
+                       "25", "--out", drive)
+        tables, _ = self.evaluate("--drive", drive, "--features", "orb,sift", "--out", out)
+        rows = {row["method"]: row for row in tables["Table 6"]}
+        self.assertEqual(list(rows), ["orb", "WO", "IMU+WO"], "SIFT is none of monocular odometry's features")
+        wheels = json.loads(builder.run_ok("evaluate", "ape", drive / "groundtruth.tum", drive / "odometry.tum",
+                                           "--align", "se2", "--max-diff", "0.02", "--json"))
+        for name in ("max", "min", "mean", "std", "rmse"):
+            self.assertAlmostEqual(rows["WO"][f"{name}_m"], wheels["translation"][name], places=12)
+        self.assertEqual(rows["IMU+WO"]["poses"], 25)
+        self.assertLess(rows["IMU+WO"]["rmse_m"], 0.02)
+        self.assertNotEqual(rows["IMU+WO"]["rmse_m"], rows["WO"]["rmse_m"])
+        self.assertTrue(rows["orb"]["not_possible"] or rows["orb"]["poses"] + rows["orb"]["lost_frames"] == 25)
+        self.assertEqual((out / "drive-IMU+WO.png").read_bytes()[:4], b"\x89PNG")
+        (drive / "imu.csv").unlink()
+        tables, _ = self.evaluate("--drive", drive, "--features", "sift")
+        self.assertEqual([row["method"] for row in tables["Table 6"]], ["WO"])
+        (drive / "groundtruth.tum").unlink()
+        self.expect_failure(1, "has no groundtruth.tum", "--drive", drive)
+
     def test_the_same_seed_gives_the_same(self):
         arguments = ["--images", f"floor={SEQUENCE}", "--pictures", "1", "--features", "orb"]
         first, conditions = self.evaluate(*arguments)

@@ -11,6 +11,7 @@
 
 #include "core/vision/surf.h"
 #include "mapbuilder/laboratory/feature_tables.h"
+#include "mapbuilder/laboratory/odometry_table.h"
 
 namespace floorloc {
 namespace {
@@ -132,6 +133,22 @@ TEST(CorrelationTable, SaysNothingWhereNothingChanges) {
   const SequenceScore sequence{{DetectorKind::kOrb, 20.0, 50}, 50, {50, 50, 50}, {40, 41, 42}, {0, 0, 0}};
   const ResultTable table = CorrelationTable({{DetectorKind::kOrb, 50, {sequence}}});
   EXPECT_TRUE(std::holds_alternative<std::monostate>(table.rows[0][1]));
+}
+
+TEST(DriveTable, SaysWhyThereAreNoErrors) {
+  TrajectoryEvaluation evaluation;
+  evaluation.translation.rmse = 0.25;
+  evaluation.pairs.resize(7);
+  const ResultTable table = DriveTable({{"orb", evaluation, "", 3}, {"brisk", {}, "too few poses", 10}});
+  ASSERT_EQ(table.rows.size(), 2u);
+  for (const auto& row : table.rows) {
+    EXPECT_EQ(row.size(), table.columns.size());
+  }
+  EXPECT_EQ(std::get<double>(table.rows[0][5]), 0.25);
+  EXPECT_EQ(std::get<double>(table.rows[0][7]), 7);
+  EXPECT_EQ(std::get<double>(table.rows[0][8]), 3);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(table.rows[1][5]));
+  EXPECT_EQ(std::get<std::string>(table.rows[1][9]), "too few poses");
 }
 
 }  // namespace

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/evaluation/trajectory_evaluation.h"
+#include "mapbuilder/laboratory/combination.h"
+#include "mapbuilder/laboratory/result_table.h"
+#include "mapbuilder/progress.h"
+
+namespace floorloc {
+
+/// What one way to know the path of a drive has achieved.
+struct DriveScore {
+  std::string name;                                ///< a kind of features, or sensors
+  std::optional<TrajectoryEvaluation> evaluation;  ///< empty: see why_not
+  std::string why_not;
+  int lost_frames = 0;
+};
+
+/// Monocular visual odometry with those of the features that it knows (ORB, AKAZE, BRISK), and, where the folder has
+/// them, wheel odometry, and IMU and wheel odometry fused by the Kalman filter without any fix; each against
+/// groundtruth.tum (within 0.02 s). Monocular paths are those of the camera and are aligned with their scale, the
+/// others without. Throws InputError.
+std::vector<DriveScore> ScoreDrive(const std::filesystem::path& drive, const std::vector<DetectorKind>& features,
+                                   const ProgressOutput& progress);
+
+/// Table 6: absolute position errors.
+ResultTable DriveTable(const std::vector<DriveScore>& scores);
+
+/// One picture per score: the path coloured by error, and error over time. Throws InputError.
+void DrawDrive(const std::vector<DriveScore>& scores, const std::filesystem::path& folder);
+
+}  // namespace floorloc
