@@ -28,13 +28,10 @@ struct Deliver {
 }  // namespace
 
 std::vector<FusionVariant> AllFusionVariants() {
-  return {{"increments only", FusionMethod::kIncrements},
-          {"fixes only", FusionMethod::kFixes},
-          {"replace on fix (thesis)", FusionMethod::kReplace},
-          {"jump filter (thesis)", FusionMethod::kJumpFilter},
-          {"floorloc, wheels", FusionMethod::kEkf},
-          {"floorloc, wheels and pictures' motion", FusionMethod::kEkf, true},
-          {"floorloc, the same and an IMU", FusionMethod::kEkf, true, true}};
+  return {{"increments only", FusionMethod::kIncrements},     {"fixes only", FusionMethod::kFixes},
+          {"thesis: replace on fix", FusionMethod::kReplace}, {"thesis: jump filter", FusionMethod::kJumpFilter},
+          {"floorloc: wheels", FusionMethod::kEkf},           {"+ pictures' motion", FusionMethod::kEkf, true},
+          {"+ IMU", FusionMethod::kEkf, true, true}};
 }
 
 std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messages, const Trajectory& truth,
