@@ -17,7 +17,8 @@ double Mean(const std::vector<double>& values) {
 // Coefficient number n >= 1 of the continued fraction of I_x(a, b): NIST Digital Library of Mathematical Functions,
 // 8.17.22 and 8.17.23.
 double BetaCoefficient(double a, double b, double x, int n) {
-  const double m = n / 2;
+  const int half = n / 2;
+  const double m = half;
   if (n % 2 == 0) {
     return m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
   }

@@ -99,18 +99,18 @@ void ScoreSensors(const Survey& survey, std::vector<DriveScore>* scores) {
 }  // namespace
 
 std::vector<DriveScore> ScoreDrive(const std::filesystem::path& drive, const std::vector<DetectorKind>& features,
-                                   const ProgressOutput& output) {
+                                   const ProgressOutput& progress) {
   const Survey survey = ReadSurvey(drive);
   if (survey.ground_truth.empty()) {
     throw InputError(drive, "has no groundtruth.tum; without it there are no errors to tell");
   }
   std::vector<DetectorKind> kinds = features;
   std::erase_if(kinds, [](DetectorKind kind) { return !CanTrack(kind); });
-  ProgressBar progress("monocular odometry", static_cast<std::int64_t>(kinds.size() * survey.frames.size()), output);
+  ProgressBar bar("monocular odometry", static_cast<std::int64_t>(kinds.size() * survey.frames.size()), progress);
   const Trajectory camera_truth = CameraPath(survey);
   std::vector<DriveScore> scores;
   for (const DetectorKind kind : kinds) {
-    const Trajectory path = TrackCamera(survey, ToString(kind), &progress);
+    const Trajectory path = TrackCamera(survey, ToString(kind), &bar);
     scores.push_back(Score(ToString(kind), camera_truth, path, AlignmentMode::kSim3));
     scores.back().lost_frames = static_cast<int>(survey.frames.size() - path.size());
   }

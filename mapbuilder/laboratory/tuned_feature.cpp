@@ -37,7 +37,7 @@ Range ThresholdsOf(DetectorKind kind) {
   }
 }
 
-std::function<DescribedFeatures(const cv::Mat&)> WithOpenCv(cv::Ptr<cv::Feature2D> feature) {
+std::function<DescribedFeatures(const cv::Mat&)> WithOpenCv(const cv::Ptr<cv::Feature2D>& feature) {
   return [feature](const cv::Mat& gray) {
     DescribedFeatures found;
     feature->detectAndCompute(gray, cv::noArray(), found.keypoints, found.descriptors);
