@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/fusion/dead_reckoning.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -100,9 +101,11 @@ class Step {
     model.by_state.block<2, 1>(0, kOdometryScale) = to_end * (half_turn * raw.motion.translation());
     model.by_state.col(kOdometryYawScale) = raw.motion.yaw() * by_turn;
     model.by_state.col(kOdometryDrift) = raw.path_m * by_turn;
-    const double turn_variance = Square(o.noise_rad) * raw.path_m + Square(o.noise_rad_per_rad) * raw.turn_rad;
+    const double factor = state_.wheel_noise_factor;
+    const double turn_variance =
+        factor * (Square(o.noise_rad) * raw.path_m + Square(o.noise_rad_per_rad) * raw.turn_rad);
     model.noise = turn_variance * by_turn * by_turn.transpose() + Stillness();
-    model.noise.topLeftCorner<2, 2>() += Square(o.noise_m) * raw.path_m * Eigen::Matrix2d::Identity();
+    model.noise.topLeftCorner<2, 2>() += factor * Square(o.noise_m) * raw.path_m * Eigen::Matrix2d::Identity();
     return model;
   }
 
@@ -152,13 +155,21 @@ class Step {
     }
   }
 
-  // The gyro's turn, less its bias, is that of the motion.
+  // The gyro's turn, less its bias, is that of the motion. Where it contradicts the wheels, they slip, or the vehicle
+  // was knocked: nobody knows whom to believe.
   void WeighInGyro() {
     Eigen::Matrix<double, 1, kAll> jacobian = Eigen::Matrix<double, 1, kAll>::Zero();
     jacobian(kMotion + 2) = 1.0;
     jacobian(kGyroBias) = dt_;
-    const Eigen::Matrix<double, 1, 1> residual(WrapAngle(imu_.yaw_rad - motion_.yaw()));
-    Correct<1>(residual, jacobian, Eigen::Matrix<double, 1, 1>(GyroVariance(imu_.yaw_rad)));
+    const double residual = WrapAngle(imu_.yaw_rad - motion_.yaw());
+    const double noise = GyroVariance(imu_.yaw_rad);
+    const double variance = (jacobian * covariance_ * jacobian.transpose()).value() + noise;
+    if (Square(residual) > options_.max_slip_mahalanobis_squared * variance) {
+      covariance_(kMotion + 2, kMotion + 2) += Square(residual);
+      contradicted_ = true;
+      return;
+    }
+    Correct<1>(Eigen::Matrix<double, 1, 1>(residual), jacobian, Eigen::Matrix<double, 1, 1>(noise));
   }
 
   // The way is what velocity and accelerations lead to.
@@ -167,9 +178,18 @@ class Step {
     jacobian.block<2, 2>(0, kMotion) = motion_.rotation();
     jacobian.block<2, 2>(0, kVelocity) = -dt_ * Eigen::Matrix2d::Identity();
     jacobian.block<2, 2>(0, kAccelerationBias) = -imu_.position_by_bias;
-    Correct<2>(ImuWay() - motion_.translation(), jacobian, ImuWayVariance() * Eigen::Matrix2d::Identity());
+    const Eigen::Vector2d residual = ImuWay() - motion_.translation();
+    const Eigen::Matrix2d noise = ImuWayVariance() * Eigen::Matrix2d::Identity();
+    const Eigen::Matrix2d variance = jacobian * covariance_ * jacobian.transpose() + noise;
+    if (residual.dot(variance.ldlt().solve(residual)) > options_.max_slip_mahalanobis_squared) {
+      covariance_.block<2, 2>(kMotion, kMotion) += residual.squaredNorm() * Eigen::Matrix2d::Identity();
+      contradicted_ = true;
+      return;
+    }
+    Correct<2>(residual, jacobian, noise);
   }
 
+  // Kalman's correction of state and motion.
   template <int kRows>
   void Correct(const Eigen::Matrix<double, kRows, 1>& residual, const Eigen::Matrix<double, kRows, kAll>& jacobian,
                const Eigen::Matrix<double, kRows, kRows>& noise) {
@@ -212,7 +232,7 @@ class Step {
   void MoveVelocity(Eigen::Matrix<double, kCount, kAll>* jacobian, ErrorVector* noise) {
     const Eigen::Matrix2d to_end = motion_.rotation().transpose();
     jacobian->middleRows<2>(kVelocity).setZero();
-    if (stretch_.imu) {
+    if (stretch_.imu && !contradicted_) {
       state_.velocity_m_s = to_end * (state_.velocity_m_s + imu_.velocity_m_s);
       jacobian->block<2, 2>(kVelocity, kVelocity) = to_end;
       jacobian->block<2, 2>(kVelocity, kAccelerationBias) = to_end * imu_.velocity_by_bias;
@@ -238,8 +258,9 @@ class Step {
   const double dt_;
   FilterState& state_;
   ImuMotion imu_;
-  TrackMotion raw_;  // as measured, for the odom frame
-  Pose2 motion_;     // as estimated
+  TrackMotion raw_;            // as measured, for the odom frame
+  Pose2 motion_;               // as estimated
+  bool contradicted_ = false;  // wheels and IMU do not go together: slip, or a knock
   AllCovariance covariance_ = AllCovariance::Zero();
 };
 

@@ -5,13 +5,14 @@
 
 namespace floorloc {
 
-/// Errors of wheel odometry. The systematic ones are estimated as the fixes come in; here is how large they may be.
+/// Errors of wheel odometry. They are estimated as the fixes come in; here is how large the systematic ones may be, and
+/// what the noise is thought to be at first.
 struct OdometryNoise {
   double scale = 0.02;              ///< of distances, standard deviation
   double yaw_scale = 0.02;          ///< of turns
   double drift_rad_per_m = 0.005;   ///< turn that a straight path makes up
-  double noise_m = 0.003;           ///< after one metre, growing with the root of the path
-  double noise_rad = 0.005;         ///< after one metre, likewise
+  double noise_m = 0.004;           ///< after one metre, growing with the root of the path
+  double noise_rad = 0.007;         ///< after one metre, likewise
   double noise_rad_per_rad = 0.01;  ///< after a turn of one radian, growing with the root of the turn
   double still_m = 2e-4;            ///< after one second, moving or not
   double still_rad = 2e-4;
@@ -33,6 +34,13 @@ struct ImuNoise {
   double accelerometer = 0.03;  ///< m/s^2 per root Hz; vibration included
   double accelerometer_bias = 0.2;
   double accelerometer_walk = 2e-3;  ///< m/s^2 per root s; slopes of the floor included
+};
+
+/// How the noise of the wheels is adapted to what the fixes show (covariance matching).
+struct NoiseAdaptation {
+  double rate = 0.1;        ///< per fix; 0: never
+  double min_factor = 0.1;  ///< of the variance
+  double max_factor = 100.0;
 };
 
 /// Errors that fixes of one place share (the map's, the camera's): they do not average out while a vehicle stands
@@ -81,6 +89,7 @@ struct FilterLimits {
 
 struct PoseFilterOptions {
   OdometryNoise odometry;
+  NoiseAdaptation adaptation;
   VisionNoise vision;
   ImuNoise imu;
   SharedFixNoise shared_fix;
@@ -88,6 +97,8 @@ struct PoseFilterOptions {
   FixGates gates;
   KidnapOptions kidnap;
   FilterLimits limits;
+  /// Where pictures or IMU contradict the wheels by more than this (Mahalanobis, squared), the wheels slip.
+  double max_slip_mahalanobis_squared = 25.0;
   double history_s = 5.0;           ///< a message that is later than this is ignored
   std::size_t max_messages = 4096;  ///< remembered of each kind
   int clock_jump_messages = 5;      ///< so many messages in a row from before the history: the clock was set

@@ -53,6 +53,8 @@ struct FilterState {
   std::optional<std::int64_t> visual_ns;               ///< time of that picture; empty: there was none
   Eigen::Vector3d fix_bias = Eigen::Vector3d::Zero();  ///< what fixes nearby are off in common; tangent space
   ErrorCovariance covariance = ErrorCovariance::Zero();
+  /// Variance of the wheels' noise against what OdometryNoise says: how well fixes meet the predictions tells it.
+  double wheel_noise_factor = 1.0;
   // Not estimated, but carried along:
   Pose2 odom_from_base;
   double path_m = 0.0;    ///< since the last accepted fix

@@ -10,6 +10,10 @@
 namespace floorloc {
 namespace {
 
+constexpr double kMinPathM = 0.005;
+constexpr double kExpected = 3.0;   // mean of chi-square with 3 degrees of freedom
+constexpr double kMaxExcess = 4.0;  // a single fix that is far off says little
+
 FixRejection FirstClosedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,
                              const FixGates& gates) {
   const double position_sigma_m = LargestSigma(predicted.covariance.topLeftCorner<2, 2>());
@@ -56,6 +60,15 @@ FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixG
   outcome.reason = FirstClosedGate(outcome, fix.p_wrong, predicted, gates);
   outcome.accepted = outcome.reason == FixRejection::kNone;
   return outcome;
+}
+
+void AdaptWheelNoise(double mahalanobis_squared, const NoiseAdaptation& adaptation, FilterState* state) {
+  if (state->path_m < kMinPathM) {
+    return;  // the wheels had no say
+  }
+  const double excess = std::min(mahalanobis_squared / kExpected, kMaxExcess) - 1.0;
+  state->wheel_noise_factor = std::clamp(state->wheel_noise_factor * std::exp(adaptation.rate * excess),
+                                         adaptation.min_factor, adaptation.max_factor);
 }
 
 void CorrectByFix(const PoseFix& fix, FilterState* state) {

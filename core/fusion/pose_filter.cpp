@@ -55,7 +55,7 @@ void PoseFilter::Advance(std::int64_t stamp_ns) {
   messages_before_history_ = 0;
   newest_ns_ = std::max(newest_ns_.value_or(stamp_ns), stamp_ns);
   if (!checkpoints_.empty() && *newest_ns_ - checkpoints_.back().state.stamp_ns >= 2 * kCheckpointNs) {
-    checkpoints_.push_back({StateAt(*newest_ns_ - kCheckpointNs), {}, {}});
+    checkpoints_.push_back({StateAt(*newest_ns_ - kCheckpointNs)});
   }
   ForgetOld();
 }
@@ -83,7 +83,7 @@ void PoseFilter::ForgetOld() {
 // What happens before there is a pose is remembered, too: it moves the odom frame.
 void PoseFilter::Start(std::int64_t stamp_ns) {
   if (checkpoints_.empty()) {
-    checkpoints_.push_back({FirstState(stamp_ns, options_), {}, {}});
+    checkpoints_.push_back({FirstState(stamp_ns, options_)});
   }
 }
 
@@ -100,7 +100,7 @@ void PoseFilter::BeginAnew(std::int64_t stamp_ns) {
   state.velocity_m_s.setZero();
   state.covariance.diagonal().head<3>() +=
       Eigen::Vector3d(Square(kClockJumpSigmaM), Square(kClockJumpSigmaM), Square(kClockJumpSigmaRad));
-  checkpoints_.push_back({state, {}, {}});
+  checkpoints_.push_back({state});
 }
 
 template <typename Track, typename Message>
@@ -143,7 +143,7 @@ void PoseFilter::AddVision(const MotionIncrement& increment) {
   }
   Checkpoint& checkpoint = CheckpointAt(increment.to_ns);
   checkpoint.vision = increment;
-  CorrectByVision(increment, options_.vision, &checkpoint.state);
+  CorrectByVision(increment, options_, &checkpoint.state);
   RedoSince(increment.to_ns);
 }
 
@@ -169,8 +169,7 @@ PoseFilter::Checkpoint& PoseFilter::CheckpointAt(std::int64_t stamp_ns) {
   if (checkpoints_[before].state.stamp_ns == stamp_ns) {
     return checkpoints_[before];
   }
-  return *checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(before + 1),
-                              {StateAt(stamp_ns), {}, {}});
+  return *checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(before + 1), {StateAt(stamp_ns)});
 }
 
 // Fixes that were accepted stay accepted.
@@ -180,16 +179,26 @@ void PoseFilter::RedoSince(std::int64_t stamp_ns) {
   }
   const std::size_t first = stamp_ns < checkpoints_.front().state.stamp_ns ? 1 : LastCheckpointBefore(stamp_ns) + 1;
   for (std::size_t i = first; i < checkpoints_.size(); ++i) {
-    FilterState state = checkpoints_[i - 1].state;
-    CarryOn(record_, options_, checkpoints_[i].state.stamp_ns, &state);
-    if (checkpoints_[i].vision) {
-      CorrectByVision(*checkpoints_[i].vision, options_.vision, &state);
+    const std::int64_t stamp = checkpoints_[i].state.stamp_ns;
+    checkpoints_[i].state = checkpoints_[i - 1].state;
+    CarryOn(record_, options_, stamp, &checkpoints_[i].state);
+    Apply(&checkpoints_[i]);
+  }
+}
+
+// What was measured at the checkpoint's time, on the predicted state.
+void PoseFilter::Apply(Checkpoint* checkpoint) const {
+  FilterState* state = &checkpoint->state;
+  if (checkpoint->vision) {
+    CorrectByVision(*checkpoint->vision, options_, state);
+  }
+  if (checkpoint->fix) {
+    AdaptWheelNoise(checkpoint->mahalanobis_squared, options_.adaptation, state);
+    if (checkpoint->fix_accepted) {
+      CorrectByFix(*checkpoint->fix, state);
     }
-    if (checkpoints_[i].fix) {
-      CorrectByFix(*checkpoints_[i].fix, &state);
-      state.path_m = state.turn_rad = 0.0;
-    }
-    checkpoints_[i].state = state;
+    state->path_m = checkpoint->fix_accepted ? 0.0 : state->path_m;
+    state->turn_rad = checkpoint->fix_accepted ? 0.0 : state->turn_rad;
   }
 }
 
@@ -204,28 +213,36 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
     outcome.reason = FixRejection::kTooOld;
     return outcome;
   }
-  const Checkpoint& before = checkpoints_[LastCheckpointBefore(fix.stamp_ns)];
-  if (before.fix && before.fix->stamp_ns == fix.stamp_ns) {
+  const std::optional<PoseFix>& last = checkpoints_[LastCheckpointBefore(fix.stamp_ns)].fix;
+  if (last && last->stamp_ns == fix.stamp_ns) {
     outcome.reason = FixRejection::kDuplicate;
     return outcome;
   }
-  FilterState predicted = StateAt(fix.stamp_ns);
+  const FilterState predicted = StateAt(fix.stamp_ns);
   outcome = JudgeFix(fix, predicted, options_.gates);
   Advance(fix.stamp_ns);
   if (outcome.reason != FixRejection::kWrongFixRisk && (!has_pose_ || IsLost(predicted))) {
     return Anchor(fix);
   }
-  return outcome.accepted ? Accept(fix, std::move(predicted), outcome) : Reject(fix, outcome);
+  if (outcome.accepted || outcome.reason == FixRejection::kMahalanobis) {
+    Insert(fix, outcome);
+  }
+  return outcome.accepted ? Accept(fix, outcome) : Reject(fix, outcome);
 }
 
-// The state of the fix's time is corrected, and what came after is done again.
-FixOutcome PoseFilter::Accept(const PoseFix& fix, FilterState predicted, FixOutcome outcome) {
-  CorrectByFix(fix, &predicted);
-  predicted.path_m = predicted.turn_rad = 0.0;
+// A fix that is near takes its place among the states, and what came after it is done again.
+void PoseFilter::Insert(const PoseFix& fix, const FixOutcome& outcome) {
   Checkpoint& checkpoint = CheckpointAt(fix.stamp_ns);
-  checkpoint.state = predicted;
+  const std::optional<MotionIncrement> vision = std::exchange(checkpoint.vision, std::nullopt);  // is applied already
   checkpoint.fix = fix;
+  checkpoint.mahalanobis_squared = outcome.mahalanobis_squared;
+  checkpoint.fix_accepted = outcome.accepted;
+  Apply(&checkpoint);
+  checkpoint.vision = vision;
   RedoSince(fix.stamp_ns);
+}
+
+FixOutcome PoseFilter::Accept(const PoseFix& fix, const FixOutcome& outcome) {
   kidnap_.Clear();
   last_fix_ns_ = std::max(last_fix_ns_.value_or(fix.stamp_ns), fix.stamp_ns);
   last_picture_agreed_ = true;
@@ -262,7 +279,7 @@ FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
   PlaceAtFix(fix, options_.shared_fix, &state);
   state.path_m = state.turn_rad = 0.0;
   checkpoints_.clear();
-  checkpoints_.push_back({state, {}, fix});
+  checkpoints_.push_back({state, {}, fix, 0.0, true});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_ = fix.stamp_ns;
@@ -287,7 +304,7 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   state.path_m = state.turn_rad = 0.0;
   PlaceAt(pose.map_from_base, ToBaseFrame(pose.covariance, pose.map_from_base), &state);
   checkpoints_.clear();
-  checkpoints_.push_back({state, {}, {}});
+  checkpoints_.push_back({state});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_.reset();

@@ -35,8 +35,10 @@ class PoseFilter : public PoseFuser {
   // A remembered state, and what was measured at its time.
   struct Checkpoint {
     FilterState state;  // after both
-    std::optional<MotionIncrement> vision;
-    std::optional<PoseFix> fix;
+    std::optional<MotionIncrement> vision = std::nullopt;
+    std::optional<PoseFix> fix = std::nullopt;
+    double mahalanobis_squared = 0.0;  ///< of the fix when it came
+    bool fix_accepted = false;         ///< else it only tells of the noise
   };
 
   template <typename Track, typename Message>
@@ -47,13 +49,15 @@ class PoseFilter : public PoseFuser {
   void Advance(std::int64_t stamp_ns);
   void AddVision(const MotionIncrement& increment);
   Checkpoint& CheckpointAt(std::int64_t stamp_ns);
+  void Apply(Checkpoint* checkpoint) const;
+  void Insert(const PoseFix& fix, const FixOutcome& outcome);
   void RedoSince(std::int64_t stamp_ns);
   void ForgetOld();
   FilterState StateAt(std::int64_t stamp_ns) const;
   std::size_t LastCheckpointBefore(std::int64_t stamp_ns) const;
   bool IsLost(const FilterState& state) const;
   FixOutcome Anchor(const PoseFix& fix);
-  FixOutcome Accept(const PoseFix& fix, FilterState predicted, FixOutcome outcome);
+  FixOutcome Accept(const PoseFix& fix, const FixOutcome& outcome);
   FixOutcome Reject(const PoseFix& fix, FixOutcome outcome);
   FusedPose ToFusedPose(const FilterState& state) const;
 

@@ -40,8 +40,8 @@ void MoveVisualPose(const MotionIncrement& increment, FilterState* state) {
 
 }  // namespace
 
-void CorrectByVision(const MotionIncrement& motion, const VisionNoise& noise, FilterState* state) {
-  const Eigen::Matrix3d frame_noise = FrameNoise(noise);
+void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& options, FilterState* state) {
+  const Eigen::Matrix3d frame_noise = FrameNoise(options.vision);
   const bool goes_on = state->visual_ns == motion.from_ns;
   state->visual_ns = motion.to_ns;
   if (!goes_on) {
@@ -53,6 +53,10 @@ void CorrectByVision(const MotionIncrement& motion, const VisionNoise& noise, Fi
   jacobian.block<3, 3>(0, kPose).setIdentity();
   jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
   const Eigen::Vector3d residual = state->map_from_base.Between(state->visual_map_from_base).Log();
+  const Eigen::Matrix3d expected = jacobian * state->covariance * jacobian.transpose() + frame_noise;
+  if (residual.dot(expected.ldlt().solve(residual)) > options.max_slip_mahalanobis_squared) {
+    state->covariance.diagonal().segment<3>(kPose) += residual.cwiseAbs2();
+  }
   state->Add(KalmanCorrection<3, kCount>(residual, jacobian, frame_noise, &state->covariance));
 }
 

@@ -8,7 +8,8 @@
 namespace floorloc {
 
 /// Kalman's correction of the state, which is that of the picture's time, by the motion that visual odometry has up to
-/// it. A motion that does not begin at the last picture begins a new visual pose.
-void CorrectByVision(const MotionIncrement& motion, const VisionNoise& noise, FilterState* state);
+/// it. A motion that does not begin at the last picture begins a new visual pose. Where the pictures contradict the
+/// prediction, they are believed: wheels slip.
+void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& options, FilterState* state);
 
 }  // namespace floorloc

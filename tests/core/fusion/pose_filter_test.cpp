@@ -255,6 +255,63 @@ TEST(PoseFilter, IgnoresWhatIsTooOldOrInvalid) {
   EXPECT_LT(before.Between(drive.filter.Estimate()->map_from_base).Log().norm(), 1e-9);
 }
 
+// The vehicle stops within 0.2 s while its wheels spin on.
+TEST(PoseFilter, BelievesPicturesWhenTheWheelsSlip) {
+  Drive drive(16, {true, false, true});
+  drive.RunTo(10.0);
+  const double speed = drive.simulation.Speed(10.0);
+  const Pose2 braking(0.1 * speed, 0, 0);
+  drive.truth = drive.truth * braking;
+  for (int i = 0; i < 25; ++i) {
+    const std::int64_t t = drive.now_ns + i * kWheelNs;
+    drive.filter.AddIncrement(MotionSource::kWheels, {t, t + kWheelNs, Pose2(0.02 * speed, 0, 0), {}});
+  }
+  const std::int64_t end = drive.now_ns + 25 * kWheelNs;
+  EXPECT_GT(drive.ErrorM(), 0.15);
+  drive.filter.AddIncrement(MotionSource::kVision, {drive.now_ns, end, braking, drive.simulation.FixCovariance()});
+  EXPECT_LT(drive.ErrorM(), 0.005);
+  EXPECT_TRUE(drive.filter.AddFix(drive.simulation.Fix(end, drive.truth)).accepted);
+}
+
+// A knock turns the gyro by 20 degrees and back by 10, while the wheels roll straight on.
+TEST(PoseFilter, DoubtsItselfWhenGyroAndWheelsContradict) {
+  Drive drive(16, {true, true, false});
+  drive.RunTo(10.0);
+  const double sigma_before = std::sqrt(drive.filter.Estimate()->covariance(2, 2));
+  for (int i = 0; i < 25; ++i) {
+    const std::int64_t t = drive.now_ns + i * kWheelNs;
+    drive.filter.AddIncrement(MotionSource::kWheels, {t, t + kWheelNs, Pose2(0.008, 0, 0), {}});
+    drive.filter.AddImu({t + kImuNs, i < 10 ? 1.7 : 0.0, {0.0, 0.0}});
+    drive.filter.AddImu({t + kWheelNs, i < 10 ? 1.7 : 0.0, {0.0, 0.0}});
+  }
+  drive.truth = drive.truth * Pose2(0.2, 0, 0);
+  const FusedPose pose = *drive.filter.Estimate();
+  EXPECT_LT(std::abs(WrapAngle(pose.map_from_base.yaw() - drive.truth.yaw())), 0.02);
+  EXPECT_GT(std::sqrt(pose.covariance(2, 2)), 0.1);
+  EXPECT_LT(sigma_before, 0.002);
+  EXPECT_TRUE(drive.filter.AddFix(drive.simulation.Fix(pose.stamp_ns, drive.truth)).accepted);
+  EXPECT_LT(drive.ErrorM(), 0.003);
+}
+
+TEST(PoseFilter, AdaptsToWheelsThatAreWorseThanThought) {
+  SensorErrors errors;
+  errors.wheel_noise_m = 0.02;
+  errors.wheel_noise_rad = 0.04;
+  Drive drive(17, {}, errors);
+  drive.RunTo(30.0);
+  EXPECT_GT(drive.filter.State()->wheel_noise_factor, 5.0);
+  int rejected = 0;
+  std::vector<double> nees;
+  for (double t = 30.25; t < 60.0; t += 0.25) {
+    drive.RunTo(t - 0.02, false);
+    nees.push_back(drive.Nees());
+    drive.RunTo(t);
+    rejected += drive.last_fix.accepted ? 0 : 1;
+  }
+  EXPECT_EQ(rejected, 0);
+  EXPECT_LT(SummarizeNees(nees).mean, 4.5);
+}
+
 TEST(PoseFilter, GoesOnInTheNewTimeWhenTheClockWasSetBack) {
   Drive drive(7, {});
   drive.RunTo(10.0);
@@ -281,12 +338,13 @@ class Gates : public testing::Test {
   Gates() { drive_.RunTo(5.0); }
 
   FixOutcome Send(const Pose2& offset, double p_wrong = 1e-9) {
-    PoseFix fix = drive_.simulation.Fix(drive_.now_ns + 1, drive_.truth * offset);
+    PoseFix fix = drive_.simulation.Fix(drive_.now_ns + ++sent_, drive_.truth * offset);
     fix.p_wrong = p_wrong;
     return drive_.filter.AddFix(fix);
   }
 
   Drive drive_{8, {}};
+  int sent_ = 0;
 };
 
 TEST_F(Gates, EachHasItsReason) {
