@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""localize --fuse through the real floorloc-mapbuilder, on the sample drive with two kidnaps and a slip."""
+
+import csv
+import json
+import math
+import shutil
+import unittest
+from pathlib import Path
+
+from builder import Scratch, run, run_ok
+
+SAMPLE = Path(__file__).resolve().parents[2] / "maps" / "sample"
+DRIVE = SAMPLE / "kidnap"
+FRAMES = 100
+KIDNAPS = 2
+
+
+def lines(file):
+    return [json.loads(line) for line in file.read_text().splitlines()]
+
+
+def tum(file):
+    return [list(map(float, line.split())) for line in file.read_text().splitlines() if not line.startswith("#")]
+
+
+class Fused(Scratch):
+    """One map of the sample floor in the frame of the truth."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.map = cls.root / "sample.floormap"
+        run_ok("build", "--survey", SAMPLE / "survey", "--out", cls.map,
+               "--poses", SAMPLE / "survey" / "groundtruth.tum")
+
+    def fuse(self, *arguments, frames=DRIVE):
+        """Poses and results of a run, and what it printed."""
+        out, results = self.folder / "fused.tum", self.folder / "results.jsonl"
+        printed = run_ok("localize", "--map", self.map, "--frames", frames, "--out", out, "--results", results,
+                         "--fuse", *arguments)
+        return out, lines(results), printed
+
+    def rmse_m(self, estimate, truth=DRIVE / "groundtruth.tum", max_diff=0.001):
+        return json.loads(run_ok("evaluate", "ape", truth, estimate, "--json", "--max-diff",
+                                 max_diff))["translation"]["rmse"]
+
+    def without(self, *names):
+        """The drive without some of its files."""
+        folder = self.folder / "drive"
+        shutil.copytree(DRIVE, folder, ignore=shutil.ignore_patterns(*names))
+        return folder
+
+    def test_finds_the_vehicle_again_and_stands_behind_no_wrong_pose(self):
+        out, results, printed = self.fuse()
+        self.assertEqual(len(results), FRAMES)
+        self.assertEqual(sum(result.get("reanchored", False) for result in results), KIDNAPS)
+        self.assertIn(f"found again elsewhere {KIDNAPS} times", printed)
+        self.assertGreaterEqual(len(tum(out)), FRAMES - 3 * KIDNAPS)
+        self.assertLess(self.rmse_m(out), 1.5e-3)
+
+    def test_says_at_each_frame_what_became_of_it(self):
+        _, results, _ = self.fuse("--no-imu")  # which would notice at once
+        with open(DRIVE / "events.csv", newline="") as file:
+            kidnaps = [float(row["timestamp"]) for row in csv.DictReader(file) if row["event"] == "kidnap"]
+        for time_s in kidnaps:
+            first, second, third = [result for result in results if result["timestamp"] > time_s][:3]
+            self.assertFalse(first["accepted"])
+            self.assertIn(first["reject_reason"], ("jump_distance", "jump_angle"))
+            self.assertTrue(first["fused"]["in_doubt"])
+            self.assertEqual(second["fused"]["state"], "lost")
+            self.assertTrue(third["reanchored"])
+            self.assertEqual(third["fused"]["state"], "localized")
+            self.assertEqual(third["fused"]["since_fix"]["metres"], 0.0)
+
+    def test_dense_poses_come_at_the_rate_of_the_sensors_and_do_not_jump(self):
+        out, _, _ = self.fuse("--dense")
+        poses = tum(out)
+        self.assertGreater(len(poses), 1200)
+        steps = [math.dist(a[1:3], b[1:3]) for a, b in zip(poses, poses[1:]) if b[0] - a[0] < 0.05]
+        jumps = [step for step in steps if step > 0.03]  # 0.35 m/s: 7 mm between messages of the wheels
+        self.assertLessEqual(len(jumps), KIDNAPS)
+
+    def test_the_pictures_motion_stands_in_for_missing_odometry(self):
+        out, results, _ = self.fuse(frames=self.without("odometry.tum", "imu.csv"))
+        self.assertEqual(sum(result.get("reanchored", False) for result in results), KIDNAPS)
+        self.assertLess(self.rmse_m(out), 1.5e-3)
+
+    def test_simpler_methods_can_be_chosen_to_compare(self):
+        # The truth's frame is the map's: increments alone go astray, and the jump filter never comes back.
+        ours, _, _ = self.fuse()
+        ours = self.rmse_m(ours)
+        for method in ("increments", "jump_filter"):
+            estimate, _, _ = self.fuse("--fusion-method", method)
+            self.assertGreater(self.rmse_m(estimate), 50 * ours, method)
+        for method in ("fixes", "replace"):
+            estimate, results, _ = self.fuse("--fusion-method", method)
+            self.assertTrue(all(result["accepted"] for result in results), method)
+            self.assertLess(self.rmse_m(estimate), 2e-3, method)
+
+    def test_gives_the_same_answers_again(self):
+        first = self.fuse()[0].read_bytes()
+        self.assertEqual(self.fuse()[0].read_bytes(), first)
+
+    def test_an_imu_whose_axes_are_not_the_base_frames_is_refused(self):
+        frames = self.without()
+        readings = (frames / "imu.csv").read_text().splitlines()
+        swapped = [readings[0]] + [",".join([t, wz, wy, wx, az, ay, ax])
+                                   for t, wx, wy, wz, ax, ay, az in (row.split(",") for row in readings[1:])]
+        (frames / "imu.csv").write_text("\n".join(swapped) + "\n")
+        out = self.folder / "fused.tum"
+        result = run("localize", "--map", self.map, "--frames", frames, "--out", out, "--fuse")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("imu.csv", result.stderr)
+        self.assertIn("--no-imu", result.stderr)
+        self.assertFalse(out.exists())
+        run_ok("localize", "--map", self.map, "--frames", frames, "--out", out, "--fuse", "--no-imu")
+
+    def test_the_truth_is_no_prior_of_a_filter(self):
+        result = run("localize", "--map", self.map, "--frames", DRIVE, "--out", self.folder / "fused.tum", "--fuse",
+                     "--prior", "truth")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--prior", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
