@@ -29,7 +29,7 @@ FusionScore ScoreDrive(const FusionRecording& recording, const FusionScenario& s
                        int repetitions) {
   FusionScore score;
   for (int i = 0; i < repetitions; ++i) {
-    const std::vector<FusionMessage> messages = MakeMessages(recording, scenario, static_cast<std::uint64_t>(i + 1));
+    const std::vector<FusionMessage> messages = MakeMessages(recording, scenario, static_cast<std::uint64_t>(i) + 1);
     score.Add(ScoreFusion(ReplayMessages(messages, recording.truth, variant), recording.kidnaps_ns));
   }
   return score;
