@@ -186,4 +186,16 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames) {
   return survey;
 }
 
+CameraRecording ReadCameraRecording(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw InputError(folder, "is no folder; name a folder with camera.yaml and frames.csv");
+  }
+  Survey survey;
+  survey.folder = folder;
+  ReadFrames(BadFrames::kRefuse, &survey);
+  const fs::path file = folder / "camera.yaml";
+  return {folder, ParseCameraYaml(ReadTextFile(file), file), std::move(survey.frames)};
+}
+
 }  // namespace floorloc

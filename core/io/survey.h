@@ -81,6 +81,19 @@ struct Survey {
 /// pictures in alphabetical order, one second apart. Throws InputError that names file, line and reason.
 Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames = BadFrames::kRefuse);
 
+/// Pictures of a calibrated camera that need not look at a floor: a folder like a survey's, but floor.yaml is not asked
+/// for.
+struct CameraRecording {
+  std::filesystem::path folder;
+  CameraModel camera;
+  std::vector<SurveyFrame> frames;  ///< strictly increasing in time
+
+  std::filesystem::path ImagePath(const SurveyFrame& frame) const { return folder / frame.filename; }
+};
+
+/// Throws InputError that names file, line and reason.
+CameraRecording ReadCameraRecording(const std::filesystem::path& folder);
+
 /// The rows in the order of the file. kLeaveOut: time stamps need not increase.
 std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
                                         BadFrames bad_frames = BadFrames::kRefuse);

@@ -48,7 +48,8 @@ struct MonocularOdometryResult {
 /// the essential matrix between a keyframe and the frame by the five-point algorithm in RANSAC. One camera does not see
 /// how long its way is: the first way between keyframes is one unit long, and the points that were triangulated in one
 /// pair of keyframes tell the length of the next. With positions from elsewhere (wheels, GNSS) those tell the length.
-/// Deterministic, bounded state.
+/// Scenes need depth: a single plane, such as a floor, leaves the essential matrix ambiguous. Deterministic, bounded
+/// state.
 class MonocularOdometry {
  public:
   /// Throws std::invalid_argument on a bad camera or bad options.

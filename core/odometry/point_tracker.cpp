@@ -6,6 +6,8 @@
 #include <opencv2/video/tracking.hpp>
 #include <stdexcept>
 
+#include "core/vision/contrast.h"
+
 namespace floorloc {
 namespace {
 
@@ -26,6 +28,42 @@ cv::Ptr<cv::Feature2D> MakeDetector(const PointTrackerOptions& options) {
       return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, kAkazeThreshold);
   }
   throw std::invalid_argument("unknown point detector");
+}
+
+// The picture without a rim of so many pixels.
+cv::Rect Inside(const cv::Size& size, int rim_px) {
+  return cv::Rect(rim_px, rim_px, size.width - 2 * rim_px, size.height - 2 * rim_px) & cv::Rect({}, size);
+}
+
+// Points keep the tracker's window clear of the rim that is left out.
+int Rim(const PointTrackerOptions& options) {
+  return options.border_px > 0 ? options.border_px + options.window_px / 2 : 0;
+}
+
+std::vector<cv::Point2f> Moved(std::vector<cv::Point2f> points, const std::vector<cv::Point2f>& steps) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] += steps[i];
+  }
+  return points;
+}
+
+cv::Point2f ShiftBetween(const cv::Mat& before, const cv::Mat& after) {
+  cv::Mat a, b, window;
+  before.convertTo(a, CV_32F);
+  after.convertTo(b, CV_32F);
+  cv::createHanningWindow(window, a.size(), CV_32F);
+  return cv::phaseCorrelate(a, b, window);
+}
+
+cv::Point2f MedianStep(std::vector<cv::Point2f> steps) {
+  if (steps.empty()) {
+    return {};
+  }
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  const float x = middle->x;
+  std::nth_element(steps.begin(), middle, steps.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
+  return {x, middle->y};
 }
 
 }  // namespace
@@ -70,41 +108,59 @@ PointTracker::PointTracker(const PointTrackerOptions& options) : options_(option
   detector_ = MakeDetector(options);
 }
 
-std::vector<bool> PointTracker::Advance(const cv::Mat& gray) {
-  const std::vector<cv::Mat> before = std::move(pyramid_);
+PointTracker::Flow PointTracker::FollowFrom(std::vector<cv::Point2f> start, const std::vector<cv::Mat>& pyramid) const {
+  Flow flow{std::move(start), std::vector<bool>(points_.size(), false), 0};
   const cv::Size window(options_.window_px, options_.window_px);
-  cv::buildOpticalFlowPyramid(gray, pyramid_, window, options_.levels);
-  gray_ = gray;
-  std::vector<bool> found(points_.size(), false);
-  if (points_.empty()) {
-    return found;
-  }
-  std::vector<cv::Point2f> next;
+  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
   std::vector<cv::Point2f> back = points_;
   std::vector<unsigned char> forth_ok, back_ok;
-  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
-  cv::calcOpticalFlowPyrLK(before, pyramid_, points_, next, forth_ok, cv::noArray(), window, options_.levels, criteria);
-  cv::calcOpticalFlowPyrLK(pyramid_, before, next, back, back_ok, cv::noArray(), window, options_.levels, criteria,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
-  const auto rim = static_cast<float>(options_.border_px);
-  const cv::Rect2f inside(rim, rim, static_cast<float>(gray.cols - 1) - 2.0F * rim,
-                          static_cast<float>(gray.rows - 1) - 2.0F * rim);
-  std::vector<cv::Point2f> kept;
+  cv::calcOpticalFlowPyrLK(pyramid_, pyramid, points_, flow.places, forth_ok, cv::noArray(), window, options_.levels,
+                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(pyramid, pyramid_, flow.places, back, back_ok, cv::noArray(), window, options_.levels,
+                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+  const cv::Rect2f inside(Inside(gray_.size(), Rim(options_)));
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    found[i] = forth_ok[i] != 0 && back_ok[i] != 0 && inside.contains(next[i]) &&
-               cv::norm(back[i] - points_[i]) <= options_.max_return_px;
-    if (found[i]) {
-      kept.push_back(next[i]);
+    flow.found[i] = forth_ok[i] != 0 && back_ok[i] != 0 && inside.contains(flow.places[i]) &&
+                    cv::norm(back[i] - points_[i]) <= options_.max_return_px;
+    flow.count += flow.found[i] ? 1 : 0;
+  }
+  return flow;
+}
+
+std::vector<bool> PointTracker::Advance(const cv::Mat& raw) {
+  // Exposure and light change from picture to picture, which Lucas-Kanade does not allow for.
+  cv::Mat seen(raw.size(), CV_8UC1, cv::Scalar(0));
+  seen(Inside(raw.size(), options_.border_px)).setTo(255);
+  const cv::Mat gray = NormalizeContrast(raw, seen, {});
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(gray, pyramid, {options_.window_px, options_.window_px}, options_.levels);
+  Flow flow;
+  if (!points_.empty()) {
+    flow = FollowFrom(Moved(points_, steps_), pyramid);
+    if (2 * flow.count < points_.size()) {
+      const std::vector<cv::Point2f> shifts(points_.size(), ShiftBetween(gray_, gray));
+      Flow other = FollowFrom(Moved(points_, shifts), pyramid);
+      if (other.count > flow.count) {
+        flow = std::move(other);
+      }
+    }
+  }
+  std::vector<cv::Point2f> kept, steps;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (flow.found[i]) {
+      kept.push_back(flow.places[i]);
+      steps.push_back(flow.places[i] - points_[i]);
     }
   }
   points_ = std::move(kept);
-  return found;
+  steps_ = std::move(steps);
+  pyramid_ = std::move(pyramid);
+  gray_ = gray;
+  return flow.found;
 }
 
 void PointTracker::Detect() {
-  const cv::Rect picture(0, 0, gray_.cols, gray_.rows);
-  const int rim = options_.border_px;
-  const cv::Rect inside = cv::Rect(rim, rim, gray_.cols - 2 * rim, gray_.rows - 2 * rim) & picture;
+  const cv::Rect inside = Inside(gray_.size(), Rim(options_));
   if (inside.empty()) {
     return;
   }
@@ -114,6 +170,7 @@ void PointTracker::Detect() {
   for (const cv::Point2f& p : points_) {
     cv::circle(free, p, radius, cv::Scalar(0), cv::FILLED);
   }
+  const cv::Point2f step = MedianStep(steps_);
   std::vector<cv::KeyPoint> candidates;
   detector_->detect(gray_, candidates, free);
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -124,6 +181,7 @@ void PointTracker::Detect() {
     }
     if (free.at<unsigned char>(cv::Point(candidate.pt)) != 0) {
       points_.push_back(candidate.pt);
+      steps_.push_back(step);
       cv::circle(free, candidate.pt, radius, cv::Scalar(0), cv::FILLED);
     }
   }

@@ -27,14 +27,16 @@ struct PointTrackerOptions {
   void Check() const;
 };
 
-/// Points carried from picture to picture by pyramidal Lucas-Kanade, checked forward and backward.
+/// Points carried from picture to picture by pyramidal Lucas-Kanade on contrast-normalised pictures, checked forward
+/// and backward. Each is sought where its last step leads; when most are not found there, where the shift of the whole
+/// picture (phase correlation) leads.
 class PointTracker {
  public:
   /// Throws std::invalid_argument on bad options.
   explicit PointTracker(const PointTrackerOptions& options);
 
   /// The next picture (CV_8UC1). Says which of the points were found again, in their order; the others are dropped.
-  std::vector<bool> Advance(const cv::Mat& gray);
+  std::vector<bool> Advance(const cv::Mat& raw);
 
   /// Adds points of the newest picture, strongest first, away from those that are there.
   void Detect();
@@ -43,11 +45,20 @@ class PointTracker {
   const std::vector<cv::Point2f>& points() const { return points_; }
 
  private:
+  // Where the points went, sought from the given places on.
+  struct Flow {
+    std::vector<cv::Point2f> places;
+    std::vector<bool> found;
+    std::size_t count = 0;
+  };
+  Flow FollowFrom(std::vector<cv::Point2f> start, const std::vector<cv::Mat>& pyramid) const;
+
   PointTrackerOptions options_;
   cv::Ptr<cv::Feature2D> detector_;
-  cv::Mat gray_;
+  cv::Mat gray_;  // contrast-normalised
   std::vector<cv::Mat> pyramid_;
   std::vector<cv::Point2f> points_;
+  std::vector<cv::Point2f> steps_;  // of the points, in the last picture
 };
 
 }  // namespace floorloc

@@ -17,6 +17,7 @@ void AddExportCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddLocalizeCommand(CLI::App& app);
 void AddMergeCommand(CLI::App& app);
+void AddOdometryCommand(CLI::App& app);
 void AddReportCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 void AddVerifyCommand(CLI::App& app);

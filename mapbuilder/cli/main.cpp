@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   floorloc::AddBuildCommand(app);
   floorloc::AddCalibrateCommand(app);
   floorloc::AddLocalizeCommand(app);
+  floorloc::AddOdometryCommand(app);
   floorloc::AddInfoCommand(app);
   floorloc::AddVerifyCommand(app);
   floorloc::AddDiffCommand(app);

@@ -46,17 +46,23 @@ void AddStretches(const std::vector<OdometryStep>& steps, const std::vector<Pose
 void AddNees(const std::vector<OdometryStep>& steps, const std::vector<Pose2>& truth, DriftTally* tally) {
   AnchoredPose sum;
   std::size_t keyframe = 0;
+  bool whole = true;  // no frame since the keyframe was lost
   for (std::size_t i = 1; i < steps.size(); ++i) {
     if (steps[i].motion && !steps[i - 1].lost && steps[i].chain == steps[i - 1].chain) {
       const VisualMotion& motion = *steps[i].motion;
       tally->nees_alone.push_back(Nees(truth[i - 1].Between(truth[i]), motion.from_from_to, motion.covariance_alone));
       sum.covariance = CarriedCovariance(sum, motion.from_from_to, motion.covariance);
       sum.anchor_from_base = sum.anchor_from_base * motion.from_from_to;
-      tally->nees_summed.push_back(Nees(truth[keyframe].Between(truth[i]), sum.anchor_from_base, sum.covariance));
+      if (whole) {
+        tally->nees_summed.push_back(Nees(truth[keyframe].Between(truth[i]), sum.anchor_from_base, sum.covariance));
+      }
+    } else {
+      whole = false;
     }
-    if (steps[i].new_keyframe || steps[i].lost || steps[i].chain != steps[i - 1].chain) {
+    if (steps[i].new_keyframe) {
       sum = {};
       keyframe = i;
+      whole = true;
     }
   }
 }

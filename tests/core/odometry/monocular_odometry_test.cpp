@@ -62,7 +62,7 @@ void ExpectSameUpToScale(const Results& results, const std::vector<Eigen::Isomet
   for (std::size_t i = 1; i < poses.size(); ++i) {
     begun = begun || results[i].new_keyframe;
     const Eigen::Isometry3d truth = poses[0].inverse() * poses[i];
-    EXPECT_LT(Angle(truth, results[i].world_from_camera), 0.03) << i;
+    EXPECT_LT(Angle(truth, results[i].world_from_camera), 0.04) << i;
     if (begun) {
       EXPECT_EQ(results[i].status, MonocularStatus::kTracked) << i;
       EXPECT_LT((scale * results[i].world_from_camera.translation() - truth.translation()).norm(), 0.04 * whole.norm())
@@ -154,7 +154,7 @@ TEST(MonocularOdometryTest, LeavesOutARimThatMovesWithTheCamera) {
   random.fill(rim, cv::RNG::UNIFORM, 0, 255);
   const std::vector<Eigen::Isometry3d> poses = Walk(30, 0.08);
   MonocularOdometryOptions options;
-  options.tracker.border_px = kRim + options.tracker.window_px / 2;
+  options.tracker.border_px = kRim;
   MonocularOdometry odometry(Corridor::MakeCamera(), options);
   Results results;
   for (std::size_t i = 0; i < poses.size(); ++i) {
