@@ -42,7 +42,7 @@ AppState::AppState(const ServerConfig& server_config, const std::filesystem::pat
     : config(Checked(server_config)),
       catalog(maps_folder, config.localizer),
       rectifiers(StoreOptions(config.limits)),
-      vehicles(static_cast<std::size_t>(config.limits.max_vehicles)),
+      vehicles({static_cast<std::size_t>(config.limits.max_vehicles), config.limits.vehicle_timeout_s}),
       pool(PoolOptions(config)) {}
 
 App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
@@ -50,6 +50,7 @@ App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
   AddSystemRoutes(state_, router_);
   AddMapRoutes(state_, router_);
   AddVehicleRoutes(state_, router_);
+  AddTrackingRoutes(state_, router_);
   AddLocalizeRoute(state_, router_);
   AddWebRoutes(router_);
 }

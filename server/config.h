@@ -18,9 +18,10 @@ struct ServerLimits {
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
   int max_connections = 1024;
   int max_vehicles = 2000;
-  double max_requests_per_s = 0.0;  ///< per client address; 0: no limit
-  double idle_timeout_s = 60.0;     ///< of a keep-alive connection
-  double request_timeout_s = 30.0;  ///< to send a request, and to take an answer
+  double vehicle_timeout_s = 86400.0;  ///< a vehicle that is silent for longer is lost; 0: never
+  double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
+  double idle_timeout_s = 60.0;        ///< of a keep-alive connection
+  double request_timeout_s = 30.0;     ///< to send a request, and to take an answer
 };
 
 /// Everything about a server that can be set, apart from the maps folder.

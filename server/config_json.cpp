@@ -49,6 +49,7 @@ void ReadLimits(JsonObject object, ServerLimits& limits) {
   ReadWhole(object, "max_rectifier_bytes", kMaxBytes, limits.max_rectifier_bytes);
   ReadWhole(object, "max_connections", 100'000, limits.max_connections);
   ReadWhole(object, "max_vehicles", 1'000'000, limits.max_vehicles);
+  ReadNotNegative(object, "vehicle_timeout_s", limits.vehicle_timeout_s);
   ReadNotNegative(object, "max_requests_per_s", limits.max_requests_per_s);
   ReadPositive(object, "idle_timeout_s", limits.idle_timeout_s);
   ReadPositive(object, "request_timeout_s", limits.request_timeout_s);

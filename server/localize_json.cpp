@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/localize_json.h"
 
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "server/camera_json.h"
 #include "server/names.h"
+#include "server/number_text.h"
+#include "server/pose_json.h"
 #include "server/problem.h"
 #include "server/strict_json.h"
 
@@ -15,27 +16,6 @@ namespace floorloc {
 namespace {
 
 constexpr double kMaxCoordinateM = 1e7;
-
-std::optional<double> ParseFinite(std::string_view text) {
-  double value = 0.0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = result.ec == std::errc() && result.ptr == text.data() + text.size();
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
-std::vector<double> ParseNumberList(std::string_view text) {
-  std::vector<double> numbers;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::optional<double> value = ParseFinite(text.substr(start, end - start));
-    if (!value) {
-      return {};
-    }
-    numbers.push_back(*value);
-    start = end + 1;
-  }
-  return numbers;
-}
 
 PosePrior MakePrior(const std::vector<double>& numbers, const std::optional<double>& radius_m) {
   if (numbers.size() != 3 || std::abs(numbers[0]) > kMaxCoordinateM || std::abs(numbers[1]) > kMaxCoordinateM ||
@@ -107,40 +87,7 @@ LocalizeRequest ReadQuery(const HttpRequest& request) {
   return localize;
 }
 
-// Map, version, frame and time travel in one object with the coordinates: nobody can mix them up.
-nlohmann::json FormatPose(const FixRecord& record, const Pose2& pose) {
-  return {{"map", record.map}, {"map_version", record.map_version},
-          {"frame", "map"},    {"stamp", record.stamp_s},
-          {"x", pose.x()},     {"y", pose.y()},
-          {"yaw", pose.yaw()}};
-}
-
-nlohmann::json FormatFixPose(const FixRecord& record) {
-  nlohmann::json pose = FormatPose(record, record.result.map_from_base);
-  nlohmann::json covariance = nlohmann::json::array();
-  for (int i = 0; i < 9; ++i) {
-    covariance.push_back(record.result.covariance(i / 3, i % 3));
-  }
-  pose["covariance"] = std::move(covariance);
-  return pose;
-}
-
-nlohmann::json FormatFix(const FixRecord& record) {
-  const LocalizationResult& r = record.result;
-  return {{"keypoints", r.keypoints}, {"matches", r.matches}, {"inliers", r.inliers},
-          {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong}, {"search", record.search}};
-}
-
-nlohmann::json FormatAlternatives(const FixRecord& record) {
-  nlohmann::json alternatives = nlohmann::json::array();
-  for (const PoseHypothesis& hypothesis : record.result.alternatives) {
-    nlohmann::json item = FormatPose(record, hypothesis.target_from_source);
-    item["inliers"] = hypothesis.inliers;
-    item["weight"] = hypothesis.weight;
-    alternatives.push_back(std::move(item));
-  }
-  return alternatives;
-}
+PoseLabel LabelOf(const FixRecord& record) { return {record.map, record.map_version, record.stamp_s}; }
 
 void AddStatus(const FixRecord& record, nlohmann::json& answer) {
   answer["status"] = ToString(record.result.status);
@@ -186,13 +133,37 @@ LocalizeRequest ParseLocalizeJson(const std::string& text) {
   return request;
 }
 
+nlohmann::json FormatFixPose(const FixRecord& record) {
+  return FormatPose(LabelOf(record), record.result.map_from_base, record.result.covariance);
+}
+
+nlohmann::json FormatFix(const FixRecord& record) {
+  const LocalizationResult& r = record.result;
+  return {{"keypoints", r.keypoints}, {"matches", r.matches}, {"inliers", r.inliers},
+          {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong}, {"search", record.search}};
+}
+
+nlohmann::json FormatAlternatives(const FixRecord& record) {
+  nlohmann::json alternatives = nlohmann::json::array();
+  for (const PoseHypothesis& hypothesis : record.result.alternatives) {
+    nlohmann::json item = FormatPose(LabelOf(record), hypothesis.target_from_source);
+    item["inliers"] = hypothesis.inliers;
+    item["weight"] = hypothesis.weight;
+    alternatives.push_back(std::move(item));
+  }
+  return alternatives;
+}
+
+nlohmann::json FormatTiming(const LocalizeOutcome& outcome) {
+  const LocalizationTiming& timing = outcome.result.timing;
+  return {{"decode", outcome.decode_ms}, {"rectify", timing.rectify_ms},   {"features", timing.features_ms},
+          {"match", timing.match_ms},    {"register", timing.register_ms}, {"total", outcome.total_ms}};
+}
+
 std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome& outcome) {
   nlohmann::json answer;
   AddStatus(record, answer);
-  const LocalizationTiming& timing = record.result.timing;
-  answer["timing_ms"] = {{"decode", outcome.decode_ms},    {"rectify", timing.rectify_ms},
-                         {"features", timing.features_ms}, {"match", timing.match_ms},
-                         {"register", timing.register_ms}, {"total", outcome.total_ms}};
+  answer["timing_ms"] = FormatTiming(outcome);
   return ToText(answer);
 }
 

@@ -29,6 +29,12 @@ LocalizeRequest ParseLocalizeJson(const std::string& text);
 /// The answer of localize.
 std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome& outcome);
 
+/// The parts of an answer about one picture.
+nlohmann::json FormatFix(const FixRecord& record);      ///< how it was found
+nlohmann::json FormatFixPose(const FixRecord& record);  ///< where; of a localized one
+nlohmann::json FormatAlternatives(const FixRecord& record);
+nlohmann::json FormatTiming(const LocalizeOutcome& outcome);
+
 /// A fix as viewers get it.
 nlohmann::json FormatFixRecord(const FixRecord& record);
 /// {"fixes":[...],"next":SEQUENCE}

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
-
 #include "server/localize_json.h"
 #include "server/localize_service.h"
+#include "server/picture_call.h"
 #include "server/routes.h"
 
 namespace floorloc {
@@ -14,26 +13,6 @@ struct LocalizeCall {
   const std::string* image = nullptr;  ///< encoded; belongs to the HTTP request
 };
 
-double UnixTimeNow() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-const HttpPart& RequirePart(const HttpRequest& request, const std::string& name) {
-  const HttpPart* found = nullptr;
-  for (const HttpPart& part : request.parts) {
-    if (part.name == name) {
-      if (found != nullptr) {
-        throw Problem(400, "invalid_parts", "The part '" + name + "' is given more than once.");
-      }
-      found = &part;
-    }
-  }
-  if (found == nullptr) {
-    throw Problem(400, "invalid_parts", "The part '" + name + "' is missing: send image and request.");
-  }
-  return *found;
-}
-
 LocalizeCall ParseCall(const HttpRequest& request) {
   if (request.ContentType() != "multipart/form-data") {
     return {ParseLocalizeQuery(request), &request.body};
@@ -44,18 +23,9 @@ LocalizeCall ParseCall(const HttpRequest& request) {
   return {ParseLocalizeJson(RequirePart(request, "request").content), &RequirePart(request, "image").content};
 }
 
-std::shared_ptr<const Rectifier> RegisteredRectifier(const AppState& state, const std::string& vehicle) {
-  const auto found = state.vehicles.Find(vehicle);
-  if (!found) {
-    throw Problem(404, "unknown_vehicle",
-                  "No vehicle of this id is registered; register it with PUT /v1/vehicles/{id}.");
-  }
-  return found->vehicle->rectifier;
-}
-
 LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob job) {
   if (!call.request.vehicle.empty()) {
-    job.rectifier = RegisteredRectifier(state, call.request.vehicle);
+    job.rectifier = RequireVehicle(state, call.request.vehicle).vehicle->rectifier;
   }
   const CameraModel& lens = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
   CheckImageHeader(job.bytes, lens, state.config.limits.max_image_pixels);
@@ -69,30 +39,15 @@ LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob 
   });
 }
 
-FixRecord Record(AppState& state, const LocalizeCall& call, const LoadedMap& map, const LocalizeOutcome& outcome) {
-  FixRecord record;
-  record.received_s = UnixTimeNow();
-  record.stamp_s = call.request.stamp_s.value_or(record.received_s);
-  record.vehicle = call.request.vehicle;
-  record.map = map.name;
-  record.map_version = map.info().content_version;
-  record.search = outcome.search;
-  record.result = outcome.result;
-  record = state.fixes.Add(std::move(record));
-  if (!record.vehicle.empty()) {
-    state.vehicles.SetLastFix(record.vehicle, record);
-  }
-  state.metrics.CountLocalization({map.name, ToString(outcome.result.status)}, 1e-3 * outcome.total_ms);
-  return record;
-}
-
 HttpResponse AnswerLocalize(AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const LocalizeCall call = ParseCall(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(call.image->data());
   const LocalizeOutcome outcome =
       Localize(state, call, {map, nullptr, {bytes, call.image->size()}, call.request.prior});
-  return JsonResponse(200, FormatLocalizeAnswer(Record(state, call, *map, outcome), outcome));
+  const double now_s = UnixTimeNow();
+  const PictureLabel label = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
+  return JsonResponse(200, FormatLocalizeAnswer(RecordFix(state, *map, label, outcome), outcome));
 }
 
 }  // namespace

@@ -55,7 +55,9 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
   const Localizer& localizer = *job.map->localizer;
-  outcome.result = localizer.LocalizeHereOrAnywhere(localizer.Observe(*job.rectifier, picture), job.prior);
+  FrameObservation observation = localizer.Observe(*job.rectifier, picture);
+  outcome.result = localizer.LocalizeHereOrAnywhere(observation, job.prior);
+  outcome.features = std::move(observation.features);
   outcome.search = outcome.result.used_prior ? "prior" : "global";
   outcome.total_ms = MillisecondsSince(start);
   return outcome;

@@ -21,6 +21,7 @@ struct LocalizeJob {
 
 struct LocalizeOutcome {
   LocalizationResult result;
+  Features features;              ///< of the picture, base frame
   const char* search = "global";  ///< "prior" or "global"
   double decode_ms = 0.0;
   double total_ms = 0.0;

@@ -34,8 +34,8 @@ std::string CacheControl(const HttpRequest& request, const std::string& version)
   return request.QueryValue("v") == version ? "public, max-age=31536000, immutable" : "no-cache";
 }
 
-std::shared_ptr<const LoadedMap> FindMap(const AppState& state, const HttpRequest& request) {
-  auto map = state.catalog.Find(request.path_parameters.at("map"));
+std::shared_ptr<const LoadedMap> FindMap(const AppState& state, const std::string& name) {
+  auto map = state.catalog.Find(name);
   if (map == nullptr) {
     throw Problem(404, "unknown_map", "There is no map of this name; GET /v1/maps lists them.");
   }
@@ -63,7 +63,7 @@ HttpResponse AnswerTile(const AppState& state, const HttpRequest& request) {
 }
 
 HttpResponse AnswerMap(const AppState& state, const HttpRequest& request) {
-  return JsonResponse(200, FormatMap(*FindMap(state, request)));
+  return JsonResponse(200, FormatMap(*FindMap(state, request.path_parameters.at("map"))));
 }
 
 HttpResponse AnswerFixes(const AppState& state, const HttpRequest& request) {
@@ -86,7 +86,11 @@ HttpResponse JsonResponse(int status, std::string body) {
 }
 
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request) {
-  auto map = FindMap(state, request);
+  return RequireMap(state, request.path_parameters.at("map"));
+}
+
+std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const std::string& name) {
+  auto map = FindMap(state, name);
   if (!map->ready()) {
     throw Overload("map_unavailable", "The map could not be loaded: " + map->error);
   }

@@ -38,6 +38,23 @@ void Render(std::ostream& out, const std::string& name, const std::string& label
   out << name << "_count{" << label << "} " << histogram.total() << '\n';
 }
 
+void Render(std::ostream& out, const std::vector<Gauge>& gauges) {
+  std::string last_name;
+  for (const Gauge& gauge : gauges) {
+    if (gauge.name != last_name) {
+      Head(out, gauge.name, "gauge", gauge.help);
+    }
+    last_name = gauge.name;
+    out << gauge.name << (gauge.label.empty() ? "" : '{' + gauge.label + '}') << ' ' << gauge.value << '\n';
+  }
+}
+
+void Render(std::ostream& out, const std::string& name, const std::map<OutcomeLabels, std::uint64_t>& counts) {
+  for (const auto& [labels, count] : counts) {
+    out << name << '{' << Label("map", labels.map) << ',' << Label("outcome", labels.outcome) << "} " << count << '\n';
+  }
+}
+
 }  // namespace
 
 void Histogram::Observe(double seconds) {
@@ -61,14 +78,21 @@ void Metrics::CountLocalization(const LocalizationLabels& labels, double seconds
   localize_seconds_[labels.map].Observe(seconds);
 }
 
+void Metrics::CountMessage(const OutcomeLabels& labels) {
+  const std::lock_guard lock(mutex_);
+  ++messages_[labels];
+}
+
+void Metrics::CountFix(const OutcomeLabels& labels) {
+  const std::lock_guard lock(mutex_);
+  ++fixes_[labels];
+}
+
 std::string Metrics::Render(const std::vector<Gauge>& gauges) const {
   std::ostringstream out;
   Head(out, "floorloc_build_info", "gauge", "Version of the server.");
   out << "floorloc_build_info{" << Label("version", FLOORLOC_VERSION) << "} 1\n";
-  for (const Gauge& gauge : gauges) {
-    Head(out, gauge.name, "gauge", gauge.help);
-    out << gauge.name << ' ' << gauge.value << '\n';
-  }
+  floorloc::Render(out, gauges);
   const std::lock_guard lock(mutex_);
   Head(out, "floorloc_http_requests_total", "counter", "Answered requests.");
   for (const auto& [labels, count] : requests_) {
@@ -88,6 +112,10 @@ std::string Metrics::Render(const std::vector<Gauge>& gauges) const {
   for (const auto& [map, histogram] : localize_seconds_) {
     floorloc::Render(out, "floorloc_localize_seconds", Label("map", map), histogram);
   }
+  Head(out, "floorloc_vehicle_messages_total", "counter", "Messages of vehicles, by what became of them.");
+  floorloc::Render(out, "floorloc_vehicle_messages_total", messages_);
+  Head(out, "floorloc_vehicle_fixes_total", "counter", "Fixes of vehicles: accepted, reanchored, or why not.");
+  floorloc::Render(out, "floorloc_vehicle_fixes_total", fixes_);
   return out.str();
 }
 

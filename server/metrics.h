@@ -40,11 +40,19 @@ struct LocalizationLabels {
   auto operator<=>(const LocalizationLabels&) const = default;
 };
 
+/// What a vehicle's message, or the fix of its picture, came to in a map.
+struct OutcomeLabels {
+  std::string map;
+  std::string outcome;
+  auto operator<=>(const OutcomeLabels&) const = default;
+};
+
 /// Values that are read when somebody asks.
 struct Gauge {
   std::string name;
   std::string help;
   double value = 0.0;
+  std::string label = "";  ///< name="value"; gauges of one name stand in a row
 };
 
 /// Counters of the server, as Prometheus text. Thread-safe.
@@ -52,6 +60,8 @@ class Metrics {
  public:
   void CountRequest(const RequestLabels& labels, double seconds);
   void CountLocalization(const LocalizationLabels& labels, double seconds);
+  void CountMessage(const OutcomeLabels& labels);
+  void CountFix(const OutcomeLabels& labels);
   std::string Render(const std::vector<Gauge>& gauges) const;
 
  private:
@@ -60,6 +70,8 @@ class Metrics {
   std::map<std::string, Histogram> request_seconds_;  // by route
   std::map<LocalizationLabels, std::uint64_t> localizations_;
   std::map<std::string, Histogram> localize_seconds_;  // by map
+  std::map<OutcomeLabels, std::uint64_t> messages_;
+  std::map<OutcomeLabels, std::uint64_t> fixes_;
 };
 
 }  // namespace floorloc

@@ -11,9 +11,10 @@
 namespace floorloc {
 
 // Each adds one group of calls to the route table. The state must outlive the router.
-void AddSystemRoutes(AppState& state, Router& router);   ///< health, metrics, openapi.yaml
-void AddMapRoutes(AppState& state, Router& router);      ///< maps, tiles, reports, recent fixes
-void AddVehicleRoutes(AppState& state, Router& router);  ///< registration of vehicles
+void AddSystemRoutes(AppState& state, Router& router);    ///< health, metrics, openapi.yaml
+void AddMapRoutes(AppState& state, Router& router);       ///< maps, tiles, reports, recent fixes
+void AddVehicleRoutes(AppState& state, Router& router);   ///< registration of vehicles
+void AddTrackingRoutes(AppState& state, Router& router);  ///< pictures, odometry and poses of vehicles
 void AddLocalizeRoute(AppState& state, Router& router);
 void AddWebRoutes(Router& router);  ///< the page
 
@@ -21,6 +22,9 @@ HttpResponse JsonResponse(int status, std::string body);
 
 /// The map of the path parameter {map}. Throws Problem: 404 unknown_map, 503 map_unavailable when it is damaged.
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request);
+
+/// The same by its name.
+std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const std::string& name);
 
 /// Runs a job in the compute pool and waits for it. Throws Overload when the queue is full or the job waited too long,
 /// and what the job throws.

@@ -11,10 +11,24 @@ constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+std::vector<Gauge> VehicleGauges(const AppState& state) {
+  std::map<TrackingState, int> counts = {
+      {TrackingState::kLocalized, 0}, {TrackingState::kTrackingOdometry, 0}, {TrackingState::kLost, 0}};
+  for (const VehicleState& vehicle : state.vehicles.All()) {
+    ++counts[vehicle.session->View().state()];
+  }
+  std::vector<Gauge> gauges;
+  for (const auto& [status, count] : counts) {
+    gauges.push_back({"floorloc_vehicles_by_status", "Registered vehicles by what is known of their pose.",
+                      static_cast<double>(count), std::string("status=\"") + ToString(status) + '"'});
+  }
+  return gauges;
+}
+
 std::vector<Gauge> ReadGauges(const AppState& state) {
   const auto total = static_cast<double>(state.catalog.All().size());
   const auto ready = static_cast<double>(state.catalog.CountReady());
-  return {
+  std::vector<Gauge> gauges = {
       {"floorloc_ready", "1 while the server takes work.", state.draining ? 0.0 : 1.0},
       {"floorloc_maps_ready", "Maps that are served.", ready},
       {"floorloc_maps_failed", "Maps that could not be loaded.", total - ready},
@@ -22,6 +36,10 @@ std::vector<Gauge> ReadGauges(const AppState& state) {
       {"floorloc_connections", "Open connections.", static_cast<double>(state.count_connections())},
       {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
       {"floorloc_queue_depth", "Localizations that wait for a thread.", static_cast<double>(state.pool.QueueDepth())}};
+  for (Gauge& gauge : VehicleGauges(state)) {
+    gauges.push_back(std::move(gauge));
+  }
+  return gauges;
 }
 
 HttpResponse AnswerReadiness(const AppState& state) {

@@ -4,9 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/io/trajectory.h"
 #include "server/camera_json.h"
 #include "server/localize_json.h"
+#include "server/pose_json.h"
 #include "server/strict_json.h"
+#include "server/tracking_json.h"
 
 namespace floorloc {
 namespace {
@@ -26,6 +29,32 @@ VehicleGate ParseGate(JsonObject object) {
   return gate;
 }
 
+nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, const std::string& map_version) {
+  const PoseLabel label = {state.vehicle->map, map_version, view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
+  return {
+      {"id", state.vehicle->id},
+      {"map", state.vehicle->map},
+      {"status", ToString(view.state())},
+      {"pose", view.fused ? FormatPose(label, view.fused->map_from_base, view.fused->covariance) : nlohmann::json()},
+      {"last_fix", state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json()}};
+}
+
+nlohmann::json FormatMessageCounts(const VehicleCounts& counts) {
+  nlohmann::json json;
+  for (const MessageOutcome outcome : kMessageOutcomes) {
+    json[ToString(outcome)] = counts.messages[static_cast<std::size_t>(outcome)];
+  }
+  return json;
+}
+
+nlohmann::json FormatFixCounts(const VehicleCounts& counts) {
+  nlohmann::json rejected;
+  for (const FixRejection reason : kFixRejections) {
+    rejected[ToString(reason)] = counts.rejected[static_cast<std::size_t>(reason)];
+  }
+  return {{"accepted", counts.accepted}, {"reanchored", counts.reanchored}, {"rejected", std::move(rejected)}};
+}
+
 }  // namespace
 
 VehicleRequest ParseVehicleRequest(const std::string& text) {
@@ -41,24 +70,21 @@ VehicleRequest ParseVehicleRequest(const std::string& text) {
   return request;
 }
 
-nlohmann::json FormatVehicle(const VehicleState& state) {
+nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_version) {
   const Vehicle& vehicle = *state.vehicle;
-  return {{"id", vehicle.id},
-          {"map", vehicle.map},
-          {"camera", FormatCamera(vehicle.camera().camera)},
-          {"floor", FormatFloor(vehicle.camera().floor)},
-          {"gate", {{"max_distance_m", vehicle.gate.max_distance_m}, {"max_angle_rad", vehicle.gate.max_angle_rad}}},
-          {"last_fix", state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json()}};
+  const VehicleView view = state.session->View();
+  nlohmann::json json = FormatSummary(state, view, map_version);
+  json["camera"] = FormatCamera(vehicle.camera().camera);
+  json["floor"] = FormatFloor(vehicle.camera().floor);
+  json["gate"] = {{"max_distance_m", vehicle.gate.max_distance_m}, {"max_angle_rad", vehicle.gate.max_angle_rad}};
+  json["since_fix"] = FormatSinceFix(view);
+  json["messages"] = FormatMessageCounts(view.counts);
+  json["fixes"] = FormatFixCounts(view.counts);
+  return json;
 }
 
-std::string FormatVehicleList(const std::vector<VehicleState>& states) {
-  nlohmann::json vehicles = nlohmann::json::array();
-  for (const VehicleState& state : states) {
-    vehicles.push_back({{"id", state.vehicle->id},
-                        {"map", state.vehicle->map},
-                        {"last_fix", state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json()}});
-  }
-  return ToText({{"vehicles", std::move(vehicles)}});
+nlohmann::json FormatVehicleSummary(const VehicleState& state, const std::string& map_version) {
+  return FormatSummary(state, state.session->View(), map_version);
 }
 
 }  // namespace floorloc

@@ -19,8 +19,9 @@ struct VehicleRequest {
 /// Strict, camera and floor excepted. Throws JsonError that names the field.
 VehicleRequest ParseVehicleRequest(const std::string& text);
 
-nlohmann::json FormatVehicle(const VehicleState& state);
-/// {"vehicles":[...]}
-std::string FormatVehicleList(const std::vector<VehicleState>& states);
+/// map_version: of the map that is served now, in which the vehicle's pose is.
+nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_version);
+/// Without the registration and the counts.
+nlohmann::json FormatVehicleSummary(const VehicleState& state, const std::string& map_version);
 
 }  // namespace floorloc

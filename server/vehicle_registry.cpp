@@ -1,20 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/vehicle_registry.h"
 
+#include <algorithm>
+
 #include "server/problem.h"
 
 namespace floorloc {
+namespace {
 
-bool VehicleRegistry::Put(Vehicle vehicle) {
+bool IsSame(const Vehicle& a, const Vehicle& b) {
+  return a.map == b.map && a.rectifier == b.rectifier && a.map_resolution_m == b.map_resolution_m &&
+         a.gate.max_distance_m == b.gate.max_distance_m && a.gate.max_angle_rad == b.gate.max_angle_rad;
+}
+
+std::shared_ptr<VehicleSession> MakeSession(const Vehicle& vehicle, double timeout_s) {
+  TrackerOptions options;
+  options.filter.gates.max_distance_m = vehicle.gate.max_distance_m;
+  options.filter.gates.max_angle_rad = vehicle.gate.max_angle_rad;
+  return std::make_shared<VehicleSession>(options, vehicle.map_resolution_m, timeout_s);
+}
+
+}  // namespace
+
+Registration VehicleRegistry::Put(Vehicle vehicle) {
   const std::lock_guard lock(mutex_);
-  const bool known = vehicles_.contains(vehicle.id);
-  if (!known && vehicles_.size() >= max_vehicles_) {
-    throw Problem(409, "too_many_vehicles",
-                  "The server knows " + std::to_string(max_vehicles_) + " vehicles, its limit; delete one first.");
+  const auto known = vehicles_.find(vehicle.id);
+  if (known != vehicles_.end() && IsSame(*known->second.vehicle, vehicle)) {
+    known->second.vehicle = std::make_shared<const Vehicle>(std::move(vehicle));
+    return {known->second, false};
   }
+  if (known == vehicles_.end() && vehicles_.size() >= options_.max_vehicles) {
+    MakeRoomLocked();
+  }
+  auto session = MakeSession(vehicle, options_.timeout_s);
   const std::string id = vehicle.id;
-  vehicles_[id] = {std::make_shared<const Vehicle>(std::move(vehicle)), std::nullopt};
-  return !known;
+  VehicleState& state = vehicles_[id];
+  state = {std::make_shared<const Vehicle>(std::move(vehicle)), std::move(session), std::nullopt};
+  return {state, known == vehicles_.end()};
+}
+
+void VehicleRegistry::MakeRoomLocked() {
+  const auto longest = std::max_element(vehicles_.begin(), vehicles_.end(), [](const auto& a, const auto& b) {
+    return a.second.session->SilentSeconds() < b.second.session->SilentSeconds();
+  });
+  if (!longest->second.session->Expired()) {
+    throw Problem(
+        409, "too_many_vehicles",
+        "The server knows " + std::to_string(options_.max_vehicles) + " vehicles, its limit; delete one first.");
+  }
+  vehicles_.erase(longest);
 }
 
 bool VehicleRegistry::Remove(const std::string& id) {

@@ -11,10 +11,11 @@
 
 #include "core/vision/rectifier.h"
 #include "server/fix_history.h"
+#include "server/vehicle_session.h"
 
 namespace floorloc {
 
-/// Largest jump of a fix that is believed. Kept with the vehicle.
+/// Largest jump of a fix that is believed.
 struct VehicleGate {
   double max_distance_m = 0.20;
   double max_angle_rad = 0.1745;
@@ -26,23 +27,38 @@ struct Vehicle {
   std::string map;
   VehicleGate gate;
   std::shared_ptr<const Rectifier> rectifier;
+  double map_resolution_m = 0.0;
 
   const FloorCamera& camera() const { return rectifier->camera(); }
 };
 
-/// A vehicle and what was last heard from it.
+/// A vehicle, its pose, and what was last heard from it.
 struct VehicleState {
   std::shared_ptr<const Vehicle> vehicle;
+  std::shared_ptr<VehicleSession> session;
   std::optional<FixRecord> last_fix;
+};
+
+struct VehicleRegistryOptions {
+  std::size_t max_vehicles = 2000;
+  double timeout_s = 0.0;  ///< a vehicle that was silent for longer is lost, and makes room for others; 0: never
+};
+
+/// What became of a registration.
+struct Registration {
+  VehicleState state;
+  bool created = false;
 };
 
 /// The vehicles that the server knows, a bounded number. Thread-safe.
 class VehicleRegistry {
  public:
-  explicit VehicleRegistry(std::size_t max_vehicles) : max_vehicles_(max_vehicles) {}
+  explicit VehicleRegistry(const VehicleRegistryOptions& options) : options_(options) {}
 
-  /// Registers or replaces. True when the vehicle is new. Throws Problem (409 too_many_vehicles) when it is full.
-  bool Put(Vehicle vehicle);
+  /// Registers or replaces. The same vehicle again (map, camera, gate) keeps its pose, another one begins anew. When
+  /// there are too many, the one that was silent for longest makes room if it has expired; otherwise throws Problem
+  /// (409 too_many_vehicles).
+  Registration Put(Vehicle vehicle);
   bool Remove(const std::string& id);
   std::optional<VehicleState> Find(const std::string& id) const;
   std::vector<VehicleState> All() const;
@@ -52,7 +68,9 @@ class VehicleRegistry {
   void SetLastFix(const std::string& id, const FixRecord& fix);
 
  private:
-  const std::size_t max_vehicles_;
+  void MakeRoomLocked();
+
+  const VehicleRegistryOptions options_;
   mutable std::mutex mutex_;
   std::map<std::string, VehicleState> vehicles_;
 };

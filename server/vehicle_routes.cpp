@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/names.h"
+#include "server/picture_call.h"
 #include "server/routes.h"
 #include "server/strict_json.h"
 #include "server/vehicle_json.h"
@@ -9,8 +10,10 @@
 namespace floorloc {
 namespace {
 
-Problem UnknownVehicle() {
-  return {404, "unknown_vehicle", "No vehicle of this id is registered; register it with PUT /v1/vehicles/{id}."};
+// Empty for a map that is damaged: no pose can be in it.
+std::string MapVersion(const AppState& state, const std::string& name) {
+  const auto map = state.catalog.Find(name);
+  return map != nullptr && map->ready() ? map->info().content_version : "";
 }
 
 HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
@@ -19,26 +22,35 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
     throw Problem(400, "invalid_parameter", "A vehicle id has 1 to 64 letters, digits, '_', '.' and '-'.");
   }
   VehicleRequest parsed = ParseVehicleRequest(request.body);
-  if (state.catalog.Find(parsed.map) == nullptr) {
+  const auto map = state.catalog.Find(parsed.map);
+  if (map == nullptr) {
     throw Problem(422, "unknown_map", "The vehicle names a map that is not served; GET /v1/maps lists them.");
   }
   Vehicle vehicle{id, parsed.map, parsed.gate,
                   RunInPool(state.pool, [&] { return state.rectifiers.Get(parsed.camera); })};
-  const VehicleState answer{std::make_shared<const Vehicle>(vehicle), std::nullopt};
-  const bool created = state.vehicles.Put(std::move(vehicle));
-  return JsonResponse(created ? 201 : 200, ToText(FormatVehicle(answer)));
+  const FloorCamera& camera = map->ready() ? map->info().camera() : parsed.camera;
+  vehicle.map_resolution_m = camera.floor.resolution_m;
+  const Registration registration = state.vehicles.Put(std::move(vehicle));
+  return JsonResponse(registration.created ? 201 : 200,
+                      ToText(FormatVehicle(registration.state, MapVersion(state, parsed.map))));
 }
 
 HttpResponse AnswerVehicle(const AppState& state, const HttpRequest& request) {
-  const auto found = state.vehicles.Find(request.path_parameters.at("id"));
-  if (!found) {
-    throw UnknownVehicle();
+  const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
+  return JsonResponse(200, ToText(FormatVehicle(vehicle, MapVersion(state, vehicle.vehicle->map))));
+}
+
+HttpResponse AnswerVehicles(const AppState& state) {
+  nlohmann::json vehicles = nlohmann::json::array();
+  for (const VehicleState& vehicle : state.vehicles.All()) {
+    vehicles.push_back(FormatVehicleSummary(vehicle, MapVersion(state, vehicle.vehicle->map)));
   }
-  return JsonResponse(200, ToText(FormatVehicle(*found)));
+  return JsonResponse(200, ToText({{"vehicles", std::move(vehicles)}}));
 }
 
 HttpResponse RemoveVehicle(AppState& state, const HttpRequest& request) {
-  if (!state.vehicles.Remove(request.path_parameters.at("id"))) {
+  const std::string& id = request.path_parameters.at("id");
+  if (!state.vehicles.Remove(id)) {
     throw UnknownVehicle();
   }
   return {204, "", "", {}};
@@ -47,9 +59,8 @@ HttpResponse RemoveVehicle(AppState& state, const HttpRequest& request) {
 }  // namespace
 
 void AddVehicleRoutes(AppState& state, Router& router) {
-  router.Add({"GET", "/v1/vehicles", RouteAccess::kRead, {}, [&state](const HttpRequest&) {
-                return JsonResponse(200, FormatVehicleList(state.vehicles.All()));
-              }});
+  router.Add(
+      {"GET", "/v1/vehicles", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return AnswerVehicles(state); }});
   router.Add(
       {"PUT", "/v1/vehicles/{id}", RouteAccess::kChange, {"application/json"}, [&state](const HttpRequest& request) {
          return RegisterVehicle(state, request);

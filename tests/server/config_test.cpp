@@ -23,7 +23,7 @@ TEST(ConfigTest, ReadsEveryKey) {
     "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "drain_s": 2, "open": true, "protect_reads": true,
     "log_level": "warning", "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
     "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
-               "max_connections": 50, "max_vehicles": 60, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
+               "max_connections": 50, "max_vehicles": 60, "vehicle_timeout_s": 65, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
                "request_timeout_s": 90}})");
   EXPECT_EQ(config.threads, 3);
   EXPECT_EQ(config.queue_length, 7);
@@ -40,6 +40,7 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.limits.max_rectifier_bytes, 40U);
   EXPECT_EQ(config.limits.max_connections, 50);
   EXPECT_EQ(config.limits.max_vehicles, 60);
+  EXPECT_EQ(config.limits.vehicle_timeout_s, 65.0);
   EXPECT_EQ(config.limits.max_requests_per_s, 70.5);
   EXPECT_EQ(config.limits.idle_timeout_s, 80.0);
   EXPECT_EQ(config.limits.request_timeout_s, 90.0);

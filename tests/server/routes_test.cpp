@@ -139,6 +139,9 @@ TEST_F(RoutesTest, DocumentAndRoutesAgree) {
   const std::string jpeg = SharedMaps().KnownJpeg();
   client_.Put("/v1/vehicles/a", VehicleBody().dump());
   client_.Post("/v1/maps/hall/localize?vehicle=a", jpeg, "image/jpeg");
+  client_.Post("/v1/vehicles/a/frames?stamp=1", jpeg, "image/jpeg");
+  client_.Post("/v1/vehicles/a/odometry", R"({"stamp":1.1,"dx":0,"dy":0,"dyaw":0})", "application/json");
+  client_.Post("/v1/vehicles/a/initialpose", R"({"x":0,"y":0,"yaw":0})", "application/json");
   for (const std::string target : {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps",
                                    "/v1/maps/hall", "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report",
                                    "/v1/maps/hall/fixes", "/v1/vehicles", "/v1/vehicles/a"}) {

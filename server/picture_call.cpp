@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/picture_call.h"
+
+#include <chrono>
+
+namespace floorloc {
+
+double UnixTimeNow() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+const HttpPart& RequirePart(const HttpRequest& request, const std::string& name) {
+  const HttpPart* found = nullptr;
+  for (const HttpPart& part : request.parts) {
+    if (part.name == name) {
+      if (found != nullptr) {
+        throw Problem(400, "invalid_parts", "The part '" + name + "' is given more than once.");
+      }
+      found = &part;
+    }
+  }
+  if (found == nullptr) {
+    throw Problem(400, "invalid_parts", "The part '" + name + "' is missing: send image and request.");
+  }
+  return *found;
+}
+
+Problem UnknownVehicle() {
+  return {404, "unknown_vehicle", "No vehicle of this id is registered; register it with PUT /v1/vehicles/{id}."};
+}
+
+VehicleState RequireVehicle(const AppState& state, const std::string& id) {
+  auto found = state.vehicles.Find(id);
+  if (!found) {
+    throw UnknownVehicle();
+  }
+  return *std::move(found);
+}
+
+FixRecord RecordFix(AppState& state, const LoadedMap& map, const PictureLabel& label, const LocalizeOutcome& outcome) {
+  FixRecord record;
+  record.received_s = label.received_s;
+  record.stamp_s = label.stamp_s;
+  record.vehicle = label.vehicle;
+  record.map = map.name;
+  record.map_version = map.info().content_version;
+  record.search = outcome.search;
+  record.result = outcome.result;
+  record = state.fixes.Add(std::move(record));
+  if (!record.vehicle.empty()) {
+    state.vehicles.SetLastFix(record.vehicle, record);
+  }
+  state.metrics.CountLocalization({map.name, ToString(outcome.result.status)}, 1e-3 * outcome.total_ms);
+  return record;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "server/app.h"
+#include "server/fix_history.h"
+#include "server/localize_service.h"
+#include "server/problem.h"
+
+// What the calls that bring a picture have in common.
+namespace floorloc {
+
+/// Whose picture it is, and of when.
+struct PictureLabel {
+  std::string vehicle;  ///< empty: the camera came inline
+  double received_s = 0.0;
+  double stamp_s = 0.0;
+};
+
+double UnixTimeNow();
+
+/// A part of multipart/form-data. Throws Problem 400 invalid_parts when it is not there exactly once.
+const HttpPart& RequirePart(const HttpRequest& request, const std::string& name);
+
+Problem UnknownVehicle();
+/// Throws UnknownVehicle().
+VehicleState RequireVehicle(const AppState& state, const std::string& id);
+
+/// Keeps a localization for viewers and counts it.
+FixRecord RecordFix(AppState& state, const LoadedMap& map, const PictureLabel& label, const LocalizeOutcome& outcome);
+
+}  // namespace floorloc

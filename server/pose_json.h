@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// Where and when a pose is meant.
+struct PoseLabel {
+  std::string map;
+  std::string map_version;
+  double stamp_s = 0.0;
+};
+
+/// {"x","y","yaw"}
+nlohmann::json FormatTransform(const Pose2& pose);
+/// Map, version, frame and time travel in one object with the coordinates: nobody can mix them up.
+nlohmann::json FormatPose(const PoseLabel& label, const Pose2& map_from_base);
+/// The same with the covariance of (x, y, yaw), row by row.
+nlohmann::json FormatPose(const PoseLabel& label, const Pose2& map_from_base, const Eigen::Matrix3d& covariance);
+
+}  // namespace floorloc

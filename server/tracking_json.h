@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/fix_history.h"
+#include "server/http_message.h"
+#include "server/localize_service.h"
+#include "server/vehicle_session.h"
+
+namespace floorloc {
+
+/// What a vehicle tells with its picture.
+struct FrameRequest {
+  std::int64_t stamp_ns = 0;
+  std::optional<Pose2> motion;  ///< since its previous message
+};
+
+/// Body of initialpose; the stamp of the pose is not set.
+struct InitialPoseRequest {
+  PoseFix pose;
+  std::optional<std::int64_t> stamp_ns;
+};
+
+/// From the query: stamp, odometry=dx,dy,dyaw. Throws Problem 400 invalid_parameter, or JsonError for numbers that are
+/// out of range.
+FrameRequest ParseFrameQuery(const HttpRequest& request);
+// Bodies in JSON; all throw JsonError.
+FrameRequest ParseFrameJson(const std::string& text);
+/// One increment, or {"increments":[...]}, of which there may be 1000.
+std::vector<OdometryMessage> ParseOdometryJson(const std::string& text);
+InitialPoseRequest ParseInitialPoseJson(const std::string& text);
+
+/// {"seconds","metres","radians"}, or null before the first fix.
+nlohmann::json FormatSinceFix(const VehicleView& view);
+
+/// The map in which a vehicle is.
+struct MapLabel {
+  std::string name;
+  std::string version;
+};
+
+std::string FormatFrameAnswer(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome);
+std::string FormatOdometryAnswer(const OdometryReport& report, const MapLabel& map);
+std::string FormatInitialPoseAnswer(const VehicleView& view, const MapLabel& map);
+
+}  // namespace floorloc

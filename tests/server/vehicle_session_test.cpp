@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/vehicle_session.h"
+
+#include <gtest/gtest.h>
+
+namespace floorloc {
+namespace {
+
+std::int64_t Ns(double seconds) { return *ToStampNs(seconds); }
+
+LocalizationResult FoundAt(const Pose2& pose, double p_wrong = 1e-9) {
+  LocalizationResult found;
+  found.status = LocalizationStatus::kLocalized;
+  found.map_from_base = pose;
+  found.covariance = Eigen::Vector3d(1e-6, 1e-6, 1e-6).asDiagonal();
+  found.p_wrong = p_wrong;
+  return found;
+}
+
+/// A vehicle whose pictures are made up: none has a feature, but each has an answer.
+class VehicleSessionTest : public testing::Test {
+ protected:
+  FrameReport Frame(double stamp_s, const LocalizationResult& found, const std::optional<Pose2>& motion = Pose2()) {
+    const auto turn = session_.BeginFrame(Ns(stamp_s), motion);
+    EXPECT_TRUE(turn.has_value());
+    return session_.FinishFrame(*turn, {}, found);
+  }
+  FrameReport Frame(double stamp_s, const Pose2& pose) { return Frame(stamp_s, FoundAt(pose)); }
+  MessageOutcome Odometry(double stamp_s, const Pose2& motion = {}) {
+    return session_.AddOdometry({{Ns(stamp_s), motion}}).messages.back();
+  }
+  FixRejection Rejection(const FrameReport& report) {
+    EXPECT_TRUE(report.fix.has_value() && !report.fix->accepted);
+    return report.fix ? report.fix->reason : FixRejection::kNone;
+  }
+
+  VehicleSession session_{{}, 0.001, 0.0};
+};
+
+TEST_F(VehicleSessionTest, TheFirstFixIsThePose) {
+  EXPECT_EQ(session_.View().state(), TrackingState::kLost);
+  EXPECT_FALSE(session_.View().fused.has_value());
+  const FrameReport report = Frame(100.0, Pose2(1, 2, 3));
+  EXPECT_EQ(report.message, MessageOutcome::kUsed);
+  EXPECT_TRUE(report.fix->accepted);
+  EXPECT_EQ(report.view.state(), TrackingState::kLocalized);
+  EXPECT_EQ(report.view.fused->stamp_ns, Ns(100.0));
+  EXPECT_GT(report.view.next.seconds, 0.0);
+}
+
+TEST_F(VehicleSessionTest, IncrementsBeginAtThePreviousMessage) {
+  Odometry(100.0, Pose2(5, 5, 1));  // since nothing: ignored
+  Frame(100.1, Pose2(1, 0, 0));
+  Odometry(100.2, Pose2(0.1, 0, 0));
+  const auto pose = session_.View().fused->map_from_base;
+  EXPECT_NEAR(pose.x(), 1.1, 1e-3);
+  EXPECT_NEAR(session_.View().fused->since_fix->metres, 0.1, 1e-3);
+}
+
+TEST_F(VehicleSessionTest, MessagesOutOfOrderCountAtTheirTime) {
+  Frame(100.0, Pose2());
+  EXPECT_EQ(Odometry(100.1, Pose2(0.01, 0, 0)), MessageOutcome::kUsed);
+  EXPECT_EQ(Odometry(100.3, Pose2(0.02, 0, 0)), MessageOutcome::kUsed);
+  EXPECT_EQ(Odometry(100.2, Pose2(0.03, 0, 0)), MessageOutcome::kUsedLate);
+  EXPECT_NEAR(session_.View().fused->map_from_base.x(), 0.06, 1e-3);
+  EXPECT_EQ(Odometry(100.2, Pose2(0.03, 0, 0)), MessageOutcome::kDuplicate);
+  EXPECT_NEAR(session_.View().fused->map_from_base.x(), 0.06, 1e-3);
+  EXPECT_EQ(Odometry(90.0), MessageOutcome::kTooOld);
+  EXPECT_EQ(Frame(100.25, Pose2(0.05, 0, 0)).message, MessageOutcome::kUsedLate);
+}
+
+TEST_F(VehicleSessionTest, EveryReasonToRejectIsReached) {
+  Frame(100.0, Pose2());
+  EXPECT_EQ(Rejection(Frame(100.1, FoundAt(Pose2(), 0.5))), FixRejection::kWrongFixRisk);
+  EXPECT_EQ(Rejection(Frame(100.2, Pose2(1, 0, 0))), FixRejection::kJumpDistance);
+  EXPECT_EQ(Rejection(Frame(100.3, Pose2(0, 0, 1))), FixRejection::kJumpAngle);
+  EXPECT_EQ(Rejection(Frame(100.4, Pose2(0.15, 0, 0))), FixRejection::kMahalanobis);
+  EXPECT_EQ(Rejection(Frame(100.4, Pose2())), FixRejection::kDuplicate);
+  EXPECT_EQ(Rejection(Frame(90.0, Pose2())), FixRejection::kTooOld);
+  LocalizationResult broken = FoundAt(Pose2());
+  broken.covariance(0, 0) = -1.0;
+  EXPECT_EQ(Rejection(Frame(100.5, broken)), FixRejection::kInvalid);
+  const VehicleCounts counts = session_.View().counts;
+  EXPECT_EQ(counts.accepted, 1U);
+  for (const FixRejection reason : kFixRejections) {
+    EXPECT_EQ(counts.rejected[static_cast<std::size_t>(reason)], 1U) << ToString(reason);
+  }
+}
+
+TEST_F(VehicleSessionTest, AKidnappedVehicleIsFoundAgain) {
+  Frame(100.0, Pose2());
+  EXPECT_FALSE(Frame(100.1, Pose2(3, 1, 1)).fix->accepted);
+  EXPECT_FALSE(Frame(100.2, Pose2(3, 1, 1)).fix->accepted);
+  const FrameReport report = Frame(100.3, Pose2(3, 1, 1));
+  EXPECT_TRUE(report.fix->accepted && report.fix->reanchored);
+  EXPECT_NEAR(report.view.fused->map_from_base.x(), 3.0, 1e-3);
+  EXPECT_EQ(report.view.counts.reanchored, 1U);
+}
+
+TEST_F(VehicleSessionTest, ASetClockIsNoticedByOdometryAndByPicturesAlone) {
+  Frame(100.0, Pose2(1, 0, 0));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(Odometry(50.0 + 0.1 * i), MessageOutcome::kTooOld);
+  }
+  EXPECT_EQ(Odometry(50.4), MessageOutcome::kClockJump);
+  EXPECT_NEAR(session_.View().fused->map_from_base.x(), 1.0, 0.01);
+  EXPECT_EQ(session_.View().fused->stamp_ns, Ns(50.4));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(Frame(10.0 + 0.1 * i, FoundAt(Pose2()), std::nullopt).message, MessageOutcome::kTooOld);
+  }
+  const FrameReport report = Frame(10.4, FoundAt(Pose2(2, 0, 0)), std::nullopt);
+  EXPECT_EQ(report.message, MessageOutcome::kClockJump);
+  EXPECT_TRUE(report.fix->accepted);
+  EXPECT_EQ(report.view.fused->stamp_ns, Ns(10.4));
+}
+
+TEST_F(VehicleSessionTest, OnePictureAtATimeAndOdometryMeanwhile) {
+  Frame(100.0, Pose2());
+  auto turn = session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));
+  ASSERT_TRUE(turn.has_value());
+  EXPECT_FALSE(session_.BeginFrame(Ns(100.2), std::nullopt).has_value());
+  EXPECT_EQ(Odometry(100.2, Pose2(0.1, 0, 0)), MessageOutcome::kUsed);
+  const FrameReport report = session_.FinishFrame(*turn, {}, FoundAt(Pose2(0.101, 0, 0)));
+  EXPECT_TRUE(report.fix->accepted);
+  EXPECT_NEAR(report.view.fused->map_from_base.x(), 0.201, 2e-3);
+  turn.reset();
+  EXPECT_TRUE(session_.BeginFrame(Ns(100.3), std::nullopt).has_value());
+}
+
+TEST_F(VehicleSessionTest, APictureThatIsSentAgainBringsItsOdometryOnce) {
+  Frame(100.0, Pose2());
+  session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));  // and failed
+  const FrameReport report = Frame(100.1, FoundAt(Pose2(0.1, 0, 0)), Pose2(0.1, 0, 0));
+  EXPECT_NE(report.message, MessageOutcome::kDuplicate);
+  EXPECT_TRUE(report.fix->accepted);
+  EXPECT_NEAR(report.view.fused->map_from_base.x(), 0.1, 1e-3);
+}
+
+TEST_F(VehicleSessionTest, ASetPoseIsWhereTheNextFixIsExpected) {
+  PoseFix pose;
+  pose.map_from_base = Pose2(1, 1, 1);
+  pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+  EXPECT_NEAR(session_.SetPose(pose, std::nullopt).fused->map_from_base.x(), 1.0, 1e-9);
+  // The first message tells the vehicle's time, whatever it is.
+  EXPECT_EQ(Rejection(Frame(5.0, Pose2(3, 1, 1))), FixRejection::kJumpDistance);
+  EXPECT_TRUE(Frame(5.1, Pose2(1.01, 1, 1)).fix->accepted);
+  const auto turn = session_.BeginFrame(Ns(5.2), std::nullopt);
+  EXPECT_TRUE(turn->prior.has_value());
+}
+
+TEST(VehicleExpiryTest, ASilentVehicleIsLost) {
+  VehicleSession session({}, 0.001, 1e-9);
+  const auto turn = session.BeginFrame(Ns(100.0), std::nullopt);
+  session.FinishFrame(*turn, {}, FoundAt(Pose2()));
+  EXPECT_TRUE(session.Expired());
+  EXPECT_EQ(session.View().state(), TrackingState::kLost);
+  EXPECT_FALSE(session.AddOdometry({{Ns(100.1), Pose2()}}).view.fused.has_value());
+  EXPECT_FALSE(VehicleSession({}, 0.001, 0.0).Expired());
+}
+
+}  // namespace
+}  // namespace floorloc
