@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of the demo's vehicle that need no server."""
+
+import argparse
+import contextlib
+import io
+import json
+import math
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "maps"))
+import vehicle  # noqa: E402
+
+
+def answer(time_s, status="localized", pose=(0j, 0.0), fix=None):
+    return vehicle.Answer(time_s, status, pose, 1.0, fix)
+
+
+class MessagesTest(unittest.TestCase):
+    def test_motion_is_told_in_the_frame_of_its_start(self):
+        dx, dy, dyaw = vehicle.motion_between((1 + 1j, math.pi / 2), (1 + 3j, -math.pi + 0.1))
+        self.assertAlmostEqual(dx, 2)
+        self.assertAlmostEqual(dy, 0)
+        self.assertAlmostEqual(dyaw, math.pi / 2 + 0.1)
+
+    def test_odometry_and_frames_come_in_the_order_of_time(self):
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "frames.csv").write_text("timestamp,filename\n10.0,a.jpg\n10.03,b.jpg\n")
+        rows = [f"{10 + 0.02 * i:.2f} {i} 0 0 0 0 0 1" for i in range(4)]
+        (folder / "odometry.tum").write_text("\n".join(rows) + "\n")
+        messages = vehicle.read_messages(folder)
+        self.assertEqual([message.picture.name if message.picture else round(message.motion[0], 3)
+                          for message in messages],
+                         ["a.jpg", 1, 0.5, "b.jpg", 0.5, 1])
+        self.assertEqual(messages[0].stamp, "10.0")
+        self.assertEqual(vehicle.read_kidnaps(folder), [])
+
+    def test_kidnaps_are_read_among_other_events(self):
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "events.csv").write_text("timestamp,duration,event\n1.5,0.2,slip\n7.1,0,kidnap\n14,0,kidnap\n")
+        self.assertEqual(vehicle.read_kidnaps(folder), [7.1, 14.0])
+
+
+class StubClient:
+    """Answers as the server does, with the pose that the odometry sent so far amounts to."""
+
+    def __init__(self):
+        self.calls = []
+        self.x = 0.0
+
+    def send(self, method, path):
+        self.calls.append((method, path))
+
+    def register(self, vehicle_name, map_name, folder):
+        self.calls.append(("PUT", vehicle_name, map_name))
+
+    def call(self, method, path, body=None, content_type="application/json"):
+        self.calls.append((method, path, body))
+        if content_type == "application/json":
+            self.x += json.loads(body)["dx"]
+        said = {"status": "localized", "pose": {"x": self.x, "y": 0.0, "yaw": 0.0}}
+        return {**said, "fix": {"accepted": True}} if content_type == "image/jpeg" else said
+
+
+class RunTest(unittest.TestCase):
+    def test_everything_is_sent_to_the_vehicle_and_answered(self):
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "a.jpg").write_bytes(b"\xff\xd8picture")
+        (folder / "frames.csv").write_text("timestamp,filename\n10.02,a.jpg\n")
+        (folder / "odometry.tum").write_text("".join(f"{10 + 0.02 * i:.2f} {3 * i} 0 0 0 0 0 1\n" for i in range(3)))
+        client = StubClient()
+        arguments = argparse.Namespace(frames=folder, vehicle="v", map="hall", pace=0.0)
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            answers = vehicle.run(client, arguments)
+        self.assertEqual(client.calls[:2], [("DELETE", "/v1/vehicles/v"), ("PUT", "v", "hall")])
+        self.assertEqual([call[1] for call in client.calls[2:]],
+                         ["/v1/vehicles/v/odometry", "/v1/vehicles/v/frames?stamp=10.02", "/v1/vehicles/v/odometry"])
+        self.assertEqual(client.calls[3][2], b"\xff\xd8picture")
+        self.assertEqual([answer.pose[0].real for answer in answers], [3, 3, 6])
+        self.assertEqual([answer.fix is None for answer in answers], [True, False, True])
+        self.assertIn("localized", printed.getvalue())
+
+
+class JudgementTest(unittest.TestCase):
+    def judged(self):
+        """A kidnap at 10 s: two answers before a picture can tell, three doubtful ones, then found."""
+        answers = [answer(9.9), answer(10.02), answer(10.04),
+                   answer(10.1, "tracking_odometry", fix={"accepted": False}),
+                   answer(10.2, "tracking_odometry"),
+                   answer(10.3, "tracking_odometry", fix={"accepted": False}),
+                   answer(10.5, "localized", fix={"accepted": True}), answer(10.6)]
+        return [(a, 1.0 if 10 <= a.time_s < 10.5 else 0.001, 0.0) for a in answers]
+
+    def test_follows_a_kidnap_from_notice_to_recovery(self):
+        [kidnap] = vehicle.follow_kidnaps([10.0], self.judged())
+        self.assertAlmostEqual(kidnap.noticed_s, 0.1)
+        self.assertAlmostEqual(kidnap.found_s, 0.5)
+        self.assertEqual(kidnap.frames, 3)
+
+    def test_a_vehicle_that_stays_lost_is_complained_of(self):
+        [kidnap] = vehicle.follow_kidnaps([10.0], self.judged()[:6])
+        self.assertIsNone(kidnap.found_s)
+        self.assertEqual(len(vehicle.complaints(0, 1.0, [kidnap])), 1)
+
+    def test_only_wrong_poses_after_a_picture_are_held_against_it(self):
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            answers = [a for a, _, _ in self.judged()]
+            self.assertEqual(vehicle.report(answers, self.judged(), []), [
+                "only 62.5 % of the answers are localized, 80 % are expected"])
+            after_picture = [(answer(9.0, fix={"accepted": True}), 0.2, 0.0)] + self.judged()
+            self.assertEqual(len(vehicle.report(answers, after_picture, [])), 2)
+        self.assertIn("2 of 4 wrong", printed.getvalue())
+
+    def test_wrong_and_rare_poses_are_complained_of(self):
+        self.assertEqual(vehicle.complaints(0, 0.9, []), [])
+        self.assertEqual(len(vehicle.complaints(3, 0.1, [])), 2)
+
+    def test_errors_do_not_depend_on_the_frames_of_map_and_truth(self):
+        times = [0.1 * i for i in range(20)]
+        truth = (times, [(complex(t, t * t), t) for t in times])
+        answers = [answer(t, pose=(complex(t, t * t) * 1j + 3, t + math.pi / 2), fix={"accepted": True}) for t in times]
+        for _, position_m, yaw_rad in vehicle.judge(answers, truth):
+            self.assertLess(position_m, 1e-9)
+            self.assertLess(yaw_rad, 1e-9)
+
+
+if __name__ == "__main__":
+    unittest.main()
