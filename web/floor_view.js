@@ -5,7 +5,7 @@ import * as L from "/web/leaflet.esm.min.js";
 import { tileTemplate } from "/web/api.js";
 
 const FIXES_SHOWN = 60;
-const COLOURS = { localized: "#128a5b", ambiguous: "#b97800" };
+const COLOURS = { localized: "#128a5b", ambiguous: "#b97800", tracking_odometry: "#1f6fb2", lost: "#c0392b" };
 const EMPTY_TILE = "data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==";
 
 /// Zoom 0 of Leaflet is the map's coarsest level: one tile is tile_px * resolution * 2^max_zoom metres there.
@@ -61,12 +61,14 @@ export class FloorView {
     this.element = element;
     this.onPosition = onPosition;
     this.fixes = [];
+    this.vehicles = [];
   }
 
-  /// Shows a map; its fixes have to be added again.
+  /// Shows a map; its fixes and vehicles have to be given again.
   show(map) {
     this.leaflet?.remove();
     this.fixes = [];
+    this.vehicles = [];
     const { extent, mosaic } = map;
     const bounds = [[extent.y_min, extent.x_min], [extent.y_max, extent.x_max]];
     this.leaflet = L.map(this.element, {
@@ -87,10 +89,14 @@ export class FloorView {
       errorTileUrl: EMPTY_TILE,
     }).addTo(this.leaflet);
     this.drawn = L.layerGroup().addTo(this.leaflet);
+    this.drawnVehicles = L.layerGroup().addTo(this.leaflet);
     L.control.scale({ imperial: false, maxWidth: 160 }).addTo(this.leaflet);
     this.leaflet.on("mousemove", ({ latlng }) => this.onPosition(latlng.lng, latlng.lat));
     this.leaflet.on("mouseout", () => this.onPosition(null, null));
-    this.leaflet.on("zoomend", () => this.draw());
+    this.leaflet.on("zoomend", () => {
+      this.draw();
+      this.drawVehicles();
+    });
     this.leaflet.fitBounds(bounds);
   }
 
@@ -104,13 +110,39 @@ export class FloorView {
     this.draw();
   }
 
+  /// Vehicles with the poses that the server keeps for them.
+  showVehicles(vehicles) {
+    this.vehicles = vehicles;
+    this.drawVehicles();
+  }
+
+  drawVehicles() {
+    if (!this.leaflet) {
+      return;
+    }
+    this.drawnVehicles.clearLayers();
+    for (const { id, pose, status } of this.vehicles) {
+      const colour = COLOURS[status];
+      const around = { color: colour, weight: 1, fillOpacity: 0.12, className: "vehicle-ellipse" };
+      const arrow = { color: "#ffffff", weight: 2, fillColor: colour, fillOpacity: 1 };
+      L.polygon(ellipsePoints(pose), around).addTo(this.drawnVehicles);
+      L.polygon(arrowPoints(pose, 44 * this.metresPerPixel()), { ...arrow, className: `vehicle-arrow ${status}` })
+        .bindTooltip(`${id}: ${status.replaceAll("_", " ")}`)
+        .addTo(this.drawnVehicles);
+    }
+  }
+
+  metresPerPixel() {
+    return this.leaflet.unproject([1, 0], this.leaflet.getZoom()).lng;
+  }
+
   /// Old fixes fade; arrows keep a readable size on the screen.
   draw() {
     if (!this.leaflet) {
       return;
     }
     this.drawn.clearLayers();
-    const metresPerPixel = this.leaflet.unproject([1, 0], this.leaflet.getZoom()).lng;
+    const metresPerPixel = this.metresPerPixel();
     this.fixes.forEach((fix, i) => {
       const opacity = 0.35 + (0.65 * (i + 1)) / this.fixes.length;
       const poses = fix.pose ? [fix.pose] : fix.alternatives;

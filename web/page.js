@@ -52,8 +52,11 @@ function fillList(element, items, emptyText) {
 
 function showVehicles(vehicles) {
   const now = Date.now() / 1000;
-  const items = vehicles.map(({ id, last_fix: fix }) =>
-    listItem(id, fix ? age(now - fix.received) : "no fix yet", fix?.status ?? ""));
+  const items = vehicles.map(({ id, pose, status, last_fix: fix }) => {
+    const heard = fix ? age(now - fix.received) : "no fix yet";
+    const text = pose ? `${status.replaceAll("_", " ")}, ${heard}` : heard;
+    return listItem(id, text, pose ? status : fix?.status ?? "");
+  });
   fillList($("vehicles"), items, "No vehicle is registered.");
   const ids = vehicles.map(({ id }) => id);
   if (ids.join() !== $("vehicle-ids").dataset.ids) {
@@ -130,7 +133,9 @@ async function refreshFixes() {
 async function refresh() {
   try {
     await refreshMaps();
-    showVehicles(await api.listVehicles());
+    const vehicles = await api.listVehicles();
+    showVehicles(vehicles);
+    floor.showVehicles(vehicles.filter(({ map, pose }) => pose && map === state.map?.name));
     await refreshFixes();
     showConnection(null);
     if (state.away) {

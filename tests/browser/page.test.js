@@ -7,7 +7,9 @@ import { after, before, beforeEach, afterEach, test } from "node:test";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
 
-import { localize, makeMaps, registerVehicle, sampleImage, startServer } from "./product.js";
+import {
+  localize, makeMaps, registerVehicle, sampleImage, sendFrame, sendOdometry, startServer,
+} from "./product.js";
 
 const ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
   "--disable-background-networking", "--disable-component-update", "--disable-sync"];
@@ -92,6 +94,23 @@ test("a fix appears by itself, where the robot is", async () => {
   assert.match(await page.locator("#vehicles").textContent(), /agv-7\d+ s ago/);
   assert.equal(await page.locator("#fixes li").count(), 3);
   await takePicture("fixes");
+});
+
+test("a vehicle is drawn where the server has it, coloured by what that is worth", async () => {
+  await page.goto(server.url);
+  await registerVehicle(server.url, "tracked");
+  assert.equal((await sendFrame(server.url, "tracked", sampleImage(5), 100)).status, "localized");
+  const arrow = page.locator("path.vehicle-arrow");
+  await page.locator("path.vehicle-arrow.localized").waitFor({ state: "attached" });
+  const before = await arrow.boundingBox();
+  const moved = await sendOdometry(server.url, "tracked", { stamp: 102, dx: 0.5, dy: 0.2, dyaw: 1 });
+  assert.equal(moved.status, "tracking_odometry");
+  await page.locator("path.vehicle-arrow.tracking_odometry").waitFor({ state: "attached" });
+  assert.equal(await arrow.count(), 1);
+  const after = await arrow.boundingBox();
+  assert.ok(Math.hypot(after.x - before.x, after.y - before.y) > 20, "it is drawn elsewhere");
+  assert.match(await page.locator("#vehicles").textContent(), /trackedtracking odometry, \d+ s ago/);
+  await takePicture("vehicle");
 });
 
 test("a picture can be tried by hand", async () => {

@@ -113,3 +113,22 @@ export async function localize(url, id, image) {
   });
   return response.json();
 }
+
+/// A message of a vehicle: a picture with its stamp, or an increment.
+export async function sendFrame(url, id, image, stamp) {
+  const response = await fetch(`${url}/v1/vehicles/${id}/frames?stamp=${stamp}`, {
+    method: "POST",
+    headers: { "Content-Type": "image/jpeg" },
+    body: readFileSync(image),
+  });
+  return response.json();
+}
+
+export async function sendOdometry(url, id, increment) {
+  const response = await fetch(`${url}/v1/vehicles/${id}/odometry`, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(increment),
+  });
+  return response.json();
+}
