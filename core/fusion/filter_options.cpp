@@ -74,8 +74,9 @@ void PoseFilterOptions::Check() const {
                    {"limits.lost_m", limits.lost_m},
                    {"limits.lost_rad", limits.lost_rad},
                    {"history_s", history_s}});
-  if (kidnap.fixes < 1 || clock_jump_messages < 1 || max_messages < 16) {
-    throw std::invalid_argument("kidnap.fixes and clock_jump_messages must be at least 1, max_messages at least 16");
+  if (kidnap.fixes < 1 || kidnap.near_fixes < 1 || clock_jump_messages < 1 || max_messages < 16) {
+    throw std::invalid_argument(
+        "kidnap.fixes, kidnap.near_fixes and clock_jump_messages must be at least 1, max_messages at least 16");
   }
 }
 

@@ -21,8 +21,8 @@ struct OdometryNoise {
 /// Errors of visual odometry that its covariances do not tell.
 struct VisionNoise {
   double scale = 0.003;   ///< of distances: the camera's height over the floor, standard deviation
-  double frame_m = 1e-3;  ///< of each picture by itself: the camera vibrates
-  double frame_rad = 7e-4;
+  double frame_m = 2e-3;  ///< of each picture by itself, at first: the camera vibrates
+  double frame_rad = 1.5e-3;
 };
 
 /// Errors of an IMU, per root of the sampling rate as data sheets have them.
@@ -36,10 +36,10 @@ struct ImuNoise {
   double accelerometer_walk = 2e-3;  ///< m/s^2 per root s; slopes of the floor included
 };
 
-/// How the noise of the wheels is adapted to what the fixes show (covariance matching).
+/// How the noises of wheels and pictures are adapted to what is seen (covariance matching).
 struct NoiseAdaptation {
-  double rate = 0.1;        ///< per fix; 0: never
-  double min_factor = 0.1;  ///< of the variance
+  double rate = 0.1;         ///< per measurement; 0: never
+  double min_factor = 0.05;  ///< of the variance
   double max_factor = 100.0;
 };
 
@@ -73,6 +73,7 @@ struct FixGates {
 /// other as odometry has them.
 struct KidnapOptions {
   int fixes = 3;
+  int near_fixes = 2;            ///< when the last one is within the distance and angle gates: wheels slip now and then
   double max_distance_m = 0.05;  ///< disagreement of two of these fixes
   double max_angle_rad = 0.06;
   double sigmas = 3.0;      ///< and so many standard deviations of the motion between them

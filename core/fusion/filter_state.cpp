@@ -2,6 +2,7 @@
 #include "core/fusion/filter_state.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 namespace floorloc {
@@ -33,6 +34,13 @@ Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose) 
 
 Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise) {
   return Eigen::Vector3d(noise.sigma_m, noise.sigma_m, noise.sigma_rad).cwiseAbs2();
+}
+
+double AdaptedNoise(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation) {
+  constexpr double kExpected = 3.0;
+  constexpr double kMaxExcess = 4.0;  // a single measurement that is far off says little
+  const double excess = std::min(mahalanobis_squared / kExpected, kMaxExcess) - 1.0;
+  return std::clamp(factor * std::exp(adaptation.rate * excess), adaptation.min_factor, adaptation.max_factor);
 }
 
 double LargestSigma(const Eigen::Matrix2d& covariance) {

@@ -55,6 +55,7 @@ struct FilterState {
   ErrorCovariance covariance = ErrorCovariance::Zero();
   /// Variance of the wheels' noise against what OdometryNoise says: how well fixes meet the predictions tells it.
   double wheel_noise_factor = 1.0;
+  double vision_noise_factor = 1.0;  ///< likewise, of VisionNoise::frame_*: how well pictures meet the predictions
   // Not estimated, but carried along:
   Pose2 odom_from_base;
   double path_m = 0.0;    ///< since the last accepted fix
@@ -71,6 +72,10 @@ Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose);
 
 /// Of x, y, yaw.
 Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise);
+
+/// The factor of a noise's variance after a measurement that depends on it: raised when it is farther off than
+/// expected, lowered when it is nearer (covariance matching). mahalanobis_squared: with 3 degrees of freedom.
+double AdaptedNoise(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation);
 
 /// Standard deviation along the longer axis.
 double LargestSigma(const Eigen::Matrix2d& covariance);

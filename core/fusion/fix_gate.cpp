@@ -11,9 +11,6 @@ namespace floorloc {
 namespace {
 
 constexpr double kMinPathM = 0.005;
-constexpr double kExpected = 3.0;   // mean of chi-square with 3 degrees of freedom
-constexpr double kMaxExcess = 4.0;  // a single fix that is far off says little
-
 FixRejection FirstClosedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,
                              const FixGates& gates) {
   const double position_sigma_m = LargestSigma(predicted.covariance.topLeftCorner<2, 2>());
@@ -35,6 +32,11 @@ struct FixInnovation {
   Eigen::Vector3d residual;
   Eigen::Matrix<double, 3, error_row::kCount> jacobian = Eigen::Matrix<double, 3, error_row::kCount>::Zero();
   Eigen::Matrix3d noise;
+
+  double MahalanobisSquared(const FilterState& state) const {
+    const Eigen::Matrix3d covariance = jacobian * state.covariance * jacobian.transpose() + noise;
+    return residual.dot(covariance.ldlt().solve(residual));
+  }
 };
 
 FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
@@ -49,26 +51,21 @@ FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
 }  // namespace
 
 FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates) {
-  const FixInnovation innovation = Compare(fix, predicted);
-  const Eigen::Matrix3d covariance =
-      innovation.jacobian * predicted.covariance * innovation.jacobian.transpose() + innovation.noise;
   const Pose2 jump = predicted.map_from_base.Between(fix.map_from_base);
   FixOutcome outcome;
   outcome.distance_m = jump.translation().norm();
   outcome.angle_rad = std::abs(jump.yaw());
-  outcome.mahalanobis_squared = innovation.residual.dot(covariance.ldlt().solve(innovation.residual));
+  outcome.mahalanobis_squared = Compare(fix, predicted).MahalanobisSquared(predicted);
   outcome.reason = FirstClosedGate(outcome, fix.p_wrong, predicted, gates);
   outcome.accepted = outcome.reason == FixRejection::kNone;
   return outcome;
 }
 
-void AdaptWheelNoise(double mahalanobis_squared, const NoiseAdaptation& adaptation, FilterState* state) {
-  if (state->path_m < kMinPathM) {
-    return;  // the wheels had no say
+void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, FilterState* predicted) {
+  if (predicted->path_m >= kMinPathM) {  // else the wheels had no say
+    predicted->wheel_noise_factor = AdaptedNoise(predicted->wheel_noise_factor,
+                                                 Compare(fix, *predicted).MahalanobisSquared(*predicted), adaptation);
   }
-  const double excess = std::min(mahalanobis_squared / kExpected, kMaxExcess) - 1.0;
-  state->wheel_noise_factor = std::clamp(state->wheel_noise_factor * std::exp(adaptation.rate * excess),
-                                         adaptation.min_factor, adaptation.max_factor);
 }
 
 void CorrectByFix(const PoseFix& fix, FilterState* state) {

@@ -12,9 +12,8 @@ namespace floorloc {
 /// that does not pass is the reason.
 FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates);
 
-/// Adapts the noise of the wheels by how well a fix meets the prediction: raised when it is farther off than expected,
-/// lowered when it is nearer. mahalanobis_squared: of the fix that was judged.
-void AdaptWheelNoise(double mahalanobis_squared, const NoiseAdaptation& adaptation, FilterState* state);
+/// Adapts the noise of the wheels by how well a fix meets what they predicted.
+void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, FilterState* predicted);
 
 /// Kalman's correction of the state by a fix of its time.
 void CorrectByFix(const PoseFix& fix, FilterState* state);

@@ -18,7 +18,7 @@ bool KidnapWatch::Agree(const PoseFix& earlier, const PoseFix& later, const Moti
          std::abs(difference.yaw()) <= options_.max_angle_rad + options_.sigmas * moved.sigma_rad;
 }
 
-bool KidnapWatch::AddContradiction(const PoseFix& fix, const MotionBetween& motion_between) {
+int KidnapWatch::AddContradiction(const PoseFix& fix, const MotionBetween& motion_between) {
   const auto max_age_ns = static_cast<std::int64_t>(1e9 * options_.max_age_s);
   std::erase_if(contradictions_, [&](const PoseFix& c) { return fix.stamp_ns - c.stamp_ns > max_age_ns; });
   const auto others = std::count_if(contradictions_.begin(), contradictions_.end(), [&](const PoseFix& c) {
@@ -29,7 +29,7 @@ bool KidnapWatch::AddContradiction(const PoseFix& fix, const MotionBetween& moti
     contradictions_.pop_front();
   }
   agreeing_ = static_cast<int>(others) + 1;
-  return agreeing_ >= options_.fixes;
+  return agreeing_;
 }
 
 void KidnapWatch::Clear() {

@@ -25,8 +25,8 @@ class KidnapWatch {
 
   explicit KidnapWatch(const KidnapOptions& options) : options_(options) {}
 
-  /// A fix that was not accepted. True when enough of them, this one among them, agree with each other.
-  bool AddContradiction(const PoseFix& fix, const MotionBetween& motion_between);
+  /// A fix that was not accepted. Returns how many of them, this one among them, agree with each other.
+  int AddContradiction(const PoseFix& fix, const MotionBetween& motion_between);
   void Clear();
   /// True while there are contradictions that are not resolved.
   bool InDoubt() const { return !contradictions_.empty(); }

@@ -141,10 +141,9 @@ void PoseFilter::AddVision(const MotionIncrement& increment) {
   if (increment.to_ns < checkpoints_.front().state.stamp_ns) {
     return;
   }
-  Checkpoint& checkpoint = CheckpointAt(increment.to_ns);
-  checkpoint.vision = increment;
-  CorrectByVision(increment, options_, &checkpoint.state);
-  RedoSince(increment.to_ns);
+  const std::size_t place = CheckpointAt(increment.to_ns);
+  checkpoints_[place].vision = increment;
+  RedoFrom(place);
 }
 
 MessageOutcome PoseFilter::AddImu(const ImuReading& reading) {
@@ -164,21 +163,26 @@ FilterState PoseFilter::StateAt(std::int64_t stamp_ns) const {
   return state;
 }
 
-PoseFilter::Checkpoint& PoseFilter::CheckpointAt(std::int64_t stamp_ns) {
+// The place of the state of a time among those that are remembered; it is made when there is none.
+std::size_t PoseFilter::CheckpointAt(std::int64_t stamp_ns) {
   const std::size_t before = LastCheckpointBefore(stamp_ns);
   if (checkpoints_[before].state.stamp_ns == stamp_ns) {
-    return checkpoints_[before];
+    return before;
   }
-  return *checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(before + 1), {StateAt(stamp_ns)});
+  checkpoints_.insert(checkpoints_.begin() + static_cast<std::ptrdiff_t>(before + 1), {StateAt(stamp_ns)});
+  return before + 1;
 }
 
 // Fixes that were accepted stay accepted.
 void PoseFilter::RedoSince(std::int64_t stamp_ns) {
-  if (checkpoints_.empty() || checkpoints_.back().state.stamp_ns <= stamp_ns) {
-    return;
+  if (!checkpoints_.empty() && checkpoints_.back().state.stamp_ns > stamp_ns) {
+    RedoFrom(stamp_ns < checkpoints_.front().state.stamp_ns ? 0 : LastCheckpointBefore(stamp_ns) + 1);
   }
-  const std::size_t first = stamp_ns < checkpoints_.front().state.stamp_ns ? 1 : LastCheckpointBefore(stamp_ns) + 1;
-  for (std::size_t i = first; i < checkpoints_.size(); ++i) {
+}
+
+// The first state has none before it to be predicted from: it stays as it is.
+void PoseFilter::RedoFrom(std::size_t place) {
+  for (std::size_t i = std::max<std::size_t>(place, 1); i < checkpoints_.size(); ++i) {
     const std::int64_t stamp = checkpoints_[i].state.stamp_ns;
     checkpoints_[i].state = checkpoints_[i - 1].state;
     CarryOn(record_, options_, stamp, &checkpoints_[i].state);
@@ -189,16 +193,15 @@ void PoseFilter::RedoSince(std::int64_t stamp_ns) {
 // What was measured at the checkpoint's time, on the predicted state.
 void PoseFilter::Apply(Checkpoint* checkpoint) const {
   FilterState* state = &checkpoint->state;
+  if (checkpoint->fix) {
+    AdaptWheelNoise(*checkpoint->fix, options_.adaptation, state);
+  }
   if (checkpoint->vision) {
     CorrectByVision(*checkpoint->vision, options_, state);
   }
-  if (checkpoint->fix) {
-    AdaptWheelNoise(checkpoint->mahalanobis_squared, options_.adaptation, state);
-    if (checkpoint->fix_accepted) {
-      CorrectByFix(*checkpoint->fix, state);
-    }
-    state->path_m = checkpoint->fix_accepted ? 0.0 : state->path_m;
-    state->turn_rad = checkpoint->fix_accepted ? 0.0 : state->turn_rad;
+  if (checkpoint->fix && checkpoint->fix_accepted) {
+    CorrectByFix(*checkpoint->fix, state);
+    state->path_m = state->turn_rad = 0.0;
   }
 }
 
@@ -232,14 +235,13 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
 
 // A fix that is near takes its place among the states, and what came after it is done again.
 void PoseFilter::Insert(const PoseFix& fix, const FixOutcome& outcome) {
-  Checkpoint& checkpoint = CheckpointAt(fix.stamp_ns);
-  const std::optional<MotionIncrement> vision = std::exchange(checkpoint.vision, std::nullopt);  // is applied already
-  checkpoint.fix = fix;
-  checkpoint.mahalanobis_squared = outcome.mahalanobis_squared;
-  checkpoint.fix_accepted = outcome.accepted;
-  Apply(&checkpoint);
-  checkpoint.vision = vision;
-  RedoSince(fix.stamp_ns);
+  const std::size_t place = CheckpointAt(fix.stamp_ns);
+  checkpoints_[place].fix = fix;
+  checkpoints_[place].fix_accepted = outcome.accepted;
+  if (place == 0 && outcome.accepted) {
+    CorrectByFix(fix, &checkpoints_[0].state);
+  }
+  RedoFrom(place);
 }
 
 FixOutcome PoseFilter::Accept(const PoseFix& fix, const FixOutcome& outcome) {
@@ -263,10 +265,9 @@ FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
     return MotionEstimate{moved.map_from_base, LargestSigma(moved.covariance.topLeftCorner<2, 2>()),
                           std::sqrt(moved.covariance(2, 2))};
   };
-  if (kidnap_.AddContradiction(fix, motion)) {
-    return Anchor(fix);
-  }
-  return outcome;
+  const KidnapOptions& kidnap = options_.kidnap;
+  const int needed = outcome.reason == FixRejection::kMahalanobis ? kidnap.near_fixes : kidnap.fixes;
+  return kidnap_.AddContradiction(fix, motion) >= needed ? Anchor(fix) : outcome;
 }
 
 // The vehicle is where the fix has it. What is known of its sensors stays; the pose begins anew.
@@ -279,7 +280,7 @@ FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
   PlaceAtFix(fix, options_.shared_fix, &state);
   state.path_m = state.turn_rad = 0.0;
   checkpoints_.clear();
-  checkpoints_.push_back({state, {}, fix, 0.0, true});
+  checkpoints_.push_back({state, {}, fix, true});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_ = fix.stamp_ns;

@@ -37,8 +37,7 @@ class PoseFilter : public PoseFuser {
     FilterState state;  // after both
     std::optional<MotionIncrement> vision = std::nullopt;
     std::optional<PoseFix> fix = std::nullopt;
-    double mahalanobis_squared = 0.0;  ///< of the fix when it came
-    bool fix_accepted = false;         ///< else it only tells of the noise
+    bool fix_accepted = false;  ///< else it only tells of the noise
   };
 
   template <typename Track, typename Message>
@@ -48,10 +47,11 @@ class PoseFilter : public PoseFuser {
   void BeginAnew(std::int64_t stamp_ns);
   void Advance(std::int64_t stamp_ns);
   void AddVision(const MotionIncrement& increment);
-  Checkpoint& CheckpointAt(std::int64_t stamp_ns);
+  std::size_t CheckpointAt(std::int64_t stamp_ns);
   void Apply(Checkpoint* checkpoint) const;
   void Insert(const PoseFix& fix, const FixOutcome& outcome);
   void RedoSince(std::int64_t stamp_ns);
+  void RedoFrom(std::size_t place);
   void ForgetOld();
   FilterState StateAt(std::int64_t stamp_ns) const;
   std::size_t LastCheckpointBefore(std::int64_t stamp_ns) const;

@@ -41,7 +41,7 @@ void MoveVisualPose(const MotionIncrement& increment, FilterState* state) {
 }  // namespace
 
 void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& options, FilterState* state) {
-  const Eigen::Matrix3d frame_noise = FrameNoise(options.vision);
+  const Eigen::Matrix3d frame_noise = state->vision_noise_factor * FrameNoise(options.vision);
   const bool goes_on = state->visual_ns == motion.from_ns;
   state->visual_ns = motion.to_ns;
   if (!goes_on) {
@@ -54,9 +54,11 @@ void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& opt
   jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
   const Eigen::Vector3d residual = state->map_from_base.Between(state->visual_map_from_base).Log();
   const Eigen::Matrix3d expected = jacobian * state->covariance * jacobian.transpose() + frame_noise;
-  if (residual.dot(expected.ldlt().solve(residual)) > options.max_slip_mahalanobis_squared) {
+  const double mahalanobis_squared = residual.dot(expected.ldlt().solve(residual));
+  if (mahalanobis_squared > options.max_slip_mahalanobis_squared) {
     state->covariance.diagonal().segment<3>(kPose) += residual.cwiseAbs2();
   }
+  state->vision_noise_factor = AdaptedNoise(state->vision_noise_factor, mahalanobis_squared, options.adaptation);
   state->Add(KalmanCorrection<3, kCount>(residual, jacobian, frame_noise, &state->covariance));
 }
 
