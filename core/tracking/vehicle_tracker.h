@@ -19,7 +19,7 @@ struct PriorOptions {
   double min_radius_m = 0.05;
   double max_radius_m = 0.5;  ///< an uncertainty beyond it: the whole map is searched
   double min_yaw_radius_rad = 0.06;
-  double max_yaw_radius_rad = 0.5;
+  double max_yaw_radius_rad = 0.8;
 };
 
 /// When the next picture is wanted: before the pose gets worse than FilterLimits::localized_*, and soon enough to

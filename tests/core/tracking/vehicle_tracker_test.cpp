@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/tracking/vehicle_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "core/localization/localizer.h"
+#include "core/map/map_database.h"
+#include "mapbuilder/build_map.h"
+#include "tests/synthetic/synthetic_floor.h"
+#include "tests/synthetic/temporary_folder.h"
+
+namespace floorloc {
+namespace {
+
+constexpr std::int64_t kStartNs = 1'000'000'000'000;
+constexpr std::int64_t kFrameNs = 250'000'000;
+
+const SyntheticFloor& Floor() {
+  static const SyntheticFloor floor(1);
+  return floor;
+}
+
+// A localizer of the synthetic floor, in the floor's own frame.
+const Localizer& TheLocalizer() {
+  static const TemporaryFolder folder;
+  static const std::unique_ptr<const Localizer> localizer = [] {
+    Floor().WriteSurvey(folder.path() / "survey");
+    BuildOptions options;
+    options.surveys = {folder.path() / "survey"};
+    options.out = folder.path() / "floor.floormap";
+    options.poses = ReadTum(folder.path() / "survey" / "groundtruth.tum");
+    BuildMap(options);
+    return std::make_unique<const Localizer>(MapDatabase(options.out).ReadMap(), LocalizerOptions{});
+  }();
+  return *localizer;
+}
+
+// A vehicle on the floor. Frame i is taken i frame times after the start.
+class VehicleTrackerTest : public testing::Test {
+ protected:
+  VehicleTrackerTest() : tracker_(TrackerOptions{}, Floor().camera().floor.resolution_m) {}
+
+  static std::int64_t Stamp(int frame) { return kStartNs + frame * kFrameNs; }
+
+  FrameOutcome Send(int frame, const Pose2& truth) {
+    cv::Mat gray;
+    cv::cvtColor(Floor().View(truth), gray, cv::COLOR_BGR2GRAY);
+    const FrameObservation seen = TheLocalizer().Observe(rectifier_, gray);
+    prior_ = tracker_.Prior(Stamp(frame));
+    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeHereOrAnywhere(seen, prior_));
+  }
+
+  // A frame of a floor that is not in the map.
+  FrameOutcome SendElsewhere(int frame, const SyntheticFloor& floor, const Pose2& truth) {
+    cv::Mat gray;
+    cv::cvtColor(floor.View(truth), gray, cv::COLOR_BGR2GRAY);
+    const FrameObservation seen = TheLocalizer().Observe(rectifier_, gray);
+    prior_ = tracker_.Prior(Stamp(frame));
+    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeHereOrAnywhere(seen, prior_));
+  }
+
+  // Slowly to the left along the middle of the floor.
+  static Pose2 PoseAt(int frame) { return Floor().BaseForView(0.4 + 0.02 * frame, 0.45, 0.1 * frame); }
+
+  void ExpectNear(const Pose2& truth, double tolerance_m = 2e-3) const {
+    const auto pose = tracker_.Estimate();
+    ASSERT_TRUE(pose.has_value());
+    EXPECT_LT(pose->map_from_base.Between(truth).translation().norm(), tolerance_m) << pose->map_from_base << truth;
+  }
+
+  Rectifier rectifier_{Floor().camera()};
+  VehicleTracker tracker_;
+  std::optional<PosePrior> prior_;
+};
+
+TEST_F(VehicleTrackerTest, LooksOnTheWholeMapFirstAndThenAroundWhereItIs) {
+  EXPECT_TRUE(Send(0, PoseAt(0)).fix->first);
+  EXPECT_FALSE(prior_.has_value());
+  EXPECT_TRUE(Send(1, PoseAt(1)).fix->accepted);
+  ASSERT_TRUE(prior_.has_value());
+  EXPECT_LE(prior_->radius_m, 0.5);
+  ExpectNear(PoseAt(1));
+}
+
+TEST_F(VehicleTrackerTest, ThePicturesMotionCarriesItOverUnknownFloor) {
+  // The map's floor has changed for good where the vehicle is now, but it can see that it moves.
+  const SyntheticFloor other(7);
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(Send(i, PoseAt(i)).fix->accepted);
+  }
+  ASSERT_FALSE(SendElsewhere(4, other, PoseAt(3)).fix.has_value());  // here the other floor begins: nothing in common
+  for (int i = 5; i < 12; ++i) {
+    EXPECT_FALSE(SendElsewhere(i, other, PoseAt(i - 1)).fix.has_value());
+  }
+  const FusedPose pose = *tracker_.Estimate();
+  EXPECT_NE(pose.state, TrackingState::kLocalized);
+  // What it did between frames 3 and 4 nobody told; from there on pictures do.
+  const Pose2 moved = tracker_.EstimateAt(Stamp(6))->map_from_base.Between(pose.map_from_base);
+  const Pose2 truth = PoseAt(5).Between(PoseAt(10));
+  EXPECT_LT(moved.Between(truth).translation().norm(), 3e-3);
+}
+
+TEST_F(VehicleTrackerTest, WithoutVisualOdometryPicturesAreFixesOnly) {
+  TrackerOptions options;
+  options.visual_odometry = false;
+  tracker_ = VehicleTracker(options, Floor().camera().floor.resolution_m);
+  EXPECT_FALSE(Send(0, PoseAt(0)).visual_used);
+  EXPECT_FALSE(Send(1, PoseAt(1)).visual_used);
+}
+
+TEST_F(VehicleTrackerTest, IsFoundAgainAfterAKidnap) {
+  for (int i = 0; i < 4; ++i) {
+    Send(i, PoseAt(i));
+    tracker_.AddOdometry({Stamp(i), Stamp(i + 1), PoseAt(i).Between(PoseAt(i + 1)), std::nullopt});
+  }
+  const Pose2 elsewhere = Floor().BaseForView(0.85, 0.4, 3.0);
+  std::vector<FrameOutcome> outcomes;
+  for (int i = 4; i < 8; ++i) {
+    outcomes.push_back(Send(i, elsewhere));
+    if (i > 4 && i < 7) {
+      EXPECT_FALSE(prior_.has_value()) << "in doubt, the whole map is searched";
+    }
+    tracker_.AddOdometry({Stamp(i), Stamp(i + 1), {}, std::nullopt});
+  }
+  EXPECT_FALSE(outcomes[0].fix->accepted);
+  EXPECT_TRUE(outcomes[2].fix->reanchored);
+  EXPECT_TRUE(outcomes[3].fix->accepted);
+  ExpectNear(elsewhere);
+}
+
+TEST_F(VehicleTrackerTest, APictureThatComesLateIsAFixOfItsTime) {
+  Send(0, PoseAt(0));
+  tracker_.AddOdometry({Stamp(0), Stamp(2), PoseAt(0).Between(PoseAt(2)), std::nullopt});
+  Send(2, PoseAt(2));
+  const FrameOutcome late = Send(1, PoseAt(0) * Pose2::Exp(0.5 * PoseAt(0).Between(PoseAt(2)).Log()));
+  EXPECT_FALSE(late.visual_used);
+  EXPECT_TRUE(late.fix->accepted);
+  ExpectNear(PoseAt(2));
+}
+
+TEST_F(VehicleTrackerTest, WantsPicturesWhileItIsNotSure) {
+  EXPECT_EQ(tracker_.Next().seconds, 0.0);
+  Send(0, PoseAt(0));
+  const NextPicture next = tracker_.Next();
+  EXPECT_GT(next.seconds, 0.5);
+  EXPECT_GT(next.metres, 0.1);
+  tracker_.AddOdometry({Stamp(0), Stamp(1), Pose2(0.1, 0, 0), std::nullopt});
+  EXPECT_LT(tracker_.Next().seconds, next.seconds);
+  EXPECT_LT(tracker_.Next().metres, next.metres);
+}
+
+}  // namespace
+}  // namespace floorloc
