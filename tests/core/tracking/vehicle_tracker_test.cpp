@@ -82,9 +82,11 @@ TEST_F(VehicleTrackerTest, LooksOnTheWholeMapFirstAndThenAroundWhereItIs) {
   EXPECT_TRUE(Send(0, PoseAt(0)).fix->first);
   EXPECT_FALSE(prior_.has_value());
   EXPECT_TRUE(Send(1, PoseAt(1)).fix->accepted);
+  EXPECT_TRUE(Send(2, PoseAt(2)).fix->accepted);  // how fast it goes is known now
   ASSERT_TRUE(prior_.has_value());
   EXPECT_LE(prior_->radius_m, 0.5);
-  ExpectNear(PoseAt(1));
+  EXPECT_LT(prior_->map_from_base.Between(PoseAt(2)).translation().norm(), prior_->radius_m);
+  ExpectNear(PoseAt(2));
 }
 
 TEST_F(VehicleTrackerTest, ThePicturesMotionCarriesItOverUnknownFloor) {
