@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/localization/oriented_matches.h"
+#include "core/registration/systematic_covariance.h"
 #include "core/vision/guided_matcher.h"
 #include "mapbuilder/parallel.h"
 
@@ -50,30 +51,16 @@ double LargestAlikeDistance(const Features& features) {
   return kAlikeNorm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
 }
 
-// Errors of calibration turn and shift the overlap as a whole: about its middle, not about the base frame's origin.
-Eigen::Matrix3d SystematicCovariance(const std::vector<OrientedMatch>& matches, const RegistrationResult& result,
-                                     const PairRegistrationOptions& options) {
-  Eigen::Vector2d center = Eigen::Vector2d::Zero();
-  for (const int i : result.inliers) {
-    center += matches[static_cast<std::size_t>(i)].target_m;
-  }
-  center /= static_cast<double>(result.inliers.size());
-  const Eigen::Vector2d arm = result.target_from_source.translation() - center;
-  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-  jacobian(0, 2) = -arm.y();
-  jacobian(1, 2) = arm.x();
-  const double t = options.systematic_m * options.systematic_m;
-  const double r = options.systematic_rad * options.systematic_rad;
-  return jacobian * Eigen::Vector3d(t, t, r).asDiagonal() * jacobian.transpose();
-}
-
 Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, const RegistrationResult& result,
               const PairRegistrationOptions& options) {
   Link link;
   link.first = pair.first;
   link.second = pair.second;
   link.first_from_second = result.target_from_source;
-  link.covariance = result.covariance + SystematicCovariance(matches, result, options);
+  // Errors of calibration turn and shift the overlap: about its middle, not about the base frame's origin.
+  link.covariance =
+      result.covariance + SystematicCovariance(result.target_from_source, MeanTarget(matches, result.inliers),
+                                               {options.systematic_m, options.systematic_rad});
   link.inliers = static_cast<int>(result.inliers.size());
   link.rms_m = result.rms_m;
   return link;

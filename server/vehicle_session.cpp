@@ -32,6 +32,7 @@ VehicleSession::VehicleSession(const TrackerOptions& options, double resolution_
       last_heard_(Clock::now().time_since_epoch().count()),
       tracker_(options, resolution_m),
       stamps_(WindowNs(options)),
+      told_(WindowNs(options)),
       frames_(WindowNs(options)) {}
 
 double VehicleSession::SilentSeconds() const {
@@ -41,6 +42,7 @@ double VehicleSession::SilentSeconds() const {
 
 void VehicleSession::ForgetStampsLocked() {
   stamps_.Clear();
+  told_.Clear();
   frames_.Clear();
   last_received_ns_.reset();
   pose_set_ns_.reset();
@@ -86,13 +88,20 @@ bool VehicleSession::IsTooOldLocked(std::int64_t stamp_ns) const {
   return stamps_.IsTooOld(stamp_ns) || (pose_set_ns_ && stamp_ns < *pose_set_ns_ - WindowNs(options_));
 }
 
+// A picture without odometry tells nothing of the motion: odometry goes on from where it was.
+std::optional<std::int64_t> VehicleSession::PreviousLocked(std::int64_t stamp_ns) const {
+  const std::optional<std::int64_t> told_ns = told_.Before(stamp_ns);
+  return told_ns ? told_ns : stamps_.Before(stamp_ns);
+}
+
 MessageOutcome VehicleSession::AddIncrementLocked(const OdometryMessage& message) {
   const std::int64_t stamp_ns = message.stamp_ns;
   DatePoseLocked(stamp_ns);
-  std::optional<std::int64_t> from_ns = stamps_.Before(stamp_ns);
+  std::optional<std::int64_t> from_ns = PreviousLocked(stamp_ns);
   if (!from_ns && (!stamps_.Newest() || stamps_.Contains(stamp_ns))) {
     const bool first = !stamps_.Newest();
     stamps_.Add(stamp_ns);
+    told_.Add(stamp_ns);
     last_received_ns_ = stamp_ns;
     return first ? MessageOutcome::kUsed : MessageOutcome::kDuplicate;
   }
@@ -107,6 +116,7 @@ MessageOutcome VehicleSession::AddIncrementLocked(const OdometryMessage& message
   }
   if (IsUsed(outcome)) {
     stamps_.Add(stamp_ns);
+    told_.Add(stamp_ns);
     frames_before_history_ = 0;
   }
   return outcome;

@@ -38,7 +38,7 @@ struct VehicleView {
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
 };
 
-/// A motion in the base frame since the vehicle's previous message.
+/// A motion in the base frame since the vehicle's previous message with odometry, or since any when none had.
 struct OdometryMessage {
   std::int64_t stamp_ns = 0;
   Pose2 motion;
@@ -98,6 +98,7 @@ class VehicleSession {
   void ForgetStampsLocked();
   void DatePoseLocked(std::int64_t stamp_ns);
   bool IsTooOldLocked(std::int64_t stamp_ns) const;
+  std::optional<std::int64_t> PreviousLocked(std::int64_t stamp_ns) const;
 
   const TrackerOptions options_;
   const double resolution_m_;
@@ -107,6 +108,7 @@ class VehicleSession {
   std::mutex mutex_;        // guards all below
   VehicleTracker tracker_;
   MessageStamps stamps_;  // of all messages
+  MessageStamps told_;    // of those with odometry
   MessageStamps frames_;  // of those with a picture
   std::optional<std::int64_t> last_received_ns_;
   std::optional<std::int64_t> pose_set_ns_;  // by hand

@@ -16,6 +16,7 @@
 #include "core/localization/search_scope.h"
 #include "core/localization/self_similarity.h"
 #include "core/registration/least_squares.h"
+#include "core/registration/systematic_covariance.h"
 #include "core/vision/feature_extractor.h"
 #include "core/vision/guided_matcher.h"
 
@@ -104,18 +105,6 @@ struct WholeMapLook {
   std::optional<FrameMatches> matches;
   std::vector<VerifiedPose> poses;
 };
-
-// What a frame alone does not show: errors of the map, which turn and shift the floor in view as a whole about its
-// middle.
-Eigen::Matrix3d SystematicCovariance(const Pose2& map_from_base, const Eigen::Vector2d& view_center, double error_m) {
-  const Eigen::Vector2d arm = -(map_from_base.rotation() * view_center);
-  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-  jacobian(0, 2) = -arm.y();
-  jacobian(1, 2) = arm.x();
-  const double turn = error_m / kSystematicLeverM;
-  const Eigen::Vector3d variance(error_m * error_m, error_m * error_m, turn * turn);
-  return jacobian * variance.asDiagonal() * jacobian.transpose();
-}
 
 }  // namespace
 
@@ -232,7 +221,8 @@ struct Localizer::Impl {
   }
 
   // Matches, verifies and decides; adds its times to the result's.
-  void Search(const FrameObservation& frame, const SearchScope& scope, WholeMapLook* look, LocalizationResult* result) const {
+  void Search(const FrameObservation& frame, const SearchScope& scope, WholeMapLook* look,
+              LocalizationResult* result) const {
     Stopwatch stage;
     const FrameMatches matches = FindMatches(frame.features, scope);
     result->timing.match_ms += stage.LapMs();
@@ -302,7 +292,9 @@ struct Localizer::Impl {
       result->covariance = best.photo->covariance;
       systematic_m = options.systematic_m;
     }
-    result->covariance += SystematicCovariance(result->map_from_base, frame.samples.center(), systematic_m);
+    // What a frame alone does not show: errors of the map turn and shift the floor in view.
+    result->covariance += SystematicCovariance(result->map_from_base, result->map_from_base * frame.samples.center(),
+                                               {systematic_m, systematic_m / kSystematicLeverM});
   }
 
   // True when the picture fits, and where the keypoints say: a fit can slide off.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/registration/least_squares.h"
+#include "core/registration/systematic_covariance.h"
 #include "core/vision/descriptor_index.h"
 
 namespace floorloc {
@@ -28,23 +29,6 @@ RectM BoundsOf(const std::vector<Keypoint>& keypoints) {
     high = high.cwiseMax(k.Position());
   }
   return {low.x(), high.x(), low.y(), high.y()};
-}
-
-// Errors of calibration and vibration turn and shift the common floor as a whole, about its middle.
-Eigen::Matrix3d SystematicCovariance(const std::vector<OrientedMatch>& matches, const PoseCandidate& pose,
-                                     const ViewRegistrationOptions& options) {
-  Eigen::Vector2d center = Eigen::Vector2d::Zero();
-  for (const int i : pose.inliers) {
-    center += matches[static_cast<std::size_t>(i)].target_m;
-  }
-  center /= static_cast<double>(pose.inliers.size());
-  const Eigen::Vector2d arm = pose.target_from_source.translation() - center;
-  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-  jacobian(0, 2) = -arm.y();
-  jacobian(1, 2) = arm.x();
-  const double t = options.systematic_m * options.systematic_m;
-  const double r = options.systematic_rad * options.systematic_rad;
-  return jacobian * Eigen::Vector3d(t, t, r).asDiagonal() * jacobian.transpose();
 }
 
 }  // namespace
@@ -102,7 +86,8 @@ ViewRegistration FloorView::Register(const Features& frame, const ViewGuess& gue
   found.rms_m = RmsResidual(matches, pose.inliers, pose.target_from_source);
   const double noise_m = KeypointNoise(found.rms_m, found.inliers, registration);
   found.covariance = PoseCovariance(matches, pose.inliers, pose.target_from_source, noise_m) +
-                     SystematicCovariance(matches, pose, options);
+                     SystematicCovariance(pose.target_from_source, MeanTarget(matches, pose.inliers),
+                                          {options.systematic_m, options.systematic_rad});
   return found;
 }
 

@@ -57,6 +57,16 @@ TEST_F(VehicleSessionTest, IncrementsBeginAtThePreviousMessage) {
   EXPECT_NEAR(session_.View().fused->since_fix->metres, 0.1, 1e-3);
 }
 
+// Wheels and camera run by themselves: a picture between two messages of the wheels interrupts nothing.
+TEST_F(VehicleSessionTest, APictureWithoutOdometryDoesNotCutAnIncrement) {
+  Frame(100.0, Pose2());
+  Odometry(100.1, Pose2(0.05, 0, 0));
+  Frame(100.15, FoundAt(Pose2(0.075, 0, 0)), std::nullopt);
+  Odometry(100.2, Pose2(0.05, 0, 0));
+  EXPECT_NEAR(session_.View().fused->map_from_base.x(), 0.10, 2e-3);
+  EXPECT_NEAR(session_.View().fused->odom_from_base.x(), 0.10, 1e-9);
+}
+
 TEST_F(VehicleSessionTest, MessagesOutOfOrderCountAtTheirTime) {
   Frame(100.0, Pose2());
   EXPECT_EQ(Odometry(100.1, Pose2(0.01, 0, 0)), MessageOutcome::kUsed);
