@@ -102,6 +102,18 @@ def check_source(path, text):
     return problems
 
 
+def check_own_header(file, path, text):
+    """A source includes the header of its name first: so the header is known to compile alone."""
+    if file.suffix != ".cpp" or not file.with_suffix(".h").exists():
+        return []
+    own = path.removesuffix(".cpp") + ".h"
+    for number, line in enumerate(text.splitlines(), start=1):
+        include = INCLUDE.match(line)
+        if include:
+            return [] if include.group(2) == own else [Problem(path, number, f'must include "{own}" first')]
+    return [Problem(path, 1, f'must include "{own}" first')]
+
+
 def check_link_lines(path, text):
     """A CMakeLists.txt may link only what its folder may include."""
     layer = layer_of(path)
@@ -125,6 +137,7 @@ def check_tree(root):
         path = file.relative_to(root).as_posix()
         if file.suffix in {".h", ".cpp"}:
             problems += check_source(path, file.read_text())
+            problems += check_own_header(file, path, file.read_text())
         elif file.name == "CMakeLists.txt":
             problems += check_link_lines(path, file.read_text())
     return problems

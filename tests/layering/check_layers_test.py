@@ -73,6 +73,12 @@ class CheckLayersTest(unittest.TestCase):
         self.assert_forbidden("tests/util/a.txt", "")
         self.assertEqual(self.check({"build/util/a.txt": "", "tests/browser/node_modules/util/a.js": ""}), [])
 
+    def test_a_source_includes_its_own_header_first(self):
+        own, other = '#include "server/a.h"\n', '#include "server/b.h"\n'
+        self.assertEqual(self.check({"server/a.h": "", "server/b.h": "", "server/a.cpp": "// x\n" + own + other}), [])
+        problems = self.check({"server/a.h": "", "server/b.h": "", "server/a.cpp": other + own})
+        self.assertEqual(problems, ['server/a.cpp:1: must include "server/a.h" first'])
+
     def test_a_problem_names_file_and_line(self):
         problems = self.check({"server/a.cpp": '// first\n#include "mapbuilder/build.h"\n'})
         self.assertTrue(problems[0].startswith("server/a.cpp:2: server must not include mapbuilder"), problems)
