@@ -54,12 +54,32 @@ Pose2 ReadMotion(JsonObject& object, const std::string& path) {
   return MakeMotion({object.Number("dx"), object.Number("dy"), object.Number("dyaw")}, path);
 }
 
+Pose2 ReadWholeMotion(JsonObject object) {
+  const Pose2 motion = ReadMotion(object, "odometry");
+  object.RejectUnknownKeys();
+  return motion;
+}
+
+// The motion beside the stamp, or in an object of its own as pictures have it.
 OdometryMessage ReadIncrement(JsonObject object, const std::string& path) {
   OdometryMessage message;
   message.stamp_ns = ReadStamp(object);
-  message.motion = ReadMotion(object, path);
+  message.motion = object.Has("odometry") ? ReadWholeMotion(object.Object("odometry")) : ReadMotion(object, path);
   object.RejectUnknownKeys();
   return message;
+}
+
+// "dx,dy,dyaw" or {"dx","dy","dyaw"}
+Pose2 ParseQueryMotion(const std::string& text) {
+  if (text.starts_with('{')) {
+    const nlohmann::json json = ParseJson(text);
+    return ReadWholeMotion({json, "odometry"});
+  }
+  const std::vector<double> step = ParseNumberList(text);
+  if (step.size() != 3) {
+    throw Problem(400, "invalid_parameter", "odometry must be three finite numbers dx,dy,dyaw.");
+  }
+  return MakeMotion(step, "odometry");
 }
 
 Eigen::Matrix3d ReadCovariance(JsonObject& object) {
@@ -121,11 +141,7 @@ FrameRequest ParseFrameQuery(const HttpRequest& request) {
   FrameRequest frame;
   frame.stamp_ns = CheckStamp(ParseStampNs(*stamp), "stamp");
   if (const std::optional<std::string> odometry = request.QueryValue("odometry")) {
-    const std::vector<double> step = ParseNumberList(*odometry);
-    if (step.size() != 3) {
-      throw Problem(400, "invalid_parameter", "odometry must be three finite numbers dx,dy,dyaw.");
-    }
-    frame.motion = MakeMotion(step, "odometry");
+    frame.motion = ParseQueryMotion(*odometry);
   }
   return frame;
 }
@@ -136,9 +152,7 @@ FrameRequest ParseFrameJson(const std::string& text) {
   FrameRequest frame;
   frame.stamp_ns = ReadStamp(object);
   if (object.Has("odometry")) {
-    JsonObject odometry = object.Object("odometry");
-    frame.motion = ReadMotion(odometry, "odometry");
-    odometry.RejectUnknownKeys();
+    frame.motion = ReadWholeMotion(object.Object("odometry"));
   }
   object.RejectUnknownKeys();
   return frame;

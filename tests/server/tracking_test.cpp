@@ -242,6 +242,18 @@ TEST_F(TrackingTest, RefusesWrongBodies) {
   EXPECT_EQ(Vehicle()["messages"]["used"], 0);
 }
 
+TEST_F(TrackingTest, TakesOdometryInEachOfItsForms) {
+  const auto x = [&](const json& answer) { return answer["odom_from_base"]["x"].get<double>(); };
+  const std::string jpeg = Jpeg(start_);
+  Json(PostFrame("?stamp=1", jpeg));
+  const json step = {{"dx", 0.01}, {"dy", 0}, {"dyaw", 0}};
+  EXPECT_NEAR(x(Json(PostJson("odometry", {{"stamp", 1.1}, {"odometry", step}}))), 0.01, 1e-9);
+  EXPECT_NEAR(x(Json(PostJson("odometry", {{"stamp", 1.2}, {"dx", 0.01}, {"dy", 0}, {"dyaw", 0}}))), 0.02, 1e-9);
+  const std::string query = "?stamp=1.3&odometry=%7B%22dx%22%3A0.01%2C%22dy%22%3A0%2C%22dyaw%22%3A0%7D";
+  EXPECT_NEAR(x(Json(PostFrame(query, jpeg))), 0.03, 1e-9);
+  ExpectProblem(PostFrame("?stamp=1.4&odometry=%7B%22dx%22%3A1%7D", jpeg), 422, "invalid_field");
+}
+
 TEST_F(TrackingTest, AVehicleOfADamagedMapGetsNoAnswer) {
   json body = VehicleBody();
   body["map"] = "broken";
