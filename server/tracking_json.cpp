@@ -87,7 +87,7 @@ Eigen::Matrix3d ReadCovariance(JsonObject& object) {
   if (numbers.size() != 9) {
     throw JsonError("covariance must have 9 numbers, row by row, of x, y and yaw.");
   }
-  const Eigen::Matrix3d covariance = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
+  Eigen::Matrix3d covariance = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
   const bool symmetric =
       (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * covariance.diagonal().cwiseAbs().maxCoeff();
   const bool bounded = covariance.cwiseAbs().maxCoeff() <= kMaxCoordinateM * kMaxCoordinateM;

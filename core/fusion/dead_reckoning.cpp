@@ -69,7 +69,7 @@ class Step {
       raw_ = record_.wheels.Between(stretch_.from_ns, stretch_.to_ns);
       return FromWheels(raw_);
     }
-    const MotionModel model = stretch_.imu ? FromImu() : Unknown();
+    MotionModel model = stretch_.imu ? FromImu() : Unknown();
     if (stretch_.vision) {
       raw_ = record_.vision.Between(stretch_.from_ns, stretch_.to_ns);
     } else {

@@ -362,7 +362,7 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
 
 LocalizationResult Localizer::LocalizeHereOrAnywhere(const FrameObservation& frame,
                                                      const std::optional<PosePrior>& prior) const {
-  const LocalizationResult here = Localize(frame, prior);
+  LocalizationResult here = Localize(frame, prior);
   if (!prior || here.status != LocalizationStatus::kNotLocalized) {
     return here;
   }
