@@ -129,6 +129,20 @@ TEST(PoseFilter, LearnsTheBiasesOfTheImu) {
   EXPECT_NEAR(found.acceleration_m_s2.y(), -0.1, 0.05);
 }
 
+TEST(PoseFilter, LearnsTheScaleOfTheCamera) {
+  PoseFilterOptions options;
+  options.vision.scale = 0.02;
+  Drive drive(18, {}, {}, options);
+  for (int i = 1; i <= 200; ++i) {
+    const std::int64_t from = drive.now_ns;
+    drive.RunTo(0.25 * i);
+    MotionIncrement seen = drive.simulation.Vision(from, drive.now_ns);
+    seen.motion = Pose2(0.98 * seen.motion.x(), 0.98 * seen.motion.y(), seen.motion.yaw());
+    drive.filter.AddIncrement(MotionSource::kVision, seen);
+  }
+  EXPECT_NEAR(drive.filter.State()->vision_scale, 0.02, 0.006);
+}
+
 TEST(PoseFilter, BridgesAHoleInTheOdometryByTheImu) {
   Drive with_imu(3, {true, true, false});
   Drive blind(3, {true, false, false});
@@ -291,6 +305,20 @@ TEST(PoseFilter, DoubtsItselfWhenGyroAndWheelsContradict) {
   EXPECT_LT(sigma_before, 0.002);
   EXPECT_TRUE(drive.filter.AddFix(drive.simulation.Fix(pose.stamp_ns, drive.truth)).accepted);
   EXPECT_LT(drive.ErrorM(), 0.003);
+}
+
+TEST(PoseFilter, AKnockDoesNotSpoilTheVelocity) {
+  Drive drive(19, {true, true, false});
+  drive.RunTo(10.0);
+  for (std::int64_t end = drive.now_ns + ToNs(0.4); drive.now_ns < end; drive.now_ns += kWheelNs) {
+    drive.filter.AddIncrement(MotionSource::kWheels, drive.simulation.Wheels(drive.now_ns, drive.now_ns + kWheelNs));
+    for (const std::int64_t t : {drive.now_ns + kImuNs, drive.now_ns + kWheelNs}) {
+      ImuReading reading = drive.simulation.Imu(t);
+      reading.acceleration_m_s2.x() += t < end - ToNs(0.2) ? 20.0 : 0.0;
+      drive.filter.AddImu(reading);
+    }
+  }
+  EXPECT_LT((drive.filter.State()->velocity_m_s - Eigen::Vector2d(drive.simulation.Speed(10.4), 0)).norm(), 0.1);
 }
 
 TEST(PoseFilter, AdaptsToWheelsThatAreWorseThanThought) {
@@ -466,8 +494,11 @@ TEST(PoseFilter, TakesAPoseByHand) {
 // All fixes of a place are off by the same error of the map, which no number of them shows.
 TEST(PoseFilter, StandingStillNeitherDriftsNorBecomesTooSure) {
   std::vector<double> nees;
+  SensorErrors errors;
+  errors.fix_sigma_m = 1e-4;
+  errors.fix_sigma_rad = 1.5e-4;
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
-    DriveSimulation simulation(seed);
+    DriveSimulation simulation(seed, errors);
     const Pose2 off_by(simulation.Normal(2e-4), simulation.Normal(2e-4), simulation.Normal(3e-4));
     PoseFilter filter;
     for (int i = 0; i < 100; ++i) {
