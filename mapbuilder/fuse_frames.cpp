@@ -2,11 +2,9 @@
 #include "mapbuilder/fuse_frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/io/image.h"
 #include "core/io/input_error.h"
 
 namespace floorloc {
@@ -82,12 +80,7 @@ class Run {
   FusedFrame SendFrame(const SurveyFrame& frame) {
     FusedFrame fused;
     fused.localized.frame = frame;
-    const CameraModel& camera = survey_.camera.camera;
-    const auto start = std::chrono::steady_clock::now();
-    const cv::Mat raw = ReadGrayImage(survey_.ImagePath(frame), camera.width_px, camera.height_px);
-    fused.localized.decode_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    const FrameObservation seen = localizer_.Observe(rectifier_, raw);
+    const FrameObservation seen = localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms));
     const std::optional<PosePrior> prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt;
     fused.localized.result = localizer_.LocalizeHereOrAnywhere(seen, prior);
     fused.outcome = tracker_.AddFrame(frame.stamp_ns, seen.features, fused.localized.result);

@@ -17,11 +17,7 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
                            const SurveyFrame& frame, const std::optional<PosePrior>& prior) {
   LocalizedFrame localized;
   localized.frame = frame;
-  const CameraModel& camera = survey.camera.camera;
-  const auto start = std::chrono::steady_clock::now();
-  const cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
-  localized.decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  localized.result = localizer.Localize(rectifier, raw, prior);
+  localized.result = localizer.Localize(rectifier, ReadFrame(survey, frame, &localized.decode_ms), prior);
   return localized;
 }
 
@@ -93,9 +89,12 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
     if (map_from_odom && odom_from_base) {
       prior = PosePrior{*map_from_odom * *odom_from_base, options.prior_radius_m, options.prior_yaw_radius_rad};
     }
-    LocalizedFrame localized = LocalizeOne(localizer, rectifier, survey, frame, prior);
+    LocalizedFrame localized;
+    localized.frame = frame;
+    const FrameObservation seen = localizer.Observe(rectifier, ReadFrame(survey, frame, &localized.decode_ms));
+    localized.result = localizer.Localize(seen, prior);
     if (prior && !Found(localized)) {  // lost: perhaps carried elsewhere
-      localized = LocalizeOne(localizer, rectifier, survey, frame, std::nullopt);
+      localized.result = localizer.Localize(seen, std::nullopt);
     }
     if (Found(localized) && odom_from_base) {
       map_from_odom = localized.result.map_from_base * odom_from_base->Inverse();
@@ -107,6 +106,14 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
 }
 
 }  // namespace
+
+cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms) {
+  const CameraModel& camera = survey.camera.camera;
+  const auto start = std::chrono::steady_clock::now();
+  cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
+  *decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return raw;
+}
 
 PriorSource ParsePriorSource(const std::string& name) {
   if (name == "none") {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
+#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
@@ -35,6 +35,9 @@ struct LocalizedFrame {
   LocalizationResult result;
   double decode_ms = 0.0;
 };
+
+/// Reads a frame's picture (CV_8UC1) and says how long it took. Throws InputError.
+cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms);
 
 /// Localizes every frame of a folder, in order. Throws InputError.
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,

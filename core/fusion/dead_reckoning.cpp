@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/fusion/dead_reckoning.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -161,15 +160,13 @@ class Step {
     Eigen::Matrix<double, 1, kAll> jacobian = Eigen::Matrix<double, 1, kAll>::Zero();
     jacobian(kMotion + 2) = 1.0;
     jacobian(kGyroBias) = dt_;
-    const double residual = WrapAngle(imu_.yaw_rad - motion_.yaw());
-    const double noise = GyroVariance(imu_.yaw_rad);
-    const double variance = (jacobian * covariance_ * jacobian.transpose()).value() + noise;
-    if (Square(residual) > options_.max_slip_mahalanobis_squared * variance) {
-      covariance_(kMotion + 2, kMotion + 2) += Square(residual);
-      contradicted_ = true;
-      return;
+    const Eigen::Matrix<double, 1, 1> residual(WrapAngle(imu_.yaw_rad - motion_.yaw()));
+    const Eigen::Matrix<double, 1, 1> noise(GyroVariance(imu_.yaw_rad));
+    if (Contradicts<1>(residual, jacobian, noise)) {
+      covariance_(kMotion + 2, kMotion + 2) += residual.squaredNorm();
+    } else {
+      Correct<1>(residual, jacobian, noise);
     }
-    Correct<1>(Eigen::Matrix<double, 1, 1>(residual), jacobian, Eigen::Matrix<double, 1, 1>(noise));
   }
 
   // The way is what velocity and accelerations lead to.
@@ -180,13 +177,20 @@ class Step {
     jacobian.block<2, 2>(0, kAccelerationBias) = -imu_.position_by_bias;
     const Eigen::Vector2d residual = ImuWay() - motion_.translation();
     const Eigen::Matrix2d noise = ImuWayVariance() * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d variance = jacobian * covariance_ * jacobian.transpose() + noise;
-    if (residual.dot(variance.ldlt().solve(residual)) > options_.max_slip_mahalanobis_squared) {
+    if (Contradicts<2>(residual, jacobian, noise)) {
       covariance_.block<2, 2>(kMotion, kMotion) += residual.squaredNorm() * Eigen::Matrix2d::Identity();
-      contradicted_ = true;
-      return;
+    } else {
+      Correct<2>(residual, jacobian, noise);
     }
-    Correct<2>(residual, jacobian, noise);
+  }
+
+  template <int kRows>
+  bool Contradicts(const Eigen::Matrix<double, kRows, 1>& residual, const Eigen::Matrix<double, kRows, kAll>& jacobian,
+                   const Eigen::Matrix<double, kRows, kRows>& noise) {
+    const bool contradicts =
+        MahalanobisSquared<kRows, kAll>(residual, jacobian, noise, covariance_) > options_.max_slip_mahalanobis_squared;
+    contradicted_ = contradicted_ || contradicts;
+    return contradicts;
   }
 
   // Kalman's correction of state and motion.

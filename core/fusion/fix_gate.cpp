@@ -10,7 +10,9 @@
 namespace floorloc {
 namespace {
 
+// After a shorter path since the last fix the wheels had no say in where the vehicle is.
 constexpr double kMinPathM = 0.005;
+
 FixRejection FirstClosedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,
                              const FixGates& gates) {
   const double position_sigma_m = LargestSigma(predicted.covariance.topLeftCorner<2, 2>());
@@ -32,11 +34,6 @@ struct FixInnovation {
   Eigen::Vector3d residual;
   Eigen::Matrix<double, 3, error_row::kCount> jacobian = Eigen::Matrix<double, 3, error_row::kCount>::Zero();
   Eigen::Matrix3d noise;
-
-  double MahalanobisSquared(const FilterState& state) const {
-    const Eigen::Matrix3d covariance = jacobian * state.covariance * jacobian.transpose() + noise;
-    return residual.dot(covariance.ldlt().solve(residual));
-  }
 };
 
 FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
@@ -48,6 +45,12 @@ FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
   return innovation;
 }
 
+double MahalanobisOf(const PoseFix& fix, const FilterState& predicted) {
+  const FixInnovation innovation = Compare(fix, predicted);
+  return MahalanobisSquared<3, error_row::kCount>(innovation.residual, innovation.jacobian, innovation.noise,
+                                                  predicted.covariance);
+}
+
 }  // namespace
 
 FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates) {
@@ -55,16 +58,16 @@ FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixG
   FixOutcome outcome;
   outcome.distance_m = jump.translation().norm();
   outcome.angle_rad = std::abs(jump.yaw());
-  outcome.mahalanobis_squared = Compare(fix, predicted).MahalanobisSquared(predicted);
+  outcome.mahalanobis_squared = MahalanobisOf(fix, predicted);
   outcome.reason = FirstClosedGate(outcome, fix.p_wrong, predicted, gates);
   outcome.accepted = outcome.reason == FixRejection::kNone;
   return outcome;
 }
 
 void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, FilterState* predicted) {
-  if (predicted->path_m >= kMinPathM) {  // else the wheels had no say
-    predicted->wheel_noise_factor = AdaptedNoise(predicted->wheel_noise_factor,
-                                                 Compare(fix, *predicted).MahalanobisSquared(*predicted), adaptation);
+  if (predicted->path_m >= kMinPathM) {
+    predicted->wheel_noise_factor =
+        AdaptedNoise(predicted->wheel_noise_factor, MahalanobisOf(fix, *predicted), adaptation);
   }
 }
 

@@ -6,6 +6,17 @@
 
 namespace floorloc {
 
+/// How far a residual = jacobian * error + noise is from what its covariance allows: chi-square with kRows degrees of
+/// freedom.
+template <int kRows, int kState>
+double MahalanobisSquared(const Eigen::Matrix<double, kRows, 1>& residual,
+                          const Eigen::Matrix<double, kRows, kState>& jacobian,
+                          const Eigen::Matrix<double, kRows, kRows>& noise,
+                          const Eigen::Matrix<double, kState, kState>& covariance) {
+  const Eigen::Matrix<double, kRows, kRows> innovation = jacobian * covariance * jacobian.transpose() + noise;
+  return residual.dot(innovation.ldlt().solve(residual));
+}
+
 /// Correction of an error state by residual = jacobian * error + noise. Returns the expected error and replaces the
 /// covariance by the one that is left; Joseph's form keeps it positive.
 template <int kRows, int kState>

@@ -65,19 +65,17 @@ void PoseFilter::ForgetOld() {
   while (checkpoints_.size() > 1 && checkpoints_[1].state.stamp_ns <= horizon_ns) {
     checkpoints_.pop_front();
   }
-  const std::int64_t needed_ns = checkpoints_.empty() ? horizon_ns : checkpoints_.front().state.stamp_ns;
-  record_.wheels.DropBefore(std::min(needed_ns, horizon_ns));
-  record_.vision.DropBefore(std::min(needed_ns, horizon_ns));
-  record_.imu.DropBefore(std::min(needed_ns, horizon_ns));
-  while (record_.wheels.size() > options_.max_messages) {
-    record_.wheels.DropOldest();
-  }
-  while (record_.vision.size() > options_.max_messages) {
-    record_.vision.DropOldest();
-  }
-  while (record_.imu.size() > options_.max_messages) {
-    record_.imu.DropOldest();
-  }
+  const std::int64_t needed_ns =
+      checkpoints_.empty() ? horizon_ns : std::min(horizon_ns, checkpoints_.front().state.stamp_ns);
+  const auto forget = [&](auto* track) {
+    track->DropBefore(needed_ns);
+    while (track->size() > options_.max_messages) {
+      track->DropOldest();
+    }
+  };
+  forget(&record_.wheels);
+  forget(&record_.vision);
+  forget(&record_.imu);
 }
 
 // What happens before there is a pose is remembered, too: it moves the odom frame.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/fusion/visual_correction.h"
 
-#include <Eigen/Cholesky>
-
 #include "core/fusion/kalman_correction.h"
 
 namespace floorloc {
@@ -53,8 +51,7 @@ void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& opt
   jacobian.block<3, 3>(0, kPose).setIdentity();
   jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
   const Eigen::Vector3d residual = state->map_from_base.Between(state->visual_map_from_base).Log();
-  const Eigen::Matrix3d expected = jacobian * state->covariance * jacobian.transpose() + frame_noise;
-  const double mahalanobis_squared = residual.dot(expected.ldlt().solve(residual));
+  const double mahalanobis_squared = MahalanobisSquared<3, kCount>(residual, jacobian, frame_noise, state->covariance);
   if (mahalanobis_squared > options.max_slip_mahalanobis_squared) {
     state->covariance.diagonal().segment<3>(kPose) += residual.cwiseAbs2();
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/tracking/vehicle_tracker.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "core/fusion/filter_state.h"
 
 namespace floorloc {
 namespace {
@@ -24,8 +24,7 @@ struct Sigmas {
 };
 
 Sigmas SigmasOf(const FusedPose& pose) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(pose.covariance.topLeftCorner<2, 2>());
-  return {std::sqrt(axes.eigenvalues().maxCoeff()), std::sqrt(pose.covariance(2, 2))};
+  return {LargestSigma(pose.covariance.topLeftCorner<2, 2>()), std::sqrt(pose.covariance(2, 2))};
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include <stdexcept>
 
 #include "core/fusion/pose_filter.h"
-#include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
-#include "core/odometry/monocular_odometry.h"
 #include "mapbuilder/fuse_frames.h"
+#include "mapbuilder/odometry_frames.h"
 #include "mapbuilder/plot_trajectory.h"
 
 namespace floorloc {
@@ -27,22 +26,11 @@ Trajectory CameraPath(const Survey& survey) {
 }
 
 // Frames where the camera was lost are left out.
-Trajectory TrackCamera(const Survey& survey, const std::string& detector, ProgressBar* progress) {
-  MonocularOdometryOptions options;
-  options.tracker.detector = ParsePointDetector(detector);
-  const CameraModel& camera = survey.camera.camera;
-  MonocularOdometry odometry(camera, options);
-  Trajectory path;
-  for (const SurveyFrame& frame : survey.frames) {
-    const MonocularOdometryResult result =
-        odometry.Track(frame.stamp_ns, ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px));
-    if (result.status != MonocularStatus::kLost) {
-      path.push_back({frame.stamp_ns, result.world_from_camera.translation(),
-                      Eigen::Quaterniond(result.world_from_camera.rotation())});
-    }
-    progress->Advance();
-  }
-  return path;
+Trajectory TrackCamera(const Survey& survey, const std::string& detector, const ProgressOutput& progress) {
+  MonocularFramesOptions options;
+  options.odometry.tracker.detector = ParsePointDetector(detector);
+  options.progress = progress;
+  return ToTrajectory(TrackMonocularFrames({survey.folder, survey.camera.camera, survey.frames}, options));
 }
 
 // Every message at its time; poses at those of the odometry.
@@ -106,11 +94,10 @@ std::vector<DriveScore> ScoreDrive(const std::filesystem::path& drive, const std
   }
   std::vector<DetectorKind> kinds = features;
   std::erase_if(kinds, [](DetectorKind kind) { return !CanTrack(kind); });
-  ProgressBar bar("monocular odometry", static_cast<std::int64_t>(kinds.size() * survey.frames.size()), progress);
   const Trajectory camera_truth = CameraPath(survey);
   std::vector<DriveScore> scores;
   for (const DetectorKind kind : kinds) {
-    const Trajectory path = TrackCamera(survey, ToString(kind), &bar);
+    const Trajectory path = TrackCamera(survey, ToString(kind), progress);
     scores.push_back(Score(ToString(kind), camera_truth, path, AlignmentMode::kSim3));
     scores.back().lost_frames = static_cast<int>(survey.frames.size() - path.size());
   }
