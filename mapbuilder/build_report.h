@@ -10,19 +10,11 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
+#include "mapbuilder/dropped_frame.h"
 #include "mapbuilder/markers.h"
 #include "mapbuilder/self_calibration.h"
 
 namespace floorloc {
-
-/// A frame that is not in the map.
-struct DroppedFrame {
-  std::string filename;
-  std::string reason;
-  std::optional<Pose2> near = {};  ///< map_from_base about where it was taken, as odometry tells; empty: unknown
-  int survey = 0;
-  std::optional<std::int64_t> stamp_ns = {};
-};
 
 /// A survey frame that was sought in a map made without it.
 struct HeldOutFrame {

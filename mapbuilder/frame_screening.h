@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/dropped_frame.h"
 #include "mapbuilder/pair_registration.h"
 #include "mapbuilder/survey_frames.h"
 

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/geometry/pose2.h"
+
+namespace floorloc {
+
+/// A frame that is not in the map.
+struct DroppedFrame {
+  std::string filename;
+  std::string reason;
+  std::optional<Pose2> near = {};  ///< map_from_base about where it was taken, as odometry tells; empty: unknown
+  int survey = 0;
+  std::optional<std::int64_t> stamp_ns = {};
+};
+
+}  // namespace floorloc
