@@ -8,8 +8,8 @@
 
 #include "core/io/input_error.h"
 #include "core/map/map_writer.h"
+#include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build_findings.h"
-#include "mapbuilder/build_journal.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage.h"
 #include "mapbuilder/extend_map.h"

@@ -6,13 +6,13 @@
 
 #include "core/io/trajectory.h"
 #include "core/vision/feature_extractor.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/fuse_keypoints.h"
 #include "mapbuilder/held_out.h"
 #include "mapbuilder/markers.h"
 #include "mapbuilder/mosaic.h"
 #include "mapbuilder/place_frames.h"
-#include "mapbuilder/progress.h"
 #include "mapbuilder/self_calibration.h"
 
 namespace floorloc {

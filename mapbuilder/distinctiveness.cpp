@@ -8,7 +8,7 @@
 #include <random>
 
 #include "core/vision/descriptor_index.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/pending_folder.h"
+#include "mapbuilder/batch/pending_folder.h"
 
 namespace floorloc {
 namespace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/frame_light.h"
-#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "core/map/extractor_parameters.h"
-#include "mapbuilder/journal_bytes.h"
+#include "mapbuilder/batch/journal_bytes.h"
 
 namespace floorloc {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/map/content_hash.h"
-#include "mapbuilder/build_journal.h"
+#include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/survey_frames.h"
 
 namespace floorloc {

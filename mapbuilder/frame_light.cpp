@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/image.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

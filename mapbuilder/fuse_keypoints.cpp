@@ -6,10 +6,10 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/distinctiveness.h"
 #include "mapbuilder/fuse_track.h"
 #include "mapbuilder/keypoint_usefulness.h"
-#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {

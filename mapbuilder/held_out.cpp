@@ -7,9 +7,9 @@
 
 #include "core/io/image.h"
 #include "core/localization/localizer.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/cell_key.h"
 #include "mapbuilder/coverage.h"
-#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/io/survey.h"
 #include "core/localization/localizer.h"
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 
 namespace floorloc {
 

@@ -6,7 +6,7 @@
 
 #include "core/io/image.h"
 #include "core/localization/localizer.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/aruco_dictionary.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

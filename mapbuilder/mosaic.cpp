@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/mosaic_block.h"
-#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/vision/rectifier.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/odometry/monocular_odometry.h"
 #include "core/odometry/planar_odometry.h"
 #include "core/vision/feature_extractor.h"
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 
 namespace floorloc {
 

@@ -10,7 +10,7 @@
 #include "core/localization/oriented_matches.h"
 #include "core/registration/systematic_covariance.h"
 #include "core/vision/guided_matcher.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

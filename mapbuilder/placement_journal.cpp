@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "mapbuilder/batch/journal_bytes.h"
 #include "mapbuilder/frame_journal.h"
-#include "mapbuilder/journal_bytes.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "mapbuilder/build_journal.h"
+#include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/place_frames.h"
 
 namespace floorloc {

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulated_noise.h"
 
 namespace floorloc {

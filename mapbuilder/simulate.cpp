@@ -13,10 +13,10 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/io/trajectory.h"
+#include "mapbuilder/batch/parallel.h"
+#include "mapbuilder/batch/pending_folder.h"
 #include "mapbuilder/camera_renderer.h"
 #include "mapbuilder/floor_wear.h"
-#include "mapbuilder/parallel.h"
-#include "mapbuilder/pending_folder.h"
 #include "mapbuilder/simulated_noise.h"
 
 namespace floorloc {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/floor_texture.h"
-#include "mapbuilder/progress.h"
 #include "mapbuilder/render_conditions.h"
 #include "mapbuilder/simulated_camera.h"
 #include "mapbuilder/simulated_path.h"

@@ -6,8 +6,8 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/frame_journal.h"
-#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {

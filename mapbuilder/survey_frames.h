@@ -11,8 +11,8 @@
 #include "core/io/survey.h"
 #include "core/vision/feature_extractor.h"
 #include "core/vision/rectifier.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/picture_quality.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

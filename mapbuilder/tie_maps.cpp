@@ -7,8 +7,8 @@
 #include "core/localization/oriented_matches.h"
 #include "core/map/map_error.h"
 #include "core/vision/guided_matcher.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/map_views.h"
-#include "mapbuilder/parallel.h"
 #include "mapbuilder/pose_graph.h"
 
 namespace floorloc {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/old_map.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 
 namespace floorloc {
 

@@ -9,8 +9,8 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/calibration/board_detection.h"
-#include "mapbuilder/parallel.h"
 
 namespace floorloc {
 namespace {

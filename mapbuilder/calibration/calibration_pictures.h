@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/calibration/board.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

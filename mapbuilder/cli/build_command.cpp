@@ -6,7 +6,7 @@
 
 #include "core/io/input_error.h"
 #include "mapbuilder/aruco_dictionary.h"
-#include "mapbuilder/build_journal.h"
+#include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/cli/command.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/video_survey.h"
 
 namespace floorloc {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/evaluation/matching_statistics.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/fusion/jump_filter.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/combination.h"
 #include "mapbuilder/laboratory/picture_features.h"
 #include "mapbuilder/laboratory/pose_from_matches.h"
 #include "mapbuilder/laboratory/test_frames.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

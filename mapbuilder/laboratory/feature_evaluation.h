@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/combination.h"
 #include "mapbuilder/laboratory/laboratory.h"
 #include "mapbuilder/laboratory/picture_set.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/evaluation/trajectory_evaluation.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/combination.h"
 #include "mapbuilder/laboratory/result_table.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

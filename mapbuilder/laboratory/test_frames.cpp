@@ -5,7 +5,7 @@
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/vision/rectifier.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 

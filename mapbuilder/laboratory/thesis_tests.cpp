@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/evaluation/matching_statistics.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "core/vision/rectifier.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/picture.h"
-#include "mapbuilder/progress.h"
 
 namespace floorloc {
 

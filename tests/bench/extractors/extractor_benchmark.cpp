@@ -8,7 +8,7 @@
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 #include "tests/bench/extractors/extractor_trial.h"
 
 namespace floorloc {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulated_noise.h"
 #include "tests/bench/frame_set.h"
 #include "tests/bench/honesty/bench_floor.h"

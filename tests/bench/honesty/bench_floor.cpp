@@ -11,10 +11,10 @@
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/camera_renderer.h"
 #include "mapbuilder/floor_wear.h"
-#include "mapbuilder/parallel.h"
 #include "mapbuilder/simulated_path.h"
 #include "tests/bench/score.h"
 

@@ -7,7 +7,7 @@
 
 #include "core/localization/localizer.h"
 #include "core/map/map_database.h"
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 #include "tests/bench/honesty/cases.h"
 #include "tests/bench/honesty/gray_renderer.h"
 

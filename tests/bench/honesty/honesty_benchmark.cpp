@@ -9,7 +9,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulated_noise.h"
 #include "tests/bench/honesty/frame_runner.h"
 #include "tests/bench/honesty/honesty_report.h"

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 #include "tests/bench/keypoints/keypoint_table.h"
 
 namespace floorloc {

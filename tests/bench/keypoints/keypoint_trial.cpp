@@ -6,8 +6,8 @@
 #include "core/io/survey.h"
 #include "core/map/map_database.h"
 #include "core/map/map_writer.h"
+#include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build_map.h"
-#include "mapbuilder/parallel.h"
 #include "tests/bench/score.h"
 
 namespace floorloc {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <opencv2/core/utility.hpp>
 
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 #include "tests/bench/odometry/odometry_methods.h"
 
 namespace floorloc {

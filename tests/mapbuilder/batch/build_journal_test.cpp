@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/build_journal.h"
+#include "mapbuilder/batch/build_journal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <sstream>
 #include <thread>
 
-#include "mapbuilder/journal_bytes.h"
+#include "mapbuilder/batch/journal_bytes.h"
 #include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/parallel.h"
+#include "mapbuilder/batch/parallel.h"
 
 #include <algorithm>
 #include <atomic>

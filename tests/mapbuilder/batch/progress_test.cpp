@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/progress.h"
+#include "mapbuilder/batch/progress.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

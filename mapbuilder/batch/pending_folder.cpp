@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/pending_folder.h"
+#include "mapbuilder/batch/pending_folder.h"
 
 #include <system_error>
 

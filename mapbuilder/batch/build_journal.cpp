@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/build_journal.h"
+#include "mapbuilder/batch/build_journal.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
