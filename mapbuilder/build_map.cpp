@@ -11,7 +11,7 @@
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build_findings.h"
 #include "mapbuilder/build_report.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/extend_map.h"
 #include "mapbuilder/frame_journal.h"
 #include "mapbuilder/frame_screening.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/keypoint_tracks.h"
 #include "mapbuilder/prune_keypoints.h"
 #include "mapbuilder/survey_frames.h"

@@ -8,8 +8,8 @@
 #include "core/io/image.h"
 #include "core/localization/localizer.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/cell_key.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/cell_key.h"
+#include "mapbuilder/coverage/coverage.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "core/vision/guided_matcher.h"
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 #include "mapbuilder/descriptor_rows.h"
 
 namespace floorloc {

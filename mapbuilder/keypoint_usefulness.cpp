@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapbuilder/frame_index.h"
+#include "mapbuilder/coverage/frame_index.h"
 #include "mapbuilder/frame_light.h"
 #include "mapbuilder/frame_view.h"
 #include "mapbuilder/mosaic.h"

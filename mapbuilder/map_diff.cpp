@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/map/extractor_parameters.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/same_points.h"
 
 namespace floorloc {

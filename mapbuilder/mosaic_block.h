@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "mapbuilder/coverage/frame_index.h"
 #include "mapbuilder/floor_picture.h"
 #include "mapbuilder/frame_choice.h"
-#include "mapbuilder/frame_index.h"
 #include "mapbuilder/frame_layer.h"
 #include "mapbuilder/light_consensus.h"
 #include "mapbuilder/mosaic.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/map/map_database.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 
 namespace floorloc {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <unordered_map>
 
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

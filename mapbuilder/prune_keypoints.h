@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 
 namespace floorloc {
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/input_error.h"
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/mosaic.h"
 #include "mapbuilder/place_frames.h"
 

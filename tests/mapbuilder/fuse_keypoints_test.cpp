@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 #include "tests/mapbuilder/floor_points.h"
 
 namespace floorloc {

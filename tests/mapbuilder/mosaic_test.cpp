@@ -9,7 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <unordered_map>
 
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_index.h"
+#include "mapbuilder/coverage/frame_index.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

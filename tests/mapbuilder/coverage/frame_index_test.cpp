@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_index.h"
+#include "mapbuilder/coverage/frame_index.h"
 
 #include <gtest/gtest.h>
 

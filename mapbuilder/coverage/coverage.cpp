@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/coverage.h"
+#include "mapbuilder/coverage/coverage.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "mapbuilder/cell_key.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {
