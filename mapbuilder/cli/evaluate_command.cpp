@@ -16,7 +16,7 @@
 #include "core/io/text_file.h"
 #include "core/io/trajectory.h"
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/plot_trajectory.h"
+#include "mapbuilder/plot/plot_trajectory.h"
 
 namespace floorloc {
 namespace {

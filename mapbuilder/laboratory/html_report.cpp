@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "mapbuilder/svg_plot.h"
+#include "mapbuilder/plot/svg_plot.h"
 
 namespace floorloc {
 namespace {

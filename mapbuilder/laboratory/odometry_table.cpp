@@ -8,7 +8,7 @@
 #include "core/io/survey.h"
 #include "mapbuilder/fuse_frames.h"
 #include "mapbuilder/odometry_frames.h"
-#include "mapbuilder/plot_trajectory.h"
+#include "mapbuilder/plot/plot_trajectory.h"
 
 namespace floorloc {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/number_text.h"
-#include "mapbuilder/svg_plot.h"
 
 namespace floorloc {
 namespace {

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/data_uri.h"
 #include "mapbuilder/report/number_text.h"
-#include "mapbuilder/svg_plot.h"
 
 namespace floorloc {
 namespace {

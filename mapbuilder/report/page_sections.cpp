@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/charts.h"
 #include "mapbuilder/report/colour_scale.h"
 #include "mapbuilder/report/number_text.h"
 #include "mapbuilder/report/odometry_drift.h"
 #include "mapbuilder/report/weakness_text.h"
-#include "mapbuilder/svg_plot.h"
 
 namespace floorloc {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <sstream>
 
+#include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/page_assets.h"
 #include "mapbuilder/report/page_map.h"
 #include "mapbuilder/report/page_sections.h"
-#include "mapbuilder/svg_plot.h"
 
 namespace floorloc {
 

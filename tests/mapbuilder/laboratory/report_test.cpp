@@ -6,7 +6,7 @@
 
 #include "mapbuilder/laboratory/html_report.h"
 #include "mapbuilder/laboratory/result_table.h"
-#include "mapbuilder/svg_plot.h"
+#include "mapbuilder/plot/svg_plot.h"
 
 namespace floorloc {
 namespace {

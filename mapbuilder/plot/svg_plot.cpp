@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/svg_plot.h"
+#include "mapbuilder/plot/svg_plot.h"
 
 #include <algorithm>
 #include <array>

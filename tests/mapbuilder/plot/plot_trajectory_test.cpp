@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/plot_trajectory.h"
+#include "mapbuilder/plot/plot_trajectory.h"
 
 #include <gtest/gtest.h>
 
