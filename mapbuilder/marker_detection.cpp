@@ -7,8 +7,8 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
-#include "mapbuilder/aruco_dictionary.h"
 #include "mapbuilder/batch/parallel.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 
 namespace floorloc {
 namespace {

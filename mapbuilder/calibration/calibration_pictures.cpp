@@ -10,7 +10,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/calibration/board_detection.h"
+#include "mapbuilder/fiducials/board_detection.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mapbuilder/batch/progress.h"
-#include "mapbuilder/calibration/board.h"
+#include "mapbuilder/fiducials/board.h"
 
 namespace floorloc {
 

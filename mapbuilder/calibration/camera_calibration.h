@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
-#include "mapbuilder/calibration/board.h"
 #include "mapbuilder/calibration/lens_adjustment.h"
+#include "mapbuilder/fiducials/board.h"
 
 namespace floorloc {
 

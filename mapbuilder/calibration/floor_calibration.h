@@ -8,7 +8,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/pose2.h"
-#include "mapbuilder/calibration/board.h"
+#include "mapbuilder/fiducials/board.h"
 
 namespace floorloc {
 

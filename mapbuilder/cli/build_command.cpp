@@ -5,12 +5,12 @@
 #include <stdexcept>
 
 #include "core/io/input_error.h"
-#include "mapbuilder/aruco_dictionary.h"
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/cli/video_input.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 #include "mapbuilder/report/write_report.h"
 
 namespace floorloc {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/io/delimited_text.h"
-#include "mapbuilder/aruco_dictionary.h"
 #include "mapbuilder/calibration/calibrate.h"
 #include "mapbuilder/calibration/calibration_report.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 
 namespace floorloc {
 namespace {

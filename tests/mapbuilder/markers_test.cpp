@@ -15,9 +15,9 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
-#include "mapbuilder/aruco_dictionary.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/camera_renderer.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 #include "mapbuilder/marker_places.h"
 #include "tests/synthetic/temporary_folder.h"
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "mapbuilder/aruco_dictionary.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
-#include "mapbuilder/calibration/board.h"
+#include "mapbuilder/fiducials/board.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/calibration/board_detection.h"
+#include "mapbuilder/fiducials/board_detection.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "mapbuilder/calibration/charuco_detection.h"
+#include "mapbuilder/fiducials/charuco_detection.h"
 
 namespace floorloc {
 namespace {

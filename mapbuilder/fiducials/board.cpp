@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/calibration/board.h"
+#include "mapbuilder/fiducials/board.h"
 
 #include <cmath>
 #include <stdexcept>
 
-#include "mapbuilder/aruco_dictionary.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
-#include "mapbuilder/calibration/board.h"
+#include "mapbuilder/fiducials/board.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/calibration/board_detection.h"
+#include "mapbuilder/fiducials/board_detection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

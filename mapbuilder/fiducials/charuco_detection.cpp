@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/calibration/charuco_detection.h"
+#include "mapbuilder/fiducials/charuco_detection.h"
 
 #include <array>
 #include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-#include "mapbuilder/aruco_dictionary.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 
 namespace floorloc {
 namespace {

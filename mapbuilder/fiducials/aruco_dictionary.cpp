@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/aruco_dictionary.h"
+#include "mapbuilder/fiducials/aruco_dictionary.h"
 
 #include <array>
 #include <stdexcept>
