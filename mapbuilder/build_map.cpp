@@ -13,12 +13,12 @@
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/extend_map.h"
-#include "mapbuilder/frame_journal.h"
 #include "mapbuilder/frame_screening.h"
 #include "mapbuilder/map_info.h"
 #include "mapbuilder/odometry_agreement.h"
 #include "mapbuilder/placed_frames.h"
 #include "mapbuilder/placement_journal.h"
+#include "mapbuilder/survey/frame_journal.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "mapbuilder/mosaic_patch.h"
 #include "mapbuilder/pair_registration.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

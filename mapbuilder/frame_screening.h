@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/dropped_frame.h"
 #include "mapbuilder/pair_registration.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/dropped_frame.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

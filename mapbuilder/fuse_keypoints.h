@@ -8,7 +8,7 @@
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/keypoint_tracks.h"
 #include "mapbuilder/prune_keypoints.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

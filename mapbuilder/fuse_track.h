@@ -9,7 +9,7 @@
 #include "core/map/floor_map.h"
 #include "mapbuilder/descriptor_vote.h"
 #include "mapbuilder/keypoint_tracks.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

@@ -6,7 +6,7 @@
 
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/fuse_keypoints.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

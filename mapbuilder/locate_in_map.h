@@ -5,7 +5,7 @@
 
 #include "mapbuilder/old_map.h"
 #include "mapbuilder/pose_graph.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

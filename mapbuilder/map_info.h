@@ -6,7 +6,7 @@
 
 #include "core/map/floor_map.h"
 #include "mapbuilder/old_map.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

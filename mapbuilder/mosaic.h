@@ -8,7 +8,7 @@
 #include "core/map/floor_map.h"
 #include "mapbuilder/exposure.h"
 #include "mapbuilder/mosaic_patch.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapbuilder/pair_registration.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

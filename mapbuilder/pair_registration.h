@@ -6,7 +6,7 @@
 #include "core/registration/registration.h"
 #include "core/vision/guided_matcher.h"
 #include "mapbuilder/pair_selection.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

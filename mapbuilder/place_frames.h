@@ -7,7 +7,7 @@
 
 #include "mapbuilder/pair_registration.h"
 #include "mapbuilder/pose_graph.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

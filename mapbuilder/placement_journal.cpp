@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "mapbuilder/batch/journal_bytes.h"
-#include "mapbuilder/frame_journal.h"
+#include "mapbuilder/survey/frame_journal.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "mapbuilder/bundle_adjustment.h"
 #include "mapbuilder/place_frames.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mapbuilder/pair_registration.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

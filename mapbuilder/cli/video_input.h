@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mapbuilder/batch/progress.h"
-#include "mapbuilder/video_survey.h"
+#include "mapbuilder/survey/video_survey.h"
 
 namespace floorloc {
 

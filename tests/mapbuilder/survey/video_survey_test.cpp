@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/video_survey.h"
+#include "mapbuilder/survey/video_survey.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

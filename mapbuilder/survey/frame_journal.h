@@ -7,7 +7,7 @@
 
 #include "core/map/content_hash.h"
 #include "mapbuilder/batch/build_journal.h"
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

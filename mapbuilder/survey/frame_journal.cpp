@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_journal.h"
+#include "mapbuilder/survey/frame_journal.h"
 
 #include <sys/stat.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/picture_quality.h"
+#include "mapbuilder/survey/picture_quality.h"
 
 #include <algorithm>
 #include <array>

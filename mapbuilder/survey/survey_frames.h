@@ -12,7 +12,7 @@
 #include "core/vision/feature_extractor.h"
 #include "core/vision/rectifier.h"
 #include "mapbuilder/batch/progress.h"
-#include "mapbuilder/picture_quality.h"
+#include "mapbuilder/survey/picture_quality.h"
 
 namespace floorloc {
 

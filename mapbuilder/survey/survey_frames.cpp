@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/survey_frames.h"
+#include "mapbuilder/survey/survey_frames.h"
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -7,7 +7,7 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/frame_journal.h"
+#include "mapbuilder/survey/frame_journal.h"
 
 namespace floorloc {
 namespace {
