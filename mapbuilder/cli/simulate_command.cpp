@@ -12,7 +12,7 @@
 #include "core/io/camera_yaml.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/simulate.h"
+#include "mapbuilder/simulation/simulate.h"
 
 namespace floorloc {
 namespace {

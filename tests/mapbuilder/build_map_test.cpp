@@ -17,7 +17,7 @@
 #include "core/map/map_database.h"
 #include "core/registration/least_squares.h"
 #include "mapbuilder/export_mosaic.h"
-#include "mapbuilder/simulate.h"
+#include "mapbuilder/simulation/simulate.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

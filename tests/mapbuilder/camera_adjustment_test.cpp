@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry/mounting.h"
-#include "mapbuilder/simulated_camera.h"
+#include "mapbuilder/simulation/simulated_camera.h"
 
 namespace floorloc {
 namespace {

@@ -16,9 +16,9 @@
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/build_map.h"
-#include "mapbuilder/camera_renderer.h"
 #include "mapbuilder/fiducials/aruco_dictionary.h"
 #include "mapbuilder/marker_places.h"
+#include "mapbuilder/simulation/camera_renderer.h"
 #include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc {

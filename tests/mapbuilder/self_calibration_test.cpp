@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/io/input_error.h"
-#include "mapbuilder/simulated_camera.h"
+#include "mapbuilder/simulation/simulated_camera.h"
 #include "tests/mapbuilder/floor_points.h"
 
 namespace floorloc {

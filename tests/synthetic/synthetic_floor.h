@@ -7,8 +7,8 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
-#include "mapbuilder/camera_renderer.h"
-#include "mapbuilder/simulate.h"
+#include "mapbuilder/simulation/camera_renderer.h"
+#include "mapbuilder/simulation/simulate.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 #include "tests/bench/frame_set.h"
 #include "tests/bench/honesty/bench_floor.h"
 #include "tests/bench/honesty/frame_plan.h"

@@ -13,9 +13,9 @@
 #include "core/io/text_file.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build_map.h"
-#include "mapbuilder/camera_renderer.h"
-#include "mapbuilder/floor_wear.h"
-#include "mapbuilder/simulated_path.h"
+#include "mapbuilder/simulation/camera_renderer.h"
+#include "mapbuilder/simulation/floor_wear.h"
+#include "mapbuilder/simulation/simulated_path.h"
 #include "tests/bench/score.h"
 
 namespace floorloc {

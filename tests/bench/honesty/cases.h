@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/floor_texture.h"
-#include "mapbuilder/render_conditions.h"
+#include "mapbuilder/simulation/floor_texture.h"
+#include "mapbuilder/simulation/render_conditions.h"
 
 namespace floorloc {
 

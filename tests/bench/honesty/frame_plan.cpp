@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 
 namespace floorloc {
 namespace {

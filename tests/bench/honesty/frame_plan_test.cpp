@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "mapbuilder/simulated_camera.h"
+#include "mapbuilder/simulation/simulated_camera.h"
 #include "tests/bench/honesty/bench_floor.h"
 
 namespace floorloc {

@@ -6,7 +6,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
-#include "mapbuilder/render_conditions.h"
+#include "mapbuilder/simulation/render_conditions.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "mapbuilder/camera_renderer.h"
+#include "mapbuilder/simulation/camera_renderer.h"
 
 namespace floorloc {
 namespace {

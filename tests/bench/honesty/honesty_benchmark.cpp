@@ -10,7 +10,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 #include "tests/bench/honesty/frame_runner.h"
 #include "tests/bench/honesty/honesty_report.h"
 #include "tests/bench/honesty/result_file.h"

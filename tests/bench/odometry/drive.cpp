@@ -4,7 +4,7 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
-#include "mapbuilder/simulate.h"
+#include "mapbuilder/simulation/simulate.h"
 
 namespace floorloc {
 

@@ -15,7 +15,7 @@
 #include "core/localization/photometric_aligner.h"
 #include "core/map/mosaic_raster.h"
 #include "core/vision/rectifier.h"
-#include "mapbuilder/camera_renderer.h"
+#include "mapbuilder/simulation/camera_renderer.h"
 #include "tests/synthetic/synthetic_floor.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/simulated_drive.h"
+#include "mapbuilder/simulation/simulated_drive.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/io/text_file.h"
-#include "mapbuilder/simulated_camera.h"
-#include "mapbuilder/simulated_path.h"
+#include "mapbuilder/simulation/simulated_camera.h"
+#include "mapbuilder/simulation/simulated_path.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

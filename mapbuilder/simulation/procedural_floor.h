@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
-#include "mapbuilder/quilting.h"
+#include "mapbuilder/simulation/quilting.h"
 
 namespace floorloc {
 

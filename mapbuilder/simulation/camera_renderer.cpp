@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/camera_renderer.h"
+#include "mapbuilder/simulation/camera_renderer.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -9,7 +9,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/render_conditions.h"
+#include "mapbuilder/simulation/render_conditions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 
 namespace floorloc {
 namespace {

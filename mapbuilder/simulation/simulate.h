@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "mapbuilder/batch/progress.h"
-#include "mapbuilder/floor_texture.h"
-#include "mapbuilder/render_conditions.h"
-#include "mapbuilder/simulated_camera.h"
-#include "mapbuilder/simulated_path.h"
+#include "mapbuilder/simulation/floor_texture.h"
+#include "mapbuilder/simulation/render_conditions.h"
+#include "mapbuilder/simulation/simulated_camera.h"
+#include "mapbuilder/simulation/simulated_path.h"
 
 namespace floorloc {
 

@@ -10,8 +10,8 @@
 #include "core/geometry/pose2.h"
 #include "core/io/survey.h"
 #include "core/io/trajectory.h"
-#include "mapbuilder/simulated_drive.h"
-#include "mapbuilder/simulated_sensors.h"
+#include "mapbuilder/simulation/simulated_drive.h"
+#include "mapbuilder/simulation/simulated_sensors.h"
 
 namespace floorloc {
 

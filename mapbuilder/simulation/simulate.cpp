@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/simulate.h"
+#include "mapbuilder/simulation/simulate.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,9 +15,9 @@
 #include "core/io/trajectory.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/batch/pending_folder.h"
-#include "mapbuilder/camera_renderer.h"
-#include "mapbuilder/floor_wear.h"
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/camera_renderer.h"
+#include "mapbuilder/simulation/floor_wear.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/simulate.h"
+#include "mapbuilder/simulation/simulate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/camera_renderer.h"
-#include "mapbuilder/floor_wear.h"
+#include "mapbuilder/simulation/camera_renderer.h"
+#include "mapbuilder/simulation/floor_wear.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

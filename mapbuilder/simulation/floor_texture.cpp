@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/floor_texture.h"
+#include "mapbuilder/simulation/floor_texture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/procedural_floor.h"
-#include "mapbuilder/quilting.h"
+#include "mapbuilder/simulation/procedural_floor.h"
+#include "mapbuilder/simulation/quilting.h"
 
 namespace floorloc {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "mapbuilder/floor_texture.h"
+#include "mapbuilder/simulation/floor_texture.h"
 
 namespace floorloc {
 

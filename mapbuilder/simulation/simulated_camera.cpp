@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/simulated_camera.h"
+#include "mapbuilder/simulation/simulated_camera.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "mapbuilder/floor_texture.h"
-#include "mapbuilder/render_conditions.h"
+#include "mapbuilder/simulation/floor_texture.h"
+#include "mapbuilder/simulation/render_conditions.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/simulated_sensors.h"
+#include "mapbuilder/simulation/simulated_sensors.h"
 
 #include <algorithm>
 #include <array>

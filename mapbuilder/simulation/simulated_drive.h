@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry/floor_plane.h"
-#include "mapbuilder/simulated_sensors.h"
+#include "mapbuilder/simulation/simulated_sensors.h"
 
 namespace floorloc {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "mapbuilder/floor_texture.h"
-#include "mapbuilder/simulated_camera.h"
+#include "mapbuilder/simulation/floor_texture.h"
+#include "mapbuilder/simulation/simulated_camera.h"
 
 namespace floorloc {
 

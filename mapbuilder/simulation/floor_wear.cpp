@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/floor_wear.h"
+#include "mapbuilder/simulation/floor_wear.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "mapbuilder/simulated_noise.h"
+#include "mapbuilder/simulation/simulated_noise.h"
 
 namespace floorloc {
 namespace {
