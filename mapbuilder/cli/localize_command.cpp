@@ -9,8 +9,8 @@
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/fuse_frames.h"
-#include "mapbuilder/localize_frames.h"
+#include "mapbuilder/replay/fuse_frames.h"
+#include "mapbuilder/replay/localize_frames.h"
 
 namespace floorloc {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/io/text_file.h"
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/odometry_frames.h"
+#include "mapbuilder/replay/odometry_frames.h"
 
 namespace floorloc {
 namespace {

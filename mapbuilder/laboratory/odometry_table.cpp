@@ -6,9 +6,9 @@
 #include "core/fusion/pose_filter.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
-#include "mapbuilder/fuse_frames.h"
-#include "mapbuilder/odometry_frames.h"
 #include "mapbuilder/plot/plot_trajectory.h"
+#include "mapbuilder/replay/fuse_frames.h"
+#include "mapbuilder/replay/odometry_frames.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/odometry_frames.h"
+#include "mapbuilder/replay/odometry_frames.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/fuse_frames.h"
+#include "mapbuilder/replay/fuse_frames.h"
 
 #include <algorithm>
 #include <cmath>

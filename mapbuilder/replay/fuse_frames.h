@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/tracking/vehicle_tracker.h"
-#include "mapbuilder/localize_frames.h"
+#include "mapbuilder/replay/localize_frames.h"
 
 namespace floorloc {
 
