@@ -17,7 +17,7 @@
 #include "mapbuilder/map_info.h"
 #include "mapbuilder/odometry_agreement.h"
 #include "mapbuilder/placed_frames.h"
-#include "mapbuilder/placement_journal.h"
+#include "mapbuilder/placement/placement_journal.h"
 #include "mapbuilder/survey/frame_journal.h"
 
 namespace floorloc {

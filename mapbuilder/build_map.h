@@ -12,7 +12,7 @@
 #include "mapbuilder/held_out.h"
 #include "mapbuilder/markers.h"
 #include "mapbuilder/mosaic.h"
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 #include "mapbuilder/self_calibration.h"
 
 namespace floorloc {

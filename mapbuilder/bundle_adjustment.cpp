@@ -10,7 +10,7 @@
 #include <iterator>
 #include <memory>
 
-#include "mapbuilder/pose_graph_factors.h"
+#include "mapbuilder/placement/pose_graph_factors.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/geometry/pose2.h"
 #include "mapbuilder/camera_adjustment.h"
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {
 

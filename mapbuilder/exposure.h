@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapbuilder/mosaic_patch.h"
-#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mapbuilder/old_map.h"
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

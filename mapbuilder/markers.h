@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mapbuilder/marker_detection.h"
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {
 

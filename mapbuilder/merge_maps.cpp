@@ -11,7 +11,7 @@
 #include "mapbuilder/map_info.h"
 #include "mapbuilder/map_picture.h"
 #include "mapbuilder/mosaic.h"
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {
 namespace {

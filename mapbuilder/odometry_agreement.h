@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

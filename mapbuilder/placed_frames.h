@@ -5,7 +5,7 @@
 
 #include "mapbuilder/exposure.h"
 #include "mapbuilder/old_map.h"
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {
 

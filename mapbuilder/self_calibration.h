@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapbuilder/bundle_adjustment.h"
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

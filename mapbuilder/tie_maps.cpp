@@ -9,7 +9,7 @@
 #include "core/vision/guided_matcher.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/map_views.h"
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/io/input_error.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/mosaic.h"
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {
 namespace {

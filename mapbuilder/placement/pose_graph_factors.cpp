@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/pose_graph_factors.h"
+#include "mapbuilder/placement/pose_graph_factors.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/robust_pose_graph.h"
+#include "mapbuilder/placement/robust_pose_graph.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "mapbuilder/spanning_forest.h"
+#include "mapbuilder/placement/spanning_forest.h"
 
 namespace floorloc {
 namespace {

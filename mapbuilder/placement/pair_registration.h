@@ -5,7 +5,7 @@
 
 #include "core/registration/registration.h"
 #include "core/vision/guided_matcher.h"
-#include "mapbuilder/pair_selection.h"
+#include "mapbuilder/placement/pair_selection.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

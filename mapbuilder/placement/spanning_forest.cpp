@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/spanning_forest.h"
+#include "mapbuilder/placement/spanning_forest.h"
 
 #include <algorithm>
 #include <map>

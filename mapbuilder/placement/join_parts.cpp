@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/join_parts.h"
+#include "mapbuilder/placement/join_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "mapbuilder/spanning_forest.h"
+#include "mapbuilder/placement/spanning_forest.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/pair_registration.h"
+#include "mapbuilder/placement/pair_registration.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/placement_journal.h"
+#include "mapbuilder/placement/placement_journal.h"
 
 #include <algorithm>
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/pair_registration.h"
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pair_registration.h"
+#include "mapbuilder/placement/pose_graph.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

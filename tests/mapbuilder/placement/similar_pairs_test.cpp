@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/similar_pairs.h"
+#include "mapbuilder/placement/similar_pairs.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/robust_pose_graph.h"
+#include "mapbuilder/placement/robust_pose_graph.h"
 
 #include <algorithm>
 #include <cmath>

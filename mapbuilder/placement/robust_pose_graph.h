@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {
 

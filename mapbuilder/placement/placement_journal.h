@@ -5,7 +5,7 @@
 #include <string>
 
 #include "mapbuilder/batch/build_journal.h"
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mapbuilder/pair_selection.h"
+#include "mapbuilder/placement/pair_selection.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

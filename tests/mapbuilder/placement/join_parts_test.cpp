@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/join_parts.h"
+#include "mapbuilder/placement/join_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "mapbuilder/spanning_forest.h"
+#include "mapbuilder/placement/spanning_forest.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/place_frames.h"
+#include "mapbuilder/placement/place_frames.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 
 #include "core/io/input_error.h"
 #include "core/registration/least_squares.h"
-#include "mapbuilder/join_parts.h"
-#include "mapbuilder/robust_pose_graph.h"
-#include "mapbuilder/similar_pairs.h"
-#include "mapbuilder/spanning_forest.h"
+#include "mapbuilder/placement/join_parts.h"
+#include "mapbuilder/placement/robust_pose_graph.h"
+#include "mapbuilder/placement/similar_pairs.h"
+#include "mapbuilder/placement/spanning_forest.h"
 
 namespace floorloc {
 namespace {

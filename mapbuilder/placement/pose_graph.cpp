@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/pose_graph.h"
+#include "mapbuilder/placement/pose_graph.h"
 
 #include <ceres/ceres.h>
 
 #include <Eigen/LU>
 #include <cmath>
 
-#include "mapbuilder/pose_graph_factors.h"
+#include "mapbuilder/placement/pose_graph_factors.h"
 
 namespace floorloc {
 namespace {

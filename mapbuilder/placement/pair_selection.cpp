@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/pair_selection.h"
+#include "mapbuilder/placement/pair_selection.h"
 
 #include <algorithm>
 #include <cmath>
