@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapbuilder/build_report.h"
-#include "mapbuilder/fuse_keypoints.h"
+#include "mapbuilder/keypoints/fuse_keypoints.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

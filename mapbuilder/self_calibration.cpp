@@ -9,7 +9,7 @@
 
 #include "core/geometry/mounting.h"
 #include "core/io/input_error.h"
-#include "mapbuilder/keypoint_tracks.h"
+#include "mapbuilder/keypoints/keypoint_tracks.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/fuse_keypoints.h"
+#include "mapbuilder/keypoints/fuse_keypoints.h"
 
 namespace floorloc {
 

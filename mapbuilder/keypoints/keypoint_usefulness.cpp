@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/keypoint_usefulness.h"
+#include "mapbuilder/keypoints/keypoint_usefulness.h"
 
 #include <algorithm>
 #include <unordered_map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/fuse_keypoints.h"
+#include "mapbuilder/keypoints/fuse_keypoints.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <opencv2/core.hpp>
 
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/distinctiveness.h"
-#include "mapbuilder/fuse_track.h"
-#include "mapbuilder/keypoint_usefulness.h"
+#include "mapbuilder/keypoints/distinctiveness.h"
+#include "mapbuilder/keypoints/fuse_track.h"
+#include "mapbuilder/keypoints/keypoint_usefulness.h"
 
 namespace floorloc {
 namespace {

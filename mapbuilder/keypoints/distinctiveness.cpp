@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/distinctiveness.h"
+#include "mapbuilder/keypoints/distinctiveness.h"
 
 #include <algorithm>
 #include <cmath>

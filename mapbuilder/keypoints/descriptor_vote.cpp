@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/descriptor_vote.h"
+#include "mapbuilder/keypoints/descriptor_vote.h"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/descriptor_vote.h"
-#include "mapbuilder/keypoint_tracks.h"
+#include "mapbuilder/keypoints/descriptor_vote.h"
+#include "mapbuilder/keypoints/keypoint_tracks.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -6,8 +6,8 @@
 
 #include "core/map/floor_map.h"
 #include "mapbuilder/coverage/coverage.h"
-#include "mapbuilder/keypoint_tracks.h"
-#include "mapbuilder/prune_keypoints.h"
+#include "mapbuilder/keypoints/keypoint_tracks.h"
+#include "mapbuilder/keypoints/prune_keypoints.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/prune_keypoints.h"
+#include "mapbuilder/keypoints/prune_keypoints.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/descriptor_rows.h"
+#include "mapbuilder/keypoints/descriptor_rows.h"
 
 #include <cmath>
 

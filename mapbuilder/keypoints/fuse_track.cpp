@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/fuse_track.h"
+#include "mapbuilder/keypoints/fuse_track.h"
 
 #include <algorithm>
 #include <cassert>

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapbuilder/fuse_keypoints.h"
+#include "mapbuilder/keypoints/fuse_keypoints.h"
 #include "tests/mapbuilder/floor_points.h"
 
 namespace floorloc {

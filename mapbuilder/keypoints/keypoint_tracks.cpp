@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/keypoint_tracks.h"
+#include "mapbuilder/keypoints/keypoint_tracks.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 
 #include "core/vision/guided_matcher.h"
 #include "mapbuilder/coverage/cell_key.h"
-#include "mapbuilder/descriptor_rows.h"
+#include "mapbuilder/keypoints/descriptor_rows.h"
 
 namespace floorloc {
 namespace {
