@@ -13,11 +13,11 @@
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/extend_map.h"
-#include "mapbuilder/frame_screening.h"
 #include "mapbuilder/map_info.h"
-#include "mapbuilder/odometry_agreement.h"
 #include "mapbuilder/placed_frames.h"
 #include "mapbuilder/placement/placement_journal.h"
+#include "mapbuilder/screening/frame_screening.h"
+#include "mapbuilder/screening/odometry_agreement.h"
 #include "mapbuilder/survey/frame_journal.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/standstill.h"
+#include "mapbuilder/screening/standstill.h"
 
 #include <algorithm>
 #include <set>

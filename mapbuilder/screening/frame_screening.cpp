@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_screening.h"
+#include "mapbuilder/screening/frame_screening.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <unordered_map>
 
 #include "core/io/input_error.h"
-#include "mapbuilder/standstill.h"
+#include "mapbuilder/screening/standstill.h"
 
 namespace floorloc {
 namespace {

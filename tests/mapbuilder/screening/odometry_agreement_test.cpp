@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/odometry_agreement.h"
+#include "mapbuilder/screening/odometry_agreement.h"
 
 #include <gtest/gtest.h>
 
