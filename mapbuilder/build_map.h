@@ -13,7 +13,7 @@
 #include "mapbuilder/markers.h"
 #include "mapbuilder/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
-#include "mapbuilder/self_calibration.h"
+#include "mapbuilder/self_calibration/self_calibration.h"
 
 namespace floorloc {
 

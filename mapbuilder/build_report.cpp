@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "mapbuilder/calibration_summary.h"
+#include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "core/map/map_error.h"
 #include "mapbuilder/build_report.h"
-#include "mapbuilder/calibration_summary.h"
+#include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/self_calibration.h"
+#include "mapbuilder/self_calibration/self_calibration.h"
 
 #include <algorithm>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/calibration_summary.h"
+#include "mapbuilder/self_calibration/calibration_summary.h"
 
 #include <array>
 #include <cstdio>

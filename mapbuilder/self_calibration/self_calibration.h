@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/bundle_adjustment.h"
 #include "mapbuilder/placement/place_frames.h"
+#include "mapbuilder/self_calibration/bundle_adjustment.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/bundle_adjustment.h"
+#include "mapbuilder/self_calibration/bundle_adjustment.h"
 
 #include <ceres/ceres.h>
 

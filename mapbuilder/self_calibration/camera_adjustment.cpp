@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/camera_adjustment.h"
+#include "mapbuilder/self_calibration/camera_adjustment.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "mapbuilder/self_calibration.h"
+#include "mapbuilder/self_calibration/self_calibration.h"
 
 namespace floorloc {
 

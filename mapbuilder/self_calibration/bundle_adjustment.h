@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "mapbuilder/camera_adjustment.h"
 #include "mapbuilder/placement/pose_graph.h"
+#include "mapbuilder/self_calibration/camera_adjustment.h"
 
 namespace floorloc {
 
