@@ -10,7 +10,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
-#include "mapbuilder/markers.h"
+#include "mapbuilder/markers/markers.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 #include "mapbuilder/survey/dropped_frame.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/marker_detection.h"
+#include "mapbuilder/markers/marker_detection.h"
 
 #include <algorithm>
 #include <cmath>

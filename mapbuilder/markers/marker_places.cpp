@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/marker_places.h"
+#include "mapbuilder/markers/marker_places.h"
 
 #include <algorithm>
 #include <cassert>

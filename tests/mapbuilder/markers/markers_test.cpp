@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/markers.h"
+#include "mapbuilder/markers/markers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build_map.h"
 #include "mapbuilder/fiducials/aruco_dictionary.h"
-#include "mapbuilder/marker_places.h"
+#include "mapbuilder/markers/marker_places.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "tests/synthetic/temporary_folder.h"
 

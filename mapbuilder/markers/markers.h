@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/marker_detection.h"
+#include "mapbuilder/markers/marker_detection.h"
 #include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {

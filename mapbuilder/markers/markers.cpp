@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/markers.h"
+#include "mapbuilder/markers/markers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/marker_places.h"
+#include "mapbuilder/markers/marker_places.h"
 
 namespace floorloc {
 namespace {
