@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "mapbuilder/build_report.h"
-#include "mapbuilder/exposure.h"
 #include "mapbuilder/held_out.h"
+#include "mapbuilder/mosaic/exposure.h"
 
 namespace floorloc {
 

@@ -11,7 +11,7 @@
 #include "mapbuilder/held_out.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
 #include "mapbuilder/markers/markers.h"
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 

@@ -5,7 +5,7 @@
 
 #include "mapbuilder/locate_in_map.h"
 #include "mapbuilder/map_picture.h"
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/mosaic.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "core/map/map_database.h"
-#include "mapbuilder/mosaic_patch.h"
+#include "mapbuilder/mosaic/mosaic_patch.h"
 
 namespace floorloc {
 

@@ -10,7 +10,7 @@
 #include "mapbuilder/join_keypoints.h"
 #include "mapbuilder/map_info.h"
 #include "mapbuilder/map_picture.h"
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {

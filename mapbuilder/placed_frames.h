@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mapbuilder/exposure.h"
+#include "mapbuilder/mosaic/exposure.h"
 #include "mapbuilder/old_map.h"
 #include "mapbuilder/placement/place_frames.h"
 

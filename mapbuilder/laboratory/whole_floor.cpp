@@ -8,7 +8,7 @@
 
 #include "core/io/input_error.h"
 #include "mapbuilder/coverage/coverage.h"
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/light_consensus.h"
+#include "mapbuilder/mosaic/light_consensus.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapbuilder/mosaic_patch.h"
+#include "mapbuilder/mosaic/mosaic_patch.h"
 #include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/survey/survey_frames.h"
 

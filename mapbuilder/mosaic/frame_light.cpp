@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_light.h"
+#include "mapbuilder/mosaic/frame_light.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

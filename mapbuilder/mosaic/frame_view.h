@@ -7,7 +7,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/vision/rectifier.h"
-#include "mapbuilder/mosaic_grid.h"
+#include "mapbuilder/mosaic/mosaic_grid.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 
-#include "mapbuilder/floor_picture.h"
-#include "mapbuilder/frame_choice.h"
-#include "mapbuilder/light_consensus.h"
+#include "mapbuilder/mosaic/floor_picture.h"
+#include "mapbuilder/mosaic/frame_choice.h"
+#include "mapbuilder/mosaic/light_consensus.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/mosaic_patch.h"
+#include "mapbuilder/mosaic/mosaic_patch.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/mosaic.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/mosaic_block.h"
+#include "mapbuilder/mosaic/mosaic_block.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/mosaic_block.h"
+#include "mapbuilder/mosaic/mosaic_block.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/exposure.h"
+#include "mapbuilder/mosaic/exposure.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/frame_light.h"
+#include "mapbuilder/mosaic/frame_light.h"
 
 namespace floorloc {
 namespace {

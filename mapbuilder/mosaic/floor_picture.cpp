@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/floor_picture.h"
+#include "mapbuilder/mosaic/floor_picture.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

@@ -5,8 +5,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "mapbuilder/frame_view.h"
-#include "mapbuilder/mosaic_grid.h"
+#include "mapbuilder/mosaic/frame_view.h"
+#include "mapbuilder/mosaic/mosaic_grid.h"
 
 namespace floorloc {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "mapbuilder/coverage/frame_index.h"
-#include "mapbuilder/frame_light.h"
-#include "mapbuilder/frame_view.h"
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/frame_light.h"
+#include "mapbuilder/mosaic/frame_view.h"
+#include "mapbuilder/mosaic/mosaic.h"
 
 namespace floorloc {
 

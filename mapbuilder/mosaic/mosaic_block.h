@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "mapbuilder/coverage/frame_index.h"
-#include "mapbuilder/floor_picture.h"
-#include "mapbuilder/frame_choice.h"
-#include "mapbuilder/frame_layer.h"
-#include "mapbuilder/light_consensus.h"
-#include "mapbuilder/mosaic.h"
+#include "mapbuilder/mosaic/floor_picture.h"
+#include "mapbuilder/mosaic/frame_choice.h"
+#include "mapbuilder/mosaic/frame_layer.h"
+#include "mapbuilder/mosaic/light_consensus.h"
+#include "mapbuilder/mosaic/mosaic.h"
 
 namespace floorloc {
 

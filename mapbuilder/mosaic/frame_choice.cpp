@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_choice.h"
+#include "mapbuilder/mosaic/frame_choice.h"
 
 #include <algorithm>
 #include <cmath>

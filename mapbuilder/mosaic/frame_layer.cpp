@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_layer.h"
+#include "mapbuilder/mosaic/frame_layer.h"
 
 #include <algorithm>
 #include <array>

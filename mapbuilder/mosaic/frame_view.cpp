@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_view.h"
+#include "mapbuilder/mosaic/frame_view.h"
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>

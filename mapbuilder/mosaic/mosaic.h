@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/exposure.h"
-#include "mapbuilder/mosaic_patch.h"
+#include "mapbuilder/mosaic/exposure.h"
+#include "mapbuilder/mosaic/mosaic_patch.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
