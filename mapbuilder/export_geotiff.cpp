@@ -11,7 +11,7 @@
 
 #include "core/io/input_error.h"
 #include "core/map/part_file.h"
-#include "mapbuilder/mosaic_level.h"
+#include "mapbuilder/finished_map/mosaic_level.h"
 
 namespace floorloc {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "mapbuilder/mosaic_level.h"
+#include "mapbuilder/finished_map/mosaic_level.h"
 
 namespace floorloc {
 namespace {

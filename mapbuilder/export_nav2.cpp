@@ -9,7 +9,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/mosaic_level.h"
+#include "mapbuilder/finished_map/mosaic_level.h"
 
 namespace floorloc {
 namespace {

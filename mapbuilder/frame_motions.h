@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "mapbuilder/old_map.h"
+#include "mapbuilder/finished_map/base_map.h"
 
 namespace floorloc {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mapbuilder/same_points.h"
+#include "mapbuilder/finished_map/same_points.h"
 
 namespace floorloc {
 namespace {

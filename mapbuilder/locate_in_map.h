@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mapbuilder/old_map.h"
+#include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/placement/pose_graph.h"
 #include "mapbuilder/survey/survey_frames.h"
 

@@ -6,10 +6,10 @@
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_error.h"
 #include "core/map/map_writer.h"
+#include "mapbuilder/finished_map/map_info.h"
+#include "mapbuilder/finished_map/map_picture.h"
 #include "mapbuilder/frame_motions.h"
 #include "mapbuilder/join_keypoints.h"
-#include "mapbuilder/map_info.h"
-#include "mapbuilder/map_picture.h"
 #include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/pose_graph.h"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/mosaic/exposure.h"
-#include "mapbuilder/old_map.h"
 #include "mapbuilder/placement/place_frames.h"
 
 namespace floorloc {

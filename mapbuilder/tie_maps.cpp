@@ -8,7 +8,7 @@
 #include "core/map/map_error.h"
 #include "core/vision/guided_matcher.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/map_views.h"
+#include "mapbuilder/finished_map/map_views.h"
 #include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {

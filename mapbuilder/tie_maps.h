@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mapbuilder/batch/progress.h"
-#include "mapbuilder/old_map.h"
+#include "mapbuilder/finished_map/base_map.h"
 
 namespace floorloc {
 

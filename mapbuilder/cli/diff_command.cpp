@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/map_diff.h"
+#include "mapbuilder/finished_map/map_diff.h"
 
 namespace floorloc {
 namespace {

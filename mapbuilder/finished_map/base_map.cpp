@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/old_map.h"
+#include "mapbuilder/finished_map/base_map.h"
 
 namespace floorloc {
 

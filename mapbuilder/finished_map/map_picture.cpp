@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/map_picture.h"
+#include "mapbuilder/finished_map/map_picture.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

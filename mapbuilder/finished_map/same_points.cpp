@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/same_points.h"
+#include "mapbuilder/finished_map/same_points.h"
 
 #include <opencv2/core.hpp>
 

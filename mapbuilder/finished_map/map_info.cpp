@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/map_info.h"
+#include "mapbuilder/finished_map/map_info.h"
 
 #include <ctime>
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/old_map.h"
+#include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/map_views.h"
+#include "mapbuilder/finished_map/map_views.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

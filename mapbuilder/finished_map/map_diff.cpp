@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/map_diff.h"
+#include "mapbuilder/finished_map/map_diff.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "core/map/extractor_parameters.h"
 #include "mapbuilder/coverage/coverage.h"
-#include "mapbuilder/same_points.h"
+#include "mapbuilder/finished_map/same_points.h"
 
 namespace floorloc {
 namespace {

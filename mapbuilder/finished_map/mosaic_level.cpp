@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/mosaic_level.h"
+#include "mapbuilder/finished_map/mosaic_level.h"
 
 #include <algorithm>
 #include <cmath>
