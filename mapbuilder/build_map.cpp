@@ -12,7 +12,7 @@
 #include "mapbuilder/build_findings.h"
 #include "mapbuilder/build_report.h"
 #include "mapbuilder/coverage/coverage.h"
-#include "mapbuilder/extend_map.h"
+#include "mapbuilder/extend/extend_map.h"
 #include "mapbuilder/finished_map/map_info.h"
 #include "mapbuilder/placed_frames.h"
 #include "mapbuilder/placement/placement_journal.h"

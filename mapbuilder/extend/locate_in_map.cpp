@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/locate_in_map.h"
+#include "mapbuilder/extend/locate_in_map.h"
 
 #include <cmath>
 #include <optional>

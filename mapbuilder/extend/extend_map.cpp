@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/extend_map.h"
+#include "mapbuilder/extend/extend_map.h"
 
 #include <algorithm>
 

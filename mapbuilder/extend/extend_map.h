@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "mapbuilder/extend/locate_in_map.h"
 #include "mapbuilder/finished_map/map_picture.h"
-#include "mapbuilder/locate_in_map.h"
 #include "mapbuilder/mosaic/mosaic.h"
 
 namespace floorloc {
