@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/merge_maps.h"
+#include "mapbuilder/merge/merge_maps.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/join_keypoints.h"
+#include "mapbuilder/merge/join_keypoints.h"
 
 #include <algorithm>
 

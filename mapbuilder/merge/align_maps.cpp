@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/tie_maps.h"
+#include "mapbuilder/merge/align_maps.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "core/map/map_writer.h"
-#include "mapbuilder/frame_motions.h"
-#include "mapbuilder/join_keypoints.h"
+#include "mapbuilder/merge/join_keypoints.h"
+#include "mapbuilder/merge/map_deformation.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

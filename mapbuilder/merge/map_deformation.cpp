@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/frame_motions.h"
+#include "mapbuilder/merge/map_deformation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/tie_maps.h"
+#include "mapbuilder/merge/align_maps.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/merge_maps.h"
+#include "mapbuilder/merge/merge_maps.h"
 
 #include <nlohmann/json.hpp>
 
@@ -8,8 +8,8 @@
 #include "core/map/map_writer.h"
 #include "mapbuilder/finished_map/map_info.h"
 #include "mapbuilder/finished_map/map_picture.h"
-#include "mapbuilder/frame_motions.h"
-#include "mapbuilder/join_keypoints.h"
+#include "mapbuilder/merge/join_keypoints.h"
+#include "mapbuilder/merge/map_deformation.h"
 #include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/pose_graph.h"
 
