@@ -12,11 +12,11 @@
 #include "core/io/trajectory.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
-#include "mapbuilder/export_geotiff.h"
-#include "mapbuilder/export_mosaic.h"
-#include "mapbuilder/export_nav2.h"
-#include "mapbuilder/export_pose_graph.h"
-#include "mapbuilder/export_tiles.h"
+#include "mapbuilder/export/export_geotiff.h"
+#include "mapbuilder/export/export_mosaic.h"
+#include "mapbuilder/export/export_nav2.h"
+#include "mapbuilder/export/export_pose_graph.h"
+#include "mapbuilder/export/export_tiles.h"
 
 namespace floorloc {
 namespace {

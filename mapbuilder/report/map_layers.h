@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/export_mosaic.h"
+#include "mapbuilder/export/export_mosaic.h"
 #include "mapbuilder/report/quality.h"
 
 namespace floorloc {

@@ -16,7 +16,7 @@
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "core/registration/least_squares.h"
-#include "mapbuilder/export_mosaic.h"
+#include "mapbuilder/export/export_mosaic.h"
 #include "mapbuilder/simulation/simulate.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/export_nav2.h"
+#include "mapbuilder/export/export_nav2.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/export_mosaic.h"
+#include "mapbuilder/export/export_mosaic.h"
 
 #include <algorithm>
 #include <cmath>

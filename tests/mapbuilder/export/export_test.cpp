@@ -12,11 +12,11 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/export_geotiff.h"
-#include "mapbuilder/export_mosaic.h"
-#include "mapbuilder/export_nav2.h"
-#include "mapbuilder/export_pose_graph.h"
-#include "mapbuilder/export_tiles.h"
+#include "mapbuilder/export/export_geotiff.h"
+#include "mapbuilder/export/export_mosaic.h"
+#include "mapbuilder/export/export_nav2.h"
+#include "mapbuilder/export/export_pose_graph.h"
+#include "mapbuilder/export/export_tiles.h"
 #include "tests/core/map/map_test_support.h"
 #include "tests/synthetic/temporary_folder.h"
 

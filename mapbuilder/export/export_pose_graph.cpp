@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/export_pose_graph.h"
+#include "mapbuilder/export/export_pose_graph.h"
 
 #include <Eigen/LU>
 #include <iomanip>

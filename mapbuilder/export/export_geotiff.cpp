@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/export_geotiff.h"
+#include "mapbuilder/export/export_geotiff.h"
 
 #include <tiffio.h>
 

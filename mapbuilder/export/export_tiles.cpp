@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/export_tiles.h"
+#include "mapbuilder/export/export_tiles.h"
 
 #include <fstream>
 #include <nlohmann/json.hpp>
