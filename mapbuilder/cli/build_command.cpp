@@ -6,8 +6,8 @@
 
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/build_journal.h"
-#include "mapbuilder/build_map.h"
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_map.h"
+#include "mapbuilder/build/build_report.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/cli/video_input.h"
 #include "mapbuilder/fiducials/aruco_dictionary.h"

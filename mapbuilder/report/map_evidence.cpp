@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_report.h"
 
 namespace floorloc {
 

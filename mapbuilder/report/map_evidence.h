@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/map/map_database.h"
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_report.h"
 
 namespace floorloc {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_report.h"
 #include "mapbuilder/report/number_text.h"
 #include "mapbuilder/report/odometry_drift.h"
 #include "mapbuilder/report/weakness_text.h"

@@ -4,7 +4,7 @@
 #include "core/io/survey.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 #include "mapbuilder/laboratory/picture_features.h"
 #include "tests/bench/score.h"
 

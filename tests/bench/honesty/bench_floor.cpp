@@ -12,7 +12,7 @@
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "mapbuilder/simulation/floor_wear.h"
 #include "mapbuilder/simulation/simulated_path.h"

@@ -7,7 +7,7 @@
 #include "core/map/map_database.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 #include "tests/bench/score.h"
 
 namespace floorloc {

@@ -15,7 +15,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 #include "mapbuilder/fiducials/aruco_dictionary.h"
 #include "mapbuilder/markers/marker_places.h"
 #include "mapbuilder/simulation/camera_renderer.h"

@@ -16,7 +16,7 @@
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "core/registration/least_squares.h"
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

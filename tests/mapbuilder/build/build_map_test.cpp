@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/build_findings.h"
+#include "mapbuilder/build/build_findings.h"
 
 #include <iterator>
 #include <map>

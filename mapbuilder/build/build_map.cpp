@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,12 +9,12 @@
 #include "core/io/input_error.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/build_journal.h"
-#include "mapbuilder/build_findings.h"
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_findings.h"
+#include "mapbuilder/build/build_report.h"
+#include "mapbuilder/build/map_frames.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/extend/extend_map.h"
 #include "mapbuilder/finished_map/map_info.h"
-#include "mapbuilder/placed_frames.h"
 #include "mapbuilder/placement/placement_journal.h"
 #include "mapbuilder/screening/frame_screening.h"
 #include "mapbuilder/screening/odometry_agreement.h"

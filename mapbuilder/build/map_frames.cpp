@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/placed_frames.h"
+#include "mapbuilder/build/map_frames.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_report.h"
 
 #include <cstdio>
 #include <map>

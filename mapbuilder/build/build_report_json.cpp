@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/map/map_error.h"
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_report.h"
 #include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {

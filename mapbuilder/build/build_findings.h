@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/build_report.h"
-#include "mapbuilder/held_out.h"
+#include "mapbuilder/build/build_report.h"
+#include "mapbuilder/build/held_out.h"
 #include "mapbuilder/mosaic/exposure.h"
 
 namespace floorloc {

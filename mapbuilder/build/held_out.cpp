@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/held_out.h"
+#include "mapbuilder/build/held_out.h"
 
 #include <algorithm>
 #include <cmath>

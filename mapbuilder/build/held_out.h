@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_report.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
 #include "mapbuilder/survey/survey_frames.h"
 

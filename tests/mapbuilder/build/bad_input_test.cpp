@@ -15,8 +15,8 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
-#include "mapbuilder/build_map.h"
-#include "mapbuilder/build_report.h"
+#include "mapbuilder/build/build_map.h"
+#include "mapbuilder/build/build_report.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 
 #include "core/io/input_error.h"
 #include "core/map/map_database.h"
-#include "mapbuilder/build_map.h"
+#include "mapbuilder/build/build_map.h"
 #include "mapbuilder/export/export_mosaic.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
