@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "tests/mapbuilder/floor_points.h"
+#include "tests/mapbuilder/keypoints/floor_points.h"
 
 namespace floorloc {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "mapbuilder/keypoints/fuse_keypoints.h"
-#include "tests/mapbuilder/floor_points.h"
+#include "tests/mapbuilder/keypoints/floor_points.h"
 
 namespace floorloc {
 namespace {

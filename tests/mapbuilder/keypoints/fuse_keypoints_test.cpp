@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "mapbuilder/coverage/coverage.h"
-#include "tests/mapbuilder/floor_points.h"
+#include "tests/mapbuilder/keypoints/floor_points.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "tests/mapbuilder/floor_points.h"
+#include "tests/mapbuilder/keypoints/floor_points.h"
 
 namespace floorloc {
 namespace {

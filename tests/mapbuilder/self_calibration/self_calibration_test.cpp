@@ -6,7 +6,7 @@
 
 #include "core/io/input_error.h"
 #include "mapbuilder/simulation/simulated_camera.h"
-#include "tests/mapbuilder/floor_points.h"
+#include "tests/mapbuilder/keypoints/floor_points.h"
 
 namespace floorloc {
 namespace {
