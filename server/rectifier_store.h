@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "core/geometry/floor_plane.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 
 namespace floorloc {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "server/fix_history.h"
 #include "server/vehicle_session.h"
 

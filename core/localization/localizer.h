@@ -16,7 +16,7 @@
 #include "core/map/mosaic_raster.h"
 #include "core/registration/registration.h"
 #include "core/vision/descriptor_index.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 
 namespace floorloc {
 

@@ -10,7 +10,7 @@
 #include "core/geometry/mounting.h"
 #include "core/geometry/pose2.h"
 #include "core/map/mosaic_raster.h"
-#include "core/vision/ground_image.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc {
 

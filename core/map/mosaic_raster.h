@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "core/vision/contrast.h"
+#include "core/vision/image/contrast.h"
 
 namespace floorloc {
 

@@ -6,7 +6,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <stdexcept>
 
-#include "core/vision/contrast.h"
+#include "core/vision/image/contrast.h"
 
 namespace floorloc {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "core/vision/contrast.h"
 #include "core/vision/hessian_extractor.h"
+#include "core/vision/image/contrast.h"
 #include "core/vision/opencv_extractor.h"
 #include "core/vision/surf_feature.h"
 

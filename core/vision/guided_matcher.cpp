@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <opencv2/core.hpp>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

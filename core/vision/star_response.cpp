@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

@@ -9,7 +9,7 @@
 #include <random>
 #include <tuple>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

@@ -5,8 +5,8 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
-#include "core/vision/box_sampler.h"
-#include "core/vision/integral_image.h"
+#include "core/vision/image/box_sampler.h"
+#include "core/vision/image/integral_image.h"
 
 namespace floorloc {
 

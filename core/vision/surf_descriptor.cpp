@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 #include "core/vision/surf.h"
 
 namespace floorloc {

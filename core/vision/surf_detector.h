@@ -4,7 +4,7 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
-#include "core/vision/integral_image.h"
+#include "core/vision/image/integral_image.h"
 #include "core/vision/surf.h"
 
 namespace floorloc {

@@ -3,7 +3,7 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "core/vision/box_sampler.h"
+#include "core/vision/image/box_sampler.h"
 
 namespace floorloc {
 

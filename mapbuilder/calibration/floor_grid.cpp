@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 
 namespace floorloc {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "core/vision/contrast.h"
+#include "core/vision/image/contrast.h"
 
 namespace floorloc {
 

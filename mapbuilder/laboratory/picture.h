@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/vision/features.h"
-#include "core/vision/ground_image.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc {
 

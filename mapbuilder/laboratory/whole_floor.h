@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/picture.h"
 

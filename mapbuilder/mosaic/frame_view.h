@@ -6,7 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/geometry/pose2.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "mapbuilder/mosaic/mosaic_grid.h"
 #include "mapbuilder/survey/survey_frames.h"
 

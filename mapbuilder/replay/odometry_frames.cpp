@@ -9,7 +9,7 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/vision/ground_image.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc {
 

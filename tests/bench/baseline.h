@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "core/vision/ground_image.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 
 namespace floorloc {
 

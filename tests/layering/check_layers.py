@@ -11,7 +11,8 @@ from typing import NamedTuple
 ARROWS = {
     "core/geometry": [],
     "core/io": ["core/geometry"],
-    "core/vision": ["core/geometry"],
+    "core/vision/image": ["core/geometry"],
+    "core/vision": ["core/geometry", "core/vision/image"],
     "core/registration": ["core/geometry"],
     "core/surface": ["core/vision"],
     "core/map": ["core/vision", "core/geometry", "schema"],

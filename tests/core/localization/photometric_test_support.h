@@ -14,7 +14,7 @@
 #include "core/geometry/mounting.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/map/mosaic_raster.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "tests/synthetic/synthetic_floor.h"
 

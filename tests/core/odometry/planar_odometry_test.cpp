@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/vision/feature_extractor.h"
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "tests/synthetic/synthetic_floor.h"
 
 namespace floorloc {

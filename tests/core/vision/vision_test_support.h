@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/vision/features.h"
-#include "core/vision/ground_image.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc::testing_vision {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 #include "tests/synthetic/synthetic_floor.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/gaussian.h"
+#include "core/vision/image/gaussian.h"
 
 #include <gtest/gtest.h>
 

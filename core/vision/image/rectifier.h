@@ -4,7 +4,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/geometry/floor_plane.h"
-#include "core/vision/ground_image.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/rectifier.h"
+#include "core/vision/image/rectifier.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

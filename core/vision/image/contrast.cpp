@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/contrast.h"
+#include "core/vision/image/contrast.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "core/vision/gaussian.h"
-#include "core/vision/mirror.h"
-#include "core/vision/multiversion.h"
+#include "core/vision/image/gaussian.h"
+#include "core/vision/image/mirror.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/contrast.h"
+#include "core/vision/image/contrast.h"
 
 #include <gtest/gtest.h>
 

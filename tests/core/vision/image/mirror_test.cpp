@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/mirror.h"
+#include "core/vision/image/mirror.h"
 
 #include <gtest/gtest.h>
 

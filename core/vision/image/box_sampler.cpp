@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/box_sampler.h"
+#include "core/vision/image/box_sampler.h"
 
 #include <algorithm>
 #include <cstdint>
 
-#include "core/vision/multiversion.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {

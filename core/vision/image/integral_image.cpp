@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/integral_image.h"
+#include "core/vision/image/integral_image.h"
 
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>

@@ -6,7 +6,7 @@
 #include <opencv2/core/types.hpp>
 #include <vector>
 
-#include "core/vision/integral_image.h"
+#include "core/vision/image/integral_image.h"
 
 namespace floorloc {
 

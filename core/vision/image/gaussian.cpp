@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/gaussian.h"
+#include "core/vision/image/gaussian.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "core/vision/mirror.h"
-#include "core/vision/multiversion.h"
+#include "core/vision/image/mirror.h"
+#include "core/vision/image/multiversion.h"
 
 namespace floorloc {
 namespace {
