@@ -5,7 +5,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/photometric_aligner.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 
 namespace floorloc {
 

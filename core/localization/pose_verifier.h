@@ -7,7 +7,7 @@
 #include "core/localization/photometric_aligner.h"
 #include "core/map/floor_map.h"
 #include "core/registration/registration.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "core/vision/guided_matcher.h"
 
 namespace floorloc {

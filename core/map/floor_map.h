@@ -11,7 +11,7 @@
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
 #include "core/vision/feature_extractor.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 
 namespace floorloc {
 

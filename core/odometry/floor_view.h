@@ -8,7 +8,7 @@
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
 #include "core/registration/registration.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "core/vision/guided_matcher.h"
 
 namespace floorloc {

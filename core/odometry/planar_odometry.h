@@ -9,7 +9,7 @@
 #include "core/geometry/pose2.h"
 #include "core/odometry/floor_view.h"
 #include "core/odometry/motion_covariance.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 
 namespace floorloc {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "core/vision/image/ground_image.h"
 
 namespace floorloc {

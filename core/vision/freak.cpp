@@ -3,9 +3,9 @@
 
 #include <stdexcept>
 
+#include "core/vision/features/keypoint_selection.h"
 #include "core/vision/freak_pairs.h"
 #include "core/vision/freak_pattern.h"
-#include "core/vision/keypoint_selection.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/vision/descriptor_index.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "core/vision/hamming.h"
 
 namespace floorloc {

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "core/vision/features/keypoint_angle.h"
+#include "core/vision/features/spread.h"
 #include "core/vision/hessian_detector.h"
 #include "core/vision/image/gaussian.h"
-#include "core/vision/keypoint_angle.h"
-#include "core/vision/spread.h"
 #include "core/vision/steered_brief.h"
 
 namespace floorloc {

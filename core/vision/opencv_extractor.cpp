@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "core/vision/keypoint_angle.h"
-#include "core/vision/spread.h"
+#include "core/vision/features/keypoint_angle.h"
+#include "core/vision/features/spread.h"
 #include "core/vision/surf_feature.h"
 
 namespace floorloc {

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "core/vision/keypoint_selection.h"
-#include "core/vision/response_peaks.h"
+#include "core/vision/features/keypoint_selection.h"
+#include "core/vision/features/response_peaks.h"
 #include "core/vision/star_response.h"
 
 namespace floorloc {

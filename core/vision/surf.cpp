@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/vision/keypoint_selection.h"
+#include "core/vision/features/keypoint_selection.h"
 #include "core/vision/surf_descriptor.h"
 #include "core/vision/surf_detector.h"
 #include "core/vision/surf_orientation.h"

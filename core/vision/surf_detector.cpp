@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "core/vision/response_peaks.h"
+#include "core/vision/features/response_peaks.h"
 #include "core/vision/surf_response.h"
 
 namespace floorloc {

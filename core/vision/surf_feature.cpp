@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/vision/surf_feature.h"
 
-#include "core/vision/keypoint_selection.h"
+#include "core/vision/features/keypoint_selection.h"
 
 namespace floorloc {
 namespace {

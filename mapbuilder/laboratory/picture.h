@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "core/vision/image/ground_image.h"
 
 namespace floorloc {

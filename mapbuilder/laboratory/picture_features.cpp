@@ -6,7 +6,7 @@
 #include <ctime>
 #include <opencv2/imgproc.hpp>
 
-#include "core/vision/spread.h"
+#include "core/vision/features/spread.h"
 
 namespace floorloc {
 namespace {

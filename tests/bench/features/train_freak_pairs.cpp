@@ -13,9 +13,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "core/vision/features/keypoint_selection.h"
 #include "core/vision/freak_pairs.h"
 #include "core/vision/freak_pattern.h"
-#include "core/vision/keypoint_selection.h"
 #include "core/vision/star.h"
 
 namespace floorloc {

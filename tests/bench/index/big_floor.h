@@ -8,7 +8,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/map/floor_map.h"
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "tests/bench/index/descriptor_model.h"
 
 namespace floorloc {

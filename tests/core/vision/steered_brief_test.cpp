@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/vision/features/keypoint_angle.h"
 #include "core/vision/image/gaussian.h"
-#include "core/vision/keypoint_angle.h"
 #include "tests/core/vision/blob_pictures.h"
 #include "tests/core/vision/vision_test_support.h"
 

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 #include "core/vision/image/ground_image.h"
 
 namespace floorloc::testing_vision {

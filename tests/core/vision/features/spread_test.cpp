@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/spread.h"
+#include "core/vision/features/spread.h"
 
 #include <gtest/gtest.h>
 

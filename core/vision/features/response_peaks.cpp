@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/response_peaks.h"
+#include "core/vision/features/response_peaks.h"
 
 #include <algorithm>
 #include <cmath>

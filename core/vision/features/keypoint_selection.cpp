@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/keypoint_selection.h"
+#include "core/vision/features/keypoint_selection.h"
 
 #include <algorithm>
 #include <tuple>

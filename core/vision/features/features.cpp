@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/features.h"
+#include "core/vision/features/features.h"
 
 namespace floorloc {
 
