@@ -3,7 +3,7 @@
 
 #include <opencv2/features2d.hpp>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 

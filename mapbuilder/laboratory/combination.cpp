@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 namespace {

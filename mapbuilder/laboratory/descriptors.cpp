@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/vision/freak.h"
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 #include "mapbuilder/laboratory/contour_shapes.h"
 
 namespace floorloc {

@@ -7,7 +7,7 @@
 #include <opencv2/features2d.hpp>
 
 #include "core/vision/star.h"
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 #include "mapbuilder/laboratory/contour_shapes.h"
 
 namespace floorloc {

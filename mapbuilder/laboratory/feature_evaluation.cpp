@@ -8,7 +8,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 #include "mapbuilder/laboratory/feature_tables.h"
 #include "mapbuilder/laboratory/odometry_table.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/features2d.hpp>
 #include <sstream>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 
 #include "core/vision/freak.h"
 #include "core/vision/star.h"
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 #include "tests/bench/features/dlib_surf.h"
 
 namespace floorloc {

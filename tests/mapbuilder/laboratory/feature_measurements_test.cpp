@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 #include "mapbuilder/laboratory/feature_tables.h"
 #include "mapbuilder/laboratory/odometry_table.h"
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 #include <algorithm>
 #include <numbers>
 #include <stdexcept>
 
 #include "core/vision/features/keypoint_selection.h"
-#include "core/vision/surf_descriptor.h"
-#include "core/vision/surf_detector.h"
-#include "core/vision/surf_orientation.h"
+#include "core/vision/surf/surf_descriptor.h"
+#include "core/vision/surf/surf_detector.h"
+#include "core/vision/surf/surf_orientation.h"
 
 namespace floorloc {
 

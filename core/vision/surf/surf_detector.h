@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/vision/image/integral_image.h"
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 

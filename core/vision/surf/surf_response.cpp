@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/surf_response.h"
+#include "core/vision/surf/surf_response.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/surf_detector.h"
+#include "core/vision/surf/surf_detector.h"
 
 #include <array>
 
 #include "core/vision/features/response_peaks.h"
-#include "core/vision/surf_response.h"
+#include "core/vision/surf/surf_response.h"
 
 namespace floorloc {
 namespace {

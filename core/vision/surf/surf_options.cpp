@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <stdexcept>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/surf_orientation.h"
+#include "core/vision/surf/surf_orientation.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/core/hal/hal.hpp>
 
-#include "core/vision/surf.h"
+#include "core/vision/surf/surf.h"
 
 namespace floorloc {
 namespace {
