@@ -6,7 +6,7 @@
 #include <opencv2/features2d.hpp>
 #include <utility>
 
-#include "core/vision/freak.h"
+#include "core/vision/freak_star/freak.h"
 #include "core/vision/surf/surf.h"
 #include "mapbuilder/laboratory/contour_shapes.h"
 

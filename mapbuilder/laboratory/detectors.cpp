@@ -6,7 +6,7 @@
 #include <limits>
 #include <opencv2/features2d.hpp>
 
-#include "core/vision/star.h"
+#include "core/vision/freak_star/star.h"
 #include "core/vision/surf/surf.h"
 #include "mapbuilder/laboratory/contour_shapes.h"
 

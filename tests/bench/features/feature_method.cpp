@@ -3,8 +3,8 @@
 
 #include <opencv2/features2d.hpp>
 
-#include "core/vision/freak.h"
-#include "core/vision/star.h"
+#include "core/vision/freak_star/freak.h"
+#include "core/vision/freak_star/star.h"
 #include "core/vision/surf/surf.h"
 #include "tests/bench/features/dlib_surf.h"
 

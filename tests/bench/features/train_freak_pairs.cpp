@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "core/vision/features/keypoint_selection.h"
-#include "core/vision/freak_pairs.h"
-#include "core/vision/freak_pattern.h"
-#include "core/vision/star.h"
+#include "core/vision/freak_star/freak_pairs.h"
+#include "core/vision/freak_star/freak_pattern.h"
+#include "core/vision/freak_star/star.h"
 
 namespace floorloc {
 namespace {

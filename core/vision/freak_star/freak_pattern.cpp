@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/freak_pattern.h"
+#include "core/vision/freak_star/freak_pattern.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/freak.h"
+#include "core/vision/freak_star/freak.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/vision/freak_pairs.h"
-#include "core/vision/freak_pattern.h"
-#include "core/vision/star.h"
+#include "core/vision/freak_star/freak_pairs.h"
+#include "core/vision/freak_star/freak_pattern.h"
+#include "core/vision/freak_star/star.h"
 #include "tests/core/vision/blob_pictures.h"
 #include "tests/core/vision/vision_test_support.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/star_response.h"
+#include "core/vision/freak_star/star_response.h"
 
 #include <array>
 #include <cmath>

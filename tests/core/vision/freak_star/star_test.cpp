@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/star.h"
+#include "core/vision/freak_star/star.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "core/vision/star_response.h"
+#include "core/vision/freak_star/star_response.h"
 #include "tests/core/vision/blob_pictures.h"
 #include "tests/core/vision/vision_test_support.h"
 

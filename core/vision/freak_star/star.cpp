@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/star.h"
+#include "core/vision/freak_star/star.h"
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -7,7 +7,7 @@
 
 #include "core/vision/features/keypoint_selection.h"
 #include "core/vision/features/response_peaks.h"
-#include "core/vision/star_response.h"
+#include "core/vision/freak_star/star_response.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/freak_pairs.h"
+#include "core/vision/freak_star/freak_pairs.h"
 
 namespace floorloc {
 

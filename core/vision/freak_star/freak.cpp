@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/freak.h"
+#include "core/vision/freak_star/freak.h"
 
 #include <stdexcept>
 
 #include "core/vision/features/keypoint_selection.h"
-#include "core/vision/freak_pairs.h"
-#include "core/vision/freak_pattern.h"
+#include "core/vision/freak_star/freak_pairs.h"
+#include "core/vision/freak_star/freak_pattern.h"
 
 namespace floorloc {
 namespace {
