@@ -18,7 +18,7 @@
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
 #include "core/vision/feature_extractor.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {
 namespace {

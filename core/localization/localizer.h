@@ -15,8 +15,8 @@
 #include "core/map/floor_map.h"
 #include "core/map/mosaic_raster.h"
 #include "core/registration/registration.h"
-#include "core/vision/descriptor_index.h"
 #include "core/vision/image/rectifier.h"
+#include "core/vision/matching/descriptor_index.h"
 
 namespace floorloc {
 

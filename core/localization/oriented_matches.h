@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/registration/registration.h"
-#include "core/vision/descriptor_index.h"
 #include "core/vision/features/features.h"
+#include "core/vision/matching/descriptor_index.h"
 
 namespace floorloc {
 

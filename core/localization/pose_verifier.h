@@ -8,7 +8,7 @@
 #include "core/map/floor_map.h"
 #include "core/registration/registration.h"
 #include "core/vision/features/features.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {
 

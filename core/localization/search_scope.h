@@ -6,7 +6,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/pose_prior.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {
 

@@ -6,7 +6,7 @@
 
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 
 namespace floorloc {
 namespace {

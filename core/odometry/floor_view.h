@@ -9,7 +9,7 @@
 #include "core/geometry/pose2.h"
 #include "core/registration/registration.h"
 #include "core/vision/features/features.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {
 

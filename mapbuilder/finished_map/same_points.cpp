@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 
 namespace floorloc {
 

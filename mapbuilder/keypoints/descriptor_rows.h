@@ -3,7 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "core/vision/hamming.h"
+#include "core/vision/matching/hamming.h"
 
 namespace floorloc {
 

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/coverage/cell_key.h"
 #include "mapbuilder/keypoints/descriptor_rows.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "core/vision/descriptor_index.h"
 #include "core/vision/features/features.h"
+#include "core/vision/matching/descriptor_index.h"
 #include "mapbuilder/laboratory/combination.h"
 
 namespace floorloc {

@@ -6,7 +6,7 @@
 
 #include "core/localization/oriented_matches.h"
 #include "core/map/map_error.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/finished_map/map_views.h"
 #include "mapbuilder/placement/pose_graph.h"

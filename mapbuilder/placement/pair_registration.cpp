@@ -9,7 +9,7 @@
 
 #include "core/localization/oriented_matches.h"
 #include "core/registration/systematic_covariance.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {

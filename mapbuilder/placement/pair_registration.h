@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/registration/registration.h"
-#include "core/vision/guided_matcher.h"
+#include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/placement/pair_selection.h"
 #include "mapbuilder/survey/survey_frames.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <unordered_map>
 
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/registration/registration.h"
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 #include "tests/bench/index/big_floor.h"
 
 namespace floorloc {

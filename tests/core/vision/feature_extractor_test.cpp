@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/geometry/pose2.h"
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/vision/descriptor_index.h"
-#include "core/vision/hamming.h"
+#include "core/vision/matching/descriptor_index.h"
+#include "core/vision/matching/hamming.h"
 
 namespace floorloc {
 

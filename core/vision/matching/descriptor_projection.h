@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/vision/hamming.h"
+#include "core/vision/matching/hamming.h"
 
 namespace floorloc {
 

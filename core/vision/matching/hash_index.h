@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/vision/descriptor_projection.h"
+#include "core/vision/matching/descriptor_projection.h"
 
 namespace floorloc {
 

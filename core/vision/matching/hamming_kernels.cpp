@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hamming_kernels.h"
+#include "core/vision/matching/hamming_kernels.h"
 
 #include <cstddef>
 

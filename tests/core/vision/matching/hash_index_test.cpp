@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hash_index.h"
+#include "core/vision/matching/hash_index.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "core/vision/brute_force_index.h"
-#include "core/vision/hash_key.h"
-#include "core/vision/probe_sequence.h"
+#include "core/vision/matching/brute_force_index.h"
+#include "core/vision/matching/hash_key.h"
+#include "core/vision/matching/probe_sequence.h"
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {

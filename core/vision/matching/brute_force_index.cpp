@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/brute_force_index.h"
+#include "core/vision/matching/brute_force_index.h"
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "core/vision/hamming.h"
-#include "core/vision/nearest_list.h"
+#include "core/vision/matching/hamming.h"
+#include "core/vision/matching/nearest_list.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/probe_sequence.h"
+#include "core/vision/matching/probe_sequence.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hamming.h"
+#include "core/vision/matching/hamming.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 
 #include <gtest/gtest.h>
 

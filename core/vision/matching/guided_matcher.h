@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "core/vision/descriptor_index.h"
 #include "core/vision/features/features.h"
-#include "core/vision/hamming.h"
+#include "core/vision/matching/descriptor_index.h"
+#include "core/vision/matching/hamming.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/descriptor_projection.h"
+#include "core/vision/matching/descriptor_projection.h"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/vision/hamming_kernels.h"
+#include "core/vision/matching/hamming_kernels.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/nearest_list.h"
+#include "core/vision/matching/nearest_list.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hash_key.h"
+#include "core/vision/matching/hash_key.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/flann_index.h"
+#include "core/vision/matching/flann_index.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/descriptor_index.h"
+#include "core/vision/matching/descriptor_index.h"
 
 #include <limits>
 #include <stdexcept>
 
-#include "core/vision/brute_force_index.h"
-#include "core/vision/flann_index.h"
-#include "core/vision/hash_index.h"
+#include "core/vision/matching/brute_force_index.h"
+#include "core/vision/matching/flann_index.h"
+#include "core/vision/matching/hash_index.h"
 
 namespace floorloc {
 

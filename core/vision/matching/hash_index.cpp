@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hash_index.h"
+#include "core/vision/matching/hash_index.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <span>
 
-#include "core/vision/hamming.h"
-#include "core/vision/hash_key.h"
-#include "core/vision/nearest_list.h"
-#include "core/vision/probe_sequence.h"
+#include "core/vision/matching/hamming.h"
+#include "core/vision/matching/hash_key.h"
+#include "core/vision/matching/nearest_list.h"
+#include "core/vision/matching/probe_sequence.h"
 
 namespace floorloc {
 namespace {
