@@ -17,7 +17,7 @@
 #include "core/localization/self_similarity.h"
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 
 namespace floorloc {
 

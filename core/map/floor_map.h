@@ -10,7 +10,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/features/features.h"
 
 namespace floorloc {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/io/trajectory.h"
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "mapbuilder/batch/progress.h"
 #include "mapbuilder/build/build_report.h"
 #include "mapbuilder/build/held_out.h"

@@ -7,7 +7,7 @@
 #include "core/io/survey.h"
 #include "core/odometry/monocular_odometry.h"
 #include "core/odometry/planar_odometry.h"
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "mapbuilder/batch/progress.h"
 
 namespace floorloc {

@@ -9,7 +9,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/io/survey.h"
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/image/rectifier.h"
 #include "mapbuilder/batch/progress.h"
 #include "mapbuilder/survey/picture_quality.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 
 namespace floorloc {
 

@@ -14,7 +14,7 @@
 
 #include "core/io/survey.h"
 #include "core/map/map_database.h"
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "tests/bench/frame_set.h"
 #include "tests/bench/index/extrapolation.h"
 #include "tests/bench/index/index_table.h"

@@ -3,7 +3,7 @@
 
 #include <ctime>
 
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "tests/bench/odometry/klt_odometry.h"
 
 namespace floorloc {

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/image/rectifier.h"
 #include "tests/synthetic/synthetic_floor.h"
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/steered_brief.h"
+#include "core/vision/extractors/steered_brief.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hessian_detector.h"
+#include "core/vision/extractors/hessian_detector.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/feature_extractor.h"
+#include "core/vision/extractors/feature_extractor.h"
 
 #include <stdexcept>
 
-#include "core/vision/hessian_extractor.h"
+#include "core/vision/extractors/hessian_extractor.h"
+#include "core/vision/extractors/opencv_extractor.h"
+#include "core/vision/extractors/surf_feature.h"
 #include "core/vision/image/contrast.h"
-#include "core/vision/opencv_extractor.h"
-#include "core/vision/surf_feature.h"
 
 namespace floorloc {
 namespace {

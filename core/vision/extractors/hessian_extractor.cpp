@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/hessian_extractor.h"
+#include "core/vision/extractors/hessian_extractor.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "core/vision/extractors/hessian_detector.h"
+#include "core/vision/extractors/steered_brief.h"
 #include "core/vision/features/keypoint_angle.h"
 #include "core/vision/features/spread.h"
-#include "core/vision/hessian_detector.h"
 #include "core/vision/image/gaussian.h"
-#include "core/vision/steered_brief.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/surf_feature.h"
+#include "core/vision/extractors/surf_feature.h"
 
 #include "core/vision/features/keypoint_selection.h"
 

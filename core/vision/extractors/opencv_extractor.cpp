@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/vision/opencv_extractor.h"
+#include "core/vision/extractors/opencv_extractor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/vision/extractors/surf_feature.h"
 #include "core/vision/features/keypoint_angle.h"
 #include "core/vision/features/spread.h"
-#include "core/vision/surf_feature.h"
 
 namespace floorloc {
 namespace {
