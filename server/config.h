@@ -7,21 +7,18 @@
 #include <string>
 
 #include "core/localization/localizer.h"
+#include "server/http_limits.h"
 
 namespace floorloc {
 
 /// What one client, and all together, may ask of the server.
 struct ServerLimits {
-  std::size_t max_body_bytes = std::size_t{16} << 20;
-  std::size_t max_bodies_bytes = std::size_t{256} << 20;   ///< of all requests that are being read or answered
+  HttpLimits http;
   std::int64_t max_image_pixels = 25'000'000;              ///< of a camera picture, and of a rectified one
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
-  int max_connections = 1024;
   int max_vehicles = 2000;
   double vehicle_timeout_s = 86400.0;  ///< a vehicle that is silent for longer is lost; 0: never
   double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
-  double idle_timeout_s = 60.0;        ///< of a keep-alive connection
-  double request_timeout_s = 30.0;     ///< to send a request, and to take an answer
 };
 
 /// Everything about a server that can be set, apart from the maps folder.

@@ -43,18 +43,18 @@ void ReadBool(JsonObject& object, const std::string& key, bool& value) {
 }
 
 void ReadLimits(JsonObject object, ServerLimits& limits) {
-  ReadWhole(object, "max_body_bytes", kMaxBytes, limits.max_body_bytes);
-  ReadWhole(object, "max_bodies_bytes", kMaxBytes, limits.max_bodies_bytes);
+  ReadWhole(object, "max_body_bytes", kMaxBytes, limits.http.max_body_bytes);
+  ReadWhole(object, "max_bodies_bytes", kMaxBytes, limits.http.max_bodies_bytes);
   ReadWhole(object, "max_image_pixels", 1'000'000'000, limits.max_image_pixels);
   ReadWhole(object, "max_rectifier_bytes", kMaxBytes, limits.max_rectifier_bytes);
-  ReadWhole(object, "max_connections", 100'000, limits.max_connections);
+  ReadWhole(object, "max_connections", 100'000, limits.http.max_connections);
   ReadWhole(object, "max_vehicles", 1'000'000, limits.max_vehicles);
   ReadNotNegative(object, "vehicle_timeout_s", limits.vehicle_timeout_s);
   ReadNotNegative(object, "max_requests_per_s", limits.max_requests_per_s);
-  ReadPositive(object, "idle_timeout_s", limits.idle_timeout_s);
-  ReadPositive(object, "request_timeout_s", limits.request_timeout_s);
+  ReadPositive(object, "idle_timeout_s", limits.http.idle_timeout_s);
+  ReadPositive(object, "request_timeout_s", limits.http.request_timeout_s);
   object.RejectUnknownKeys();
-  if (limits.max_bodies_bytes < limits.max_body_bytes) {
+  if (limits.http.max_bodies_bytes < limits.http.max_body_bytes) {
     throw JsonError("limits.max_bodies_bytes must not be smaller than limits.max_body_bytes.");
   }
 }

@@ -82,7 +82,7 @@ void WarnWhenOpen(const ServerConfig& config) {
 
 void Serve(App& app, const StopSignals& signals) {
   AppState& state = app.state();
-  HttpServer server({state.config.host, state.config.port, state.config.limits}, app.router());
+  HttpServer server({state.config.host, state.config.port, state.config.limits.http}, app.router());
   state.count_connections = [&server] { return server.connections(); };
   std::thread stopper([&] {
     signals.Wait();

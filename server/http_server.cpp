@@ -77,7 +77,7 @@ bool HasBody(const httplib::Request& raw) {
 /// Parses the requests of one connection with cpp-httplib and hands them to the handler.
 class RequestLoop : private httplib::Server {
  public:
-  RequestLoop(Connection& connection, const ServerLimits& limits, BodyBudget& budget, HttpHandler& handler)
+  RequestLoop(Connection& connection, const HttpLimits& limits, BodyBudget& budget, HttpHandler& handler)
       : connection_(connection), stream_(connection), limits_(limits), budget_(budget), handler_(handler) {
     // Any path, line breaks included.
     static const std::string kAnything = R"([\s\S]*)";
@@ -236,7 +236,7 @@ class RequestLoop : private httplib::Server {
 
   Connection& connection_;
   ConnectionStream stream_;
-  const ServerLimits& limits_;
+  const HttpLimits& limits_;
   BodyBudget& budget_;
   HttpHandler& handler_;
   bool close_ = false;

@@ -3,15 +3,15 @@
 
 #include <memory>
 
-#include "server/config.h"
 #include "server/http_handler.h"
+#include "server/http_limits.h"
 
 namespace floorloc {
 
 struct HttpServerOptions {
   std::string host = "127.0.0.1";
   int port = 0;  ///< 0: any free one
-  ServerLimits limits;
+  HttpLimits limits;
 };
 
 /// HTTP/1.1 over TCP, one thread per connection, everything bounded: connections (the excess is answered with 503),

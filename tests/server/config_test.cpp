@@ -34,16 +34,16 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.log_level, "warning");
   EXPECT_EQ(config.token_file, "token");
   EXPECT_EQ(config.localizer.registration.max_p_wrong, 1e-6);
-  EXPECT_EQ(config.limits.max_body_bytes, 10U);
-  EXPECT_EQ(config.limits.max_bodies_bytes, 20U);
+  EXPECT_EQ(config.limits.http.max_body_bytes, 10U);
+  EXPECT_EQ(config.limits.http.max_bodies_bytes, 20U);
   EXPECT_EQ(config.limits.max_image_pixels, 30);
   EXPECT_EQ(config.limits.max_rectifier_bytes, 40U);
-  EXPECT_EQ(config.limits.max_connections, 50);
+  EXPECT_EQ(config.limits.http.max_connections, 50);
   EXPECT_EQ(config.limits.max_vehicles, 60);
   EXPECT_EQ(config.limits.vehicle_timeout_s, 65.0);
   EXPECT_EQ(config.limits.max_requests_per_s, 70.5);
-  EXPECT_EQ(config.limits.idle_timeout_s, 80.0);
-  EXPECT_EQ(config.limits.request_timeout_s, 90.0);
+  EXPECT_EQ(config.limits.http.idle_timeout_s, 80.0);
+  EXPECT_EQ(config.limits.http.request_timeout_s, 90.0);
 }
 
 TEST(ConfigTest, NamesWhatIsWrong) {

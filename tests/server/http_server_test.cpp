@@ -43,8 +43,8 @@ class EchoHandler : public HttpHandler {
   std::promise<void> released;
 };
 
-ServerLimits SmallLimits() {
-  ServerLimits limits;
+HttpLimits SmallLimits() {
+  HttpLimits limits;
   limits.max_body_bytes = 100'000;
   limits.max_bodies_bytes = 150'000;
   limits.max_connections = 3;
@@ -248,7 +248,7 @@ TEST_F(HttpServerTest, APortIsTakenOnce) {
 
 TEST(HttpServerTimeoutTest, SlowRequestsAreDropped) {
   EchoHandler handler;
-  ServerLimits limits;
+  HttpLimits limits;
   limits.request_timeout_s = 0.02;
   HttpServer server({"127.0.0.1", 0, limits}, handler);
   std::thread thread([&] { server.Serve(); });
