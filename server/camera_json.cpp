@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "server/config_json.h"
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

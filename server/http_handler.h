@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "server/http_message.h"
-#include "server/problem.h"
+#include "server/wire/http_message.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "server/camera_json.h"
-#include "server/names.h"
-#include "server/number_text.h"
 #include "server/pose_json.h"
-#include "server/problem.h"
-#include "server/strict_json.h"
+#include "server/wire/names.h"
+#include "server/wire/number_text.h"
+#include "server/wire/problem.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/geometry/floor_plane.h"
 #include "core/localization/localizer.h"
 #include "server/fix_history.h"
-#include "server/http_message.h"
 #include "server/localize_service.h"
+#include "server/wire/http_message.h"
 
 namespace floorloc {
 

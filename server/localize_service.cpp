@@ -6,7 +6,7 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 namespace {

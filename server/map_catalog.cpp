@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "core/io/input_error.h"
-#include "server/names.h"
+#include "server/wire/names.h"
 
 namespace floorloc {
 namespace {

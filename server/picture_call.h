@@ -6,7 +6,7 @@
 #include "server/app.h"
 #include "server/fix_history.h"
 #include "server/localize_service.h"
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 // What the calls that bring a picture have in common.
 namespace floorloc {

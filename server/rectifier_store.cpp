@@ -5,7 +5,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 namespace {

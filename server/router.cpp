@@ -7,7 +7,7 @@
 #include <chrono>
 #include <set>
 
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "server/app.h"
-#include "server/problem.h"
 #include "server/router.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 

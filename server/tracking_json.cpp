@@ -8,10 +8,10 @@
 
 #include "core/io/trajectory.h"
 #include "server/localize_json.h"
-#include "server/number_text.h"
 #include "server/pose_json.h"
-#include "server/problem.h"
-#include "server/strict_json.h"
+#include "server/wire/number_text.h"
+#include "server/wire/problem.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "server/fix_history.h"
-#include "server/http_message.h"
 #include "server/localize_service.h"
 #include "server/vehicle_session.h"
+#include "server/wire/http_message.h"
 
 namespace floorloc {
 

@@ -8,8 +8,8 @@
 #include "server/camera_json.h"
 #include "server/localize_json.h"
 #include "server/pose_json.h"
-#include "server/strict_json.h"
 #include "server/tracking_json.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

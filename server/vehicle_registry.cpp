@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 namespace {

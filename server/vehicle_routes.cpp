@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "server/names.h"
 #include "server/picture_call.h"
 #include "server/routes.h"
-#include "server/strict_json.h"
 #include "server/vehicle_json.h"
+#include "server/wire/names.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -56,7 +56,8 @@ ARROWS = {
                    "mapbuilder/merge", "mapbuilder/export", "mapbuilder/build"],
     "mapbuilder/cli": ["mapbuilder/simulation", "mapbuilder/merge", "mapbuilder/laboratory", "mapbuilder/calibration",
                        "mapbuilder/report"],
-    "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web"],
+    "server/wire": [],
+    "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire"],
     "schema": [],
     "web": [],
 }

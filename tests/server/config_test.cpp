@@ -9,7 +9,7 @@
 #include "core/io/input_error.h"
 #include "server/access.h"
 #include "server/config_json.h"
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 #include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc {

@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "tests/server/server_fixture.h"
+#include "tests/server/fixture/server_fixture.h"
 
 namespace floorloc {
 namespace {

@@ -2,7 +2,7 @@
 #include <atomic>
 #include <fstream>
 
-#include "tests/server/server_fixture.h"
+#include "tests/server/fixture/server_fixture.h"
 
 namespace floorloc {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
 
-#include "tests/server/server_fixture.h"
+#include "tests/server/fixture/server_fixture.h"
 
 namespace floorloc {
 namespace {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "server/http_message.h"
+#include "server/wire/http_message.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

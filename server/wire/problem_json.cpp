@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/problem_json.h"
+#include "server/wire/problem_json.h"
 
 #include <nlohmann/json.hpp>
 
-#include "server/strict_json.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 #include <map>
 
-#include "server/problem_json.h"
+#include "server/wire/problem_json.h"
 
 namespace floorloc {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http_message.h"
+#include "server/wire/http_message.h"
 
 #include <algorithm>
 #include <cctype>
 
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/names.h"
+#include "server/wire/names.h"
 
 #include <algorithm>
 

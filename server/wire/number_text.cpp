@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/number_text.h"
+#include "server/wire/number_text.h"
 
 #include <algorithm>
 #include <charconv>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/problem.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 
