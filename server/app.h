@@ -8,10 +8,10 @@
 #include "server/compute_pool.h"
 #include "server/config.h"
 #include "server/fix_history.h"
+#include "server/http/metrics.h"
+#include "server/http/router.h"
 #include "server/map_catalog.h"
-#include "server/metrics.h"
 #include "server/rectifier_store.h"
-#include "server/router.h"
 #include "server/vehicle_registry.h"
 
 namespace floorloc {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/localization/localizer.h"
-#include "server/http_limits.h"
+#include "server/http/http_limits.h"
 
 namespace floorloc {
 

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "server/app.h"
-#include "server/http_server.h"
+#include "server/http/http_server.h"
 
 namespace floorloc {
 namespace {

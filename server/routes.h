@@ -5,7 +5,7 @@
 #include <string>
 
 #include "server/app.h"
-#include "server/router.h"
+#include "server/http/router.h"
 #include "server/wire/problem.h"
 
 namespace floorloc {

@@ -57,7 +57,8 @@ ARROWS = {
     "mapbuilder/cli": ["mapbuilder/simulation", "mapbuilder/merge", "mapbuilder/laboratory", "mapbuilder/calibration",
                        "mapbuilder/report"],
     "server/wire": [],
-    "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire"],
+    "server/http": ["core/io", "server/wire"],
+    "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire", "server/http"],
     "schema": [],
     "web": [],
 }

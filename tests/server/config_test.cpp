@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "core/io/input_error.h"
-#include "server/access.h"
 #include "server/config_json.h"
+#include "server/http/access.h"
 #include "server/wire/strict_json.h"
 #include "tests/synthetic/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http_server.h"
+#include "server/http/http_server.h"
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -9,7 +9,7 @@
 #include <future>
 #include <nlohmann/json.hpp>
 
-#include "server/listener.h"
+#include "server/http/listener.h"
 
 // After Eigen: through <resolv.h> it defines a macro _res, which is the name of a parameter there.
 #include <httplib.h>

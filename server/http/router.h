@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/access.h"
-#include "server/http_handler.h"
-#include "server/metrics.h"
-#include "server/rate_limiter.h"
+#include "server/http/access.h"
+#include "server/http/http_handler.h"
+#include "server/http/metrics.h"
+#include "server/http/rate_limiter.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http_server.h"
+#include "server/http/http_server.h"
 
 #include <poll.h>
 #include <spdlog/spdlog.h>
@@ -10,9 +10,9 @@
 #include <mutex>
 #include <thread>
 
-#include "server/body_budget.h"
-#include "server/connection.h"
-#include "server/listener.h"
+#include "server/http/body_budget.h"
+#include "server/http/connection.h"
+#include "server/http/listener.h"
 
 // After Eigen: through <resolv.h> it defines a macro _res, which is the name of a parameter there.
 #include <httplib.h>

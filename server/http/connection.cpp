@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/connection.h"
+#include "server/http/connection.h"
 
 #include <poll.h>
 #include <sys/socket.h>

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "server/http_handler.h"
-#include "server/http_limits.h"
+#include "server/http/http_handler.h"
+#include "server/http/http_limits.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/listener.h"
+#include "server/http/listener.h"
 
 #include <netdb.h>
 #include <netinet/in.h>

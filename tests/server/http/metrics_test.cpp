@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/metrics.h"
+#include "server/http/metrics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rate_limiter.h"
+#include "server/http/rate_limiter.h"
 
 #include <gtest/gtest.h>
 
