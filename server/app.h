@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "server/compute_pool.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/fix_history.h"
 #include "server/http/metrics.h"
 #include "server/http/router.h"

@@ -58,7 +58,9 @@ ARROWS = {
                        "mapbuilder/report"],
     "server/wire": [],
     "server/http": ["core/io", "server/wire"],
-    "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire", "server/http"],
+    "server/config": ["core/localization", "server/http"],
+    "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire", "server/http",
+               "server/config"],
     "schema": [],
     "web": [],
 }

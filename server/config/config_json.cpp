@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/config_json.h"
+#include "server/config/config_json.h"
 
 #include <limits>
 #include <nlohmann/json.hpp>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/config.h"
+#include "server/config/config.h"
 
 #include <charconv>
 #include <stdexcept>
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "server/config_json.h"
+#include "server/config/config_json.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/config.h"
+#include "server/config/config.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "core/io/input_error.h"
-#include "server/config_json.h"
+#include "server/config/config_json.h"
 #include "server/http/access.h"
 #include "server/wire/strict_json.h"
 #include "tests/synthetic/temporary_folder.h"
