@@ -5,14 +5,14 @@
 #include <filesystem>
 #include <functional>
 
-#include "server/compute_pool.h"
 #include "server/config/config.h"
-#include "server/fix_history.h"
 #include "server/http/metrics.h"
 #include "server/http/router.h"
-#include "server/map_catalog.h"
-#include "server/rectifier_store.h"
-#include "server/vehicle_registry.h"
+#include "server/serving/compute_pool.h"
+#include "server/serving/fix_history.h"
+#include "server/serving/map_catalog.h"
+#include "server/serving/rectifier_store.h"
+#include "server/serving/vehicle_registry.h"
 
 namespace floorloc {
 

@@ -7,8 +7,8 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/localizer.h"
-#include "server/fix_history.h"
-#include "server/localize_service.h"
+#include "server/serving/fix_history.h"
+#include "server/serving/localize_service.h"
 #include "server/wire/http_message.h"
 
 namespace floorloc {

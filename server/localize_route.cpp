@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/localize_json.h"
-#include "server/localize_service.h"
 #include "server/picture_call.h"
 #include "server/routes.h"
+#include "server/serving/localize_service.h"
 
 namespace floorloc {
 namespace {

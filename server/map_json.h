@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/map_catalog.h"
+#include "server/serving/map_catalog.h"
 
 namespace floorloc {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "server/app.h"
-#include "server/fix_history.h"
-#include "server/localize_service.h"
+#include "server/serving/fix_history.h"
+#include "server/serving/localize_service.h"
 #include "server/wire/problem.h"
 
 // What the calls that bring a picture have in common.

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "server/fix_history.h"
-#include "server/localize_service.h"
-#include "server/vehicle_session.h"
+#include "server/serving/fix_history.h"
+#include "server/serving/localize_service.h"
+#include "server/serving/vehicle_session.h"
 #include "server/wire/http_message.h"
 
 namespace floorloc {

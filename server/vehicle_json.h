@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/geometry/floor_plane.h"
-#include "server/vehicle_registry.h"
+#include "server/serving/vehicle_registry.h"
 
 namespace floorloc {
 

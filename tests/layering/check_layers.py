@@ -59,8 +59,9 @@ ARROWS = {
     "server/wire": [],
     "server/http": ["core/io", "server/wire"],
     "server/config": ["core/localization", "server/http"],
+    "server/serving": ["core/io", "core/tracking", "server/wire"],
     "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire", "server/http",
-               "server/config"],
+               "server/config", "server/serving"],
     "schema": [],
     "web": [],
 }

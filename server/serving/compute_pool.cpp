@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/compute_pool.h"
+#include "server/serving/compute_pool.h"
 
 #include <algorithm>
 

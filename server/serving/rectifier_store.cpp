@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rectifier_store.h"
+#include "server/serving/rectifier_store.h"
 
 #include <cmath>
 #include <cstring>

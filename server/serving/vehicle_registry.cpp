@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/vehicle_registry.h"
+#include "server/serving/vehicle_registry.h"
 
 #include <algorithm>
 

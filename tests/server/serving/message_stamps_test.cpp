@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/message_stamps.h"
+#include "server/serving/message_stamps.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/fix_history.h"
+#include "server/serving/fix_history.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/localize_service.h"
+#include "server/serving/localize_service.h"
 
 #include <chrono>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/map_catalog.h"
+#include "server/serving/map_catalog.h"
 
 #include <spdlog/spdlog.h>
 

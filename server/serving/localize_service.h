@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/localization/localizer.h"
-#include "server/map_catalog.h"
+#include "server/serving/map_catalog.h"
 
 namespace floorloc {
 

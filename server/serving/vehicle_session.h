@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/tracking/vehicle_tracker.h"
-#include "server/message_stamps.h"
+#include "server/serving/message_stamps.h"
 
 namespace floorloc {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/vision/image/rectifier.h"
-#include "server/fix_history.h"
-#include "server/vehicle_session.h"
+#include "server/serving/fix_history.h"
+#include "server/serving/vehicle_session.h"
 
 namespace floorloc {
 
