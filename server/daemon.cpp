@@ -10,7 +10,7 @@
 #include <opencv2/core/utility.hpp>
 #include <thread>
 
-#include "server/app.h"
+#include "server/api/app.h"
 #include "server/http/http_server.h"
 
 namespace floorloc {

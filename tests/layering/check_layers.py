@@ -60,8 +60,9 @@ ARROWS = {
     "server/http": ["core/io", "server/wire"],
     "server/config": ["core/localization", "server/http"],
     "server/serving": ["core/io", "core/tracking", "server/wire"],
+    "server/api": ["server/config", "server/serving", "web"],
     "server": ["core/io", "core/tracking", "core/evaluation", "schema", "web", "server/wire", "server/http",
-               "server/config", "server/serving"],
+               "server/config", "server/serving", "server/api"],
     "schema": [],
     "web": [],
 }

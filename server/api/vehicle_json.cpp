@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/vehicle_json.h"
+#include "server/api/vehicle_json.h"
 
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/io/trajectory.h"
-#include "server/camera_json.h"
-#include "server/localize_json.h"
-#include "server/pose_json.h"
-#include "server/tracking_json.h"
+#include "server/api/camera_json.h"
+#include "server/api/localize_json.h"
+#include "server/api/pose_json.h"
+#include "server/api/tracking_json.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {

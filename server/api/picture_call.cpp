@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/picture_call.h"
+#include "server/api/picture_call.h"
 
 #include <chrono>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app.h"
+#include "server/api/app.h"
 
-#include "server/routes.h"
+#include "server/api/routes.h"
 
 namespace floorloc {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "schema/embedded.h"
-#include "server/routes.h"
+#include "server/api/routes.h"
 #include "web/assets.h"
 
 namespace floorloc {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/localize_json.h"
+#include "server/api/localize_json.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "server/camera_json.h"
-#include "server/pose_json.h"
+#include "server/api/camera_json.h"
+#include "server/api/pose_json.h"
 #include "server/wire/names.h"
 #include "server/wire/number_text.h"
 #include "server/wire/problem.h"

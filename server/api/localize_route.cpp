@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/localize_json.h"
-#include "server/picture_call.h"
-#include "server/routes.h"
+#include "server/api/localize_json.h"
+#include "server/api/picture_call.h"
+#include "server/api/routes.h"
 #include "server/serving/localize_service.h"
 
 namespace floorloc {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/map_json.h"
+#include "server/api/map_json.h"
 
 #include <nlohmann/json.hpp>
 
-#include "server/camera_json.h"
+#include "server/api/camera_json.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/camera_json.h"
+#include "server/api/camera_json.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/trajectory.h"
-#include "server/picture_call.h"
-#include "server/routes.h"
+#include "server/api/picture_call.h"
+#include "server/api/routes.h"
+#include "server/api/tracking_json.h"
 #include "server/serving/localize_service.h"
-#include "server/tracking_json.h"
 
 namespace floorloc {
 namespace {

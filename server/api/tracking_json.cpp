@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/tracking_json.h"
+#include "server/api/tracking_json.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <set>
 
 #include "core/io/trajectory.h"
-#include "server/localize_json.h"
-#include "server/pose_json.h"
+#include "server/api/localize_json.h"
+#include "server/api/pose_json.h"
 #include "server/wire/number_text.h"
 #include "server/wire/problem.h"
 #include "server/wire/strict_json.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <charconv>
 
-#include "server/localize_json.h"
-#include "server/map_json.h"
-#include "server/routes.h"
+#include "server/api/localize_json.h"
+#include "server/api/map_json.h"
+#include "server/api/routes.h"
 
 namespace floorloc {
 namespace {

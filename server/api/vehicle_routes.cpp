@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "server/picture_call.h"
-#include "server/routes.h"
-#include "server/vehicle_json.h"
+#include "server/api/picture_call.h"
+#include "server/api/routes.h"
+#include "server/api/vehicle_json.h"
 #include "server/wire/names.h"
 #include "server/wire/strict_json.h"
 

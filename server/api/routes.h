@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "server/app.h"
+#include "server/api/app.h"
 #include "server/http/router.h"
 #include "server/wire/problem.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/app.h"
+#include "server/api/app.h"
 #include "server/serving/fix_history.h"
 #include "server/serving/localize_service.h"
 #include "server/wire/problem.h"
