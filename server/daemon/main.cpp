@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "server/daemon.h"
+#include "server/daemon/daemon.h"
 
 int main(int argc, char** argv) {
   floorloc::DaemonOptions options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/daemon.h"
+#include "server/daemon/daemon.h"
 
 #include <csignal>
 
