@@ -6,7 +6,7 @@
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/laboratory/picture_features.h"
-#include "tests/bench/score.h"
+#include "tests/bench/common/score.h"
 
 namespace floorloc {
 namespace {

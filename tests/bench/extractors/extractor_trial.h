@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "tests/bench/extractors/extractor_tally.h"
+#include "tests/bench/common/extractor_tally.h"
 #include "tests/bench/extractors/extractor_variant.h"
 #include "tests/bench/extractors/scene.h"
 

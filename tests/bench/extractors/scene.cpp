@@ -6,7 +6,7 @@
 
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulation/simulated_noise.h"
-#include "tests/bench/frame_set.h"
+#include "tests/bench/common/frame_set.h"
 #include "tests/bench/honesty/bench_floor.h"
 #include "tests/bench/honesty/frame_plan.h"
 #include "tests/bench/honesty/frame_runner.h"

@@ -16,7 +16,7 @@
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "mapbuilder/simulation/floor_wear.h"
 #include "mapbuilder/simulation/simulated_path.h"
-#include "tests/bench/score.h"
+#include "tests/bench/common/score.h"
 
 namespace floorloc {
 namespace {

@@ -15,10 +15,10 @@
 #include "core/io/survey.h"
 #include "core/map/map_database.h"
 #include "core/vision/extractors/feature_extractor.h"
-#include "tests/bench/frame_set.h"
+#include "tests/bench/common/frame_set.h"
+#include "tests/bench/common/score.h"
 #include "tests/bench/index/extrapolation.h"
 #include "tests/bench/index/index_table.h"
-#include "tests/bench/score.h"
 
 namespace floorloc {
 namespace {

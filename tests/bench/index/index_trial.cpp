@@ -8,7 +8,7 @@
 #include <opencv2/flann.hpp>
 #include <set>
 
-#include "tests/bench/score.h"
+#include "tests/bench/common/score.h"
 
 namespace floorloc {
 namespace {

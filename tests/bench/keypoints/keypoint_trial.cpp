@@ -8,7 +8,7 @@
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
-#include "tests/bench/score.h"
+#include "tests/bench/common/score.h"
 
 namespace floorloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/extractors/extractor_tally.h"
+#include "tests/bench/common/extractor_tally.h"
 #include "tests/bench/extractors/scene.h"
 #include "tests/bench/keypoints/pruning_rule.h"
 

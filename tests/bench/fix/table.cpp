@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/table.h"
+#include "tests/bench/fix/table.h"
 
 #include <functional>
 #include <iomanip>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/frame_set.h"
+#include "tests/bench/common/frame_set.h"
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"

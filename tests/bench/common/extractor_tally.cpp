@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/extractors/extractor_tally.h"
+#include "tests/bench/common/extractor_tally.h"
 
 #include <cmath>
 #include <iomanip>

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/localization/localizer.h"
-#include "tests/bench/baseline.h"
-#include "tests/bench/frame_set.h"
-#include "tests/bench/score.h"
+#include "tests/bench/common/frame_set.h"
+#include "tests/bench/common/score.h"
+#include "tests/bench/fix/baseline.h"
 
 namespace floorloc {
 

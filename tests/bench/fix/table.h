@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/methods.h"
-#include "tests/bench/score.h"
+#include "tests/bench/common/score.h"
+#include "tests/bench/fix/methods.h"
 
 namespace floorloc {
 

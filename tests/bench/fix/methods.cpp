@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/methods.h"
+#include "tests/bench/fix/methods.h"
 
 #include <atomic>
 #include <chrono>

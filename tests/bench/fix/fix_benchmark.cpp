@@ -9,7 +9,7 @@
 
 #include "core/io/survey.h"
 #include "core/map/map_database.h"
-#include "tests/bench/table.h"
+#include "tests/bench/fix/table.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/score.h"
+#include "tests/bench/common/score.h"
 
 #include <gtest/gtest.h>
 
