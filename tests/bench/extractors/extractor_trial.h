@@ -5,7 +5,7 @@
 
 #include "tests/bench/common/extractor_tally.h"
 #include "tests/bench/extractors/extractor_variant.h"
-#include "tests/bench/extractors/scene.h"
+#include "tests/bench/scenes/scene.h"
 
 namespace floorloc {
 

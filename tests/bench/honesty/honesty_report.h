@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/evaluation/consistency.h"
-#include "tests/bench/honesty/frame_record.h"
+#include "tests/bench/scenes/frame_record.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/honesty/frame_record.h"
+#include "tests/bench/scenes/frame_record.h"
 
 namespace floorloc {
 

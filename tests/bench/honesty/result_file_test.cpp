@@ -9,7 +9,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "tests/bench/honesty/frame_runner.h"
+#include "tests/bench/scenes/frame_runner.h"
 #include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc {

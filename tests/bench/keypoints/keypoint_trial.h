@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "tests/bench/common/extractor_tally.h"
-#include "tests/bench/extractors/scene.h"
 #include "tests/bench/keypoints/pruning_rule.h"
+#include "tests/bench/scenes/scene.h"
 
 namespace floorloc {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "tests/bench/honesty/bench_floor.h"
-#include "tests/bench/honesty/frame_plan.h"
-#include "tests/bench/honesty/frame_record.h"
+#include "tests/bench/scenes/bench_floor.h"
+#include "tests/bench/scenes/frame_plan.h"
+#include "tests/bench/scenes/frame_record.h"
 
 namespace floorloc {
 

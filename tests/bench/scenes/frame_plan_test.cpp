@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/honesty/frame_plan.h"
+#include "tests/bench/scenes/frame_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 
 #include "mapbuilder/simulation/simulated_camera.h"
-#include "tests/bench/honesty/bench_floor.h"
+#include "tests/bench/scenes/bench_floor.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/honesty/cases.h"
+#include "tests/bench/scenes/cases.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/honesty/gray_renderer.h"
+#include "tests/bench/scenes/gray_renderer.h"
 
 #include <gtest/gtest.h>
 

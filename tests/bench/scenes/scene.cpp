@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/extractors/scene.h"
+#include "tests/bench/scenes/scene.h"
 
 #include <algorithm>
 #include <set>
@@ -7,9 +7,9 @@
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulation/simulated_noise.h"
 #include "tests/bench/common/frame_set.h"
-#include "tests/bench/honesty/bench_floor.h"
-#include "tests/bench/honesty/frame_plan.h"
-#include "tests/bench/honesty/frame_runner.h"
+#include "tests/bench/scenes/bench_floor.h"
+#include "tests/bench/scenes/frame_plan.h"
+#include "tests/bench/scenes/frame_runner.h"
 
 namespace floorloc {
 namespace {

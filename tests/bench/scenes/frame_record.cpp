@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/honesty/frame_record.h"
+#include "tests/bench/scenes/frame_record.h"
 
 #include <cmath>
 #include <limits>

@@ -8,7 +8,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/localizer.h"
-#include "tests/bench/honesty/cases.h"
+#include "tests/bench/scenes/cases.h"
 
 namespace floorloc {
 

@@ -8,8 +8,8 @@
 #include "core/localization/localizer.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/batch/progress.h"
-#include "tests/bench/honesty/cases.h"
-#include "tests/bench/honesty/gray_renderer.h"
+#include "tests/bench/scenes/cases.h"
+#include "tests/bench/scenes/gray_renderer.h"
 
 namespace floorloc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/honesty/bench_floor.h"
+#include "tests/bench/scenes/bench_floor.h"
 
 #include <cmath>
 #include <map>

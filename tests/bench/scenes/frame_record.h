@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/honesty/frame_plan.h"
+#include "tests/bench/scenes/frame_plan.h"
 
 namespace floorloc {
 

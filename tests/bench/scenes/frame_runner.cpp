@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/honesty/frame_runner.h"
+#include "tests/bench/scenes/frame_runner.h"
 
 #include <algorithm>
 #include <chrono>
