@@ -36,16 +36,20 @@ class CheckLayersTest(unittest.TestCase):
     def test_arrows_down_are_allowed(self):
         self.assert_allowed("core/localization/a.cpp", '#include "core/geometry/pose2.h"')
         self.assert_allowed("core/map/a.cpp", '#include "core/map/map_database.h"')
-        self.assert_allowed("server/a.cpp", '#include "core/localization/localizer.h"')
-        self.assert_allowed("mapbuilder/cli/a.cpp", '#include "mapbuilder/build.h"')
+        self.assert_allowed("server/serving/a.cpp", '#include "core/localization/localizer.h"')
+        self.assert_allowed("mapbuilder/cli/a.cpp", '#include "mapbuilder/build/build_map.h"')
+        self.assert_allowed("server/api/a.cpp", '#include "server/wire/problem.h"')
 
     def test_arrows_up_and_sideways_are_forbidden(self):
-        self.assert_forbidden("core/geometry/a.h", '#include "core/vision/features.h"')
-        self.assert_forbidden("core/registration/a.cpp", '  #  include "core/vision/features.h"')
-        self.assert_forbidden("core/map/a.cpp", '#include "mapbuilder/build.h"')
-        self.assert_forbidden("server/a.cpp", '#include "mapbuilder/build.h"')
-        self.assert_forbidden("mapbuilder/a.cpp", '#include "server/server.h"')
-        self.assert_forbidden("mapbuilder/a.cpp", '#include "mapbuilder/cli/command.h"')
+        self.assert_forbidden("core/geometry/a.h", '#include "core/vision/features/features.h"')
+        self.assert_forbidden("core/registration/a.cpp", '  #  include "core/vision/features/features.h"')
+        self.assert_forbidden("core/map/a.cpp", '#include "mapbuilder/build/build_map.h"')
+        self.assert_forbidden("server/api/a.cpp", '#include "mapbuilder/build/build_map.h"')
+        self.assert_forbidden("server/http/a.cpp", '#include "server/config/config.h"')
+        self.assert_forbidden("mapbuilder/build/a.cpp", '#include "server/api/app.h"')
+        self.assert_forbidden("mapbuilder/build/a.cpp", '#include "mapbuilder/cli/command.h"')
+        self.assert_forbidden("mapbuilder/screening/a.cpp", '#include "mapbuilder/build/build_report.h"')
+        self.assert_forbidden("core/vision/image/a.cpp", '#include "core/vision/features/features.h"')
         self.assert_forbidden("core/io/a.cpp", '#include "tests/synthetic/floor.h"')
 
     def test_a_path_that_does_not_start_at_the_root_is_forbidden(self):
@@ -53,13 +57,14 @@ class CheckLayersTest(unittest.TestCase):
         self.assert_forbidden("core/io/a.cpp", '#include "../map/floor_map.h"')
 
     def test_libraries_stay_in_their_rooms(self):
-        self.assert_allowed("server/a.cpp", "#include <httplib.h>")
+        self.assert_allowed("server/http/a.cpp", "#include <httplib.h>")
+        self.assert_forbidden("server/api/a.cpp", "#include <httplib.h>")
         self.assert_forbidden("core/io/a.cpp", "#include <httplib.h>")
         self.assert_forbidden("mapbuilder/a.cpp", "#include <httplib.h>")
         self.assert_allowed("core/map/a.cpp", "#include <sqlite3.h>")
         self.assert_forbidden("server/a.cpp", "#include <sqlite3.h>")
         self.assert_allowed("mapbuilder/cli/a.cpp", "#include <CLI/CLI.hpp>")
-        self.assert_forbidden("mapbuilder/a.cpp", "#include <CLI/CLI.hpp>")
+        self.assert_forbidden("mapbuilder/build/a.cpp", "#include <CLI/CLI.hpp>")
         self.assert_allowed("core/map/a.cpp", "#include <nlohmann/json.hpp>")
         self.assert_forbidden("core/vision/a.cpp", "#include <nlohmann/json.hpp>")
         self.assert_forbidden("core/geometry/a.cpp", "#include <opencv2/core/mat.hpp>")
