@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapbuilder/mosaic/mosaic_patch.h"
-#include "mapbuilder/placement/pair_registration.h"
+#include "mapbuilder/placement/link.h"
 #include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {

@@ -7,7 +7,7 @@
 #include "mapbuilder/coverage/frame_index.h"
 #include "mapbuilder/mosaic/frame_light.h"
 #include "mapbuilder/mosaic/frame_view.h"
-#include "mapbuilder/mosaic/mosaic.h"
+#include "mapbuilder/mosaic/mosaic_input.h"
 
 namespace floorloc {
 

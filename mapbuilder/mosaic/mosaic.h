@@ -2,13 +2,11 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/mosaic/exposure.h"
-#include "mapbuilder/mosaic/mosaic_patch.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/mosaic/mosaic_input.h"
 
 namespace floorloc {
 
@@ -18,18 +16,6 @@ struct MosaicOptions {
   double resolution_m = 0.0;  ///< of the finest level
   int threads = 0;
   ProgressOutput progress;
-};
-
-/// Everything the mosaic is made of.
-struct MosaicInput {
-  const std::vector<BuildFrame>& frames;
-  const std::vector<LoadedSurvey>& surveys;
-  const std::vector<std::optional<Pose2>>& map_from_base;
-  const Exposure& exposure;
-  RectM extent;  ///< of the surveyed floor, map frame
-  /// What the mosaic shows where no frame sees the floor (a map that is extended); the edges of the frames' floor fade
-  /// into it. May be empty. `extent` is that of all floor then.
-  MosaicBackground background = nullptr;
 };
 
 /// The pyramid that covers the extent, its coarsest level at most two tiles wide.

@@ -8,7 +8,7 @@
 #include "mapbuilder/mosaic/frame_choice.h"
 #include "mapbuilder/mosaic/frame_layer.h"
 #include "mapbuilder/mosaic/light_consensus.h"
-#include "mapbuilder/mosaic/mosaic.h"
+#include "mapbuilder/mosaic/mosaic_input.h"
 
 namespace floorloc {
 

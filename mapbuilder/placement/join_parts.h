@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "mapbuilder/placement/pair_registration.h"
+#include "mapbuilder/placement/link.h"
 
 namespace floorloc {
 

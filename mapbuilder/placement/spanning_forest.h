@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "mapbuilder/placement/pair_registration.h"
+#include "mapbuilder/placement/link.h"
 
 namespace floorloc {
 
