@@ -30,7 +30,59 @@ std::optional<Pose2> PoseByOdometry(const OdometryIndex& placed_frames, const Pl
   return *placed.map_from_base[frame] * placed.frames[frame].odom_from_base->Between(*odom_from_lost);
 }
 
+// More contradicted links than a floor without repetitions gives, as a share of those that agree.
+constexpr double kManyRejected = 0.05;
+
+void AddLinks(const Placement& placement, BuildReport* report) {
+  report->part_sizes = placement.part_sizes;
+  report->links = static_cast<int>(placement.links.size());
+  report->rejected_links = placement.rejected_links;
+  report->overlapping_pairs = placement.overlapping_pairs;
+  report->unmatched_pairs = placement.unmatched_pairs;
+  report->link_rms_m = placement.rms_m;
+  report->link_rms_sigma = placement.rms_sigma;
+  report->drift_m = placement.drift_m;
+  report->drift_rad = placement.drift_rad;
+  if (placement.rejected_links > kManyRejected * static_cast<double>(placement.links.size())) {
+    report->warnings.push_back(
+        std::to_string(placement.rejected_links) +
+        " links contradict the rest; if the floor does not repeat itself, the calibration may be "
+        "off: try --self-calibrate mounting,distortion");
+  }
+}
+
 }  // namespace
+
+void AddScreening(const ScreenedFrames& screened, const std::vector<std::string>& odometry, BuildReport* report) {
+  report->dropped = screened.dropped;
+  report->warnings = screened.warnings;
+  report->warnings.insert(report->warnings.end(), odometry.begin(), odometry.end());
+}
+
+void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrated, BuildReport* report) {
+  const FrameSet& set = calibrated.set;
+  const Placement& placement = calibrated.placement;
+  const std::vector<RectM> floors = set.FloorsInBase();
+  const PlacedSurvey survey{set.frames, set.surveys, placement.map_from_base, floors};
+  report->frames = static_cast<int>(set.frames.size() + report->dropped.size());  // with those the screening left out
+  AddDropped(survey, placement.drop_reason, &report->dropped);
+  report->frames_used = report->frames - static_cast<int>(report->dropped.size());
+  report->self_calibration = calibrated.calibration;
+  report->control_points = CompareControlPoints(survey);
+  AddLinks(placement, report);
+  report->extends = placed.base_file;
+  report->frames_found = placed.found_in_base;
+  if (placed.markers) {
+    report->markers = placed.markers->Fits(set.frames, placement);
+    report->warnings.insert(report->warnings.end(), placed.markers->warnings().begin(),
+                            placed.markers->warnings().end());
+  }
+}
+
+void AddCoverage(const CoverageGrid& coverage, BuildReport* report) {
+  report->area_m2 = coverage.AreaM2();
+  report->extent = coverage.Extent();
+}
 
 void AddDropped(const PlacedSurvey& placed, const std::vector<std::string>& reason,
                 std::vector<DroppedFrame>* dropped) {

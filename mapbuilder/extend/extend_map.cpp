@@ -13,19 +13,19 @@ constexpr std::size_t kMinFixes = 3;
 
 }  // namespace
 
-void TieToMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const std::vector<PosePriorFactor>& fixes,
-              std::vector<BuildFrame>* frames) {
-  const bool controlled = std::any_of(surveys.begin(), surveys.end(),
+FrameSet AlignToMap(const OldMap& old, const std::vector<PosePriorFactor>& fixes, FrameSet set) {
+  const bool controlled = std::any_of(set.surveys.begin(), set.surveys.end(),
                                       [](const LoadedSurvey& loaded) { return !loaded.survey.control_points.empty(); });
   if (fixes.size() < kMinFixes && !controlled) {
-    throw InputError(surveys.front().survey.folder,
+    throw InputError(set.surveys.front().survey.folder,
                      "does not overlap the map: " + std::to_string(fixes.size()) + " of " +
-                         std::to_string(frames->size()) + " frames show floor of " + old.file.string() +
+                         std::to_string(set.frames.size()) + " frames show floor of " + old.file.string() +
                          "; let the survey begin and end on floor that the map has, or add control_points.csv");
   }
   for (const PosePriorFactor& fix : fixes) {
-    (*frames)[static_cast<std::size_t>(fix.frame)].prior = {fix.map_from_base, fix.covariance};
+    set.frames[static_cast<std::size_t>(fix.frame)].prior = {fix.map_from_base, fix.covariance};
   }
+  return set;
 }
 
 MosaicBackground ExtendedMosaic::Background() const {

@@ -9,10 +9,9 @@
 
 namespace floorloc {
 
-/// Gives frames that were found in the old map their fix as prior. Throws InputError when there are too few to tie the
-/// surveys to it, and no control points either.
-void TieToMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const std::vector<PosePriorFactor>& fixes,
-              std::vector<BuildFrame>* frames);
+/// The frames with, for those that were found in the old map, their fix as prior. Throws InputError when there are too
+/// few to align the surveys with it, and no control points either.
+FrameSet AlignToMap(const OldMap& old, const std::vector<PosePriorFactor>& fixes, FrameSet set);
 
 /// The mosaic of a map that is extended: new pictures over the old mosaic. Refers to its parts.
 class ExtendedMosaic {

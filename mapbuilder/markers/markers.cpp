@@ -121,13 +121,12 @@ double MarginOf(const MarkerOptions& options) {
 
 }  // namespace
 
-MarkerSurvey::MarkerSurvey(const MarkerOptions& options, const std::vector<LoadedSurvey>& surveys,
-                           const std::vector<BuildFrame>& frames)
+MarkerSurvey::MarkerSurvey(const MarkerOptions& options, const FrameSet& set)
     : options_(options), known_(ParseMarkersCsv(ReadTextFile(options.file), options.file)) {
-  for (const LoadedSurvey& loaded : surveys) {
+  for (const LoadedSurvey& loaded : set.surveys) {
     own_control_points_.push_back(loaded.survey.control_points.size());
   }
-  sightings_ = DetectMarkers(frames, surveys, options.detection);
+  sightings_ = DetectMarkers(set.frames, set.surveys, options.detection);
   CheckSizes();
   CheckKnown();
 }
@@ -199,24 +198,25 @@ void MarkerSurvey::CheckKnown() {
   }
 }
 
-void MarkerSurvey::MaskSeen(std::vector<BuildFrame>* frames) const {
+FrameSet MarkerSurvey::MaskSeen(FrameSet set) const {
   for (const MarkerSighting& sighting : sightings_) {
     RemoveKeypointsOn(sighting.corners_m, MarginOf(options_),
-                      &(*frames)[static_cast<std::size_t>(sighting.frame)].features);
+                      &set.frames[static_cast<std::size_t>(sighting.frame)].features);
   }
+  return set;
 }
 
-void MarkerSurvey::AddControlPoints(const std::vector<BuildFrame>& frames, std::vector<LoadedSurvey>* surveys) const {
-  for (std::size_t s = 0; s < surveys->size(); ++s) {
-    (*surveys)[s].survey.control_points.resize(own_control_points_[s]);
+FrameSet MarkerSurvey::AddControlPoints(FrameSet set) const {
+  for (std::size_t s = 0; s < set.surveys.size(); ++s) {
+    set.surveys[s].survey.control_points.resize(own_control_points_[s]);
   }
   for (const MarkerSighting& sighting : sightings_) {
     const KnownMarker* marker = Find(sighting.id);
     if (marker == nullptr || left_out_.contains(sighting.id)) {
       continue;
     }
-    const BuildFrame& frame = frames[static_cast<std::size_t>(sighting.frame)];
-    Survey& survey = (*surveys)[static_cast<std::size_t>(frame.survey)].survey;
+    const BuildFrame& frame = set.frames[static_cast<std::size_t>(sighting.frame)];
+    Survey& survey = set.surveys[static_cast<std::size_t>(frame.survey)].survey;
     const auto add = [&](const Eigen::Vector2d& in_base_m, const Eigen::Vector2d& in_map_m) {
       survey.control_points.push_back({frame.info.filename, survey.camera.RawPixelFromFloor(in_base_m), in_map_m});
     };
@@ -229,10 +229,10 @@ void MarkerSurvey::AddControlPoints(const std::vector<BuildFrame>& frames, std::
       add(sighting.corners_m[i], in_map[i]);
     }
   }
+  return set;
 }
 
-bool MarkerSurvey::LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement,
-                                         std::vector<LoadedSurvey>* surveys) {
+bool MarkerSurvey::LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement) {
   std::vector<SeenInMap> seen = CollectInMap(sightings_, frames, placement);
   std::erase_if(seen, [&](const SeenInMap& marker) { return Find(marker.id) == nullptr; });
   std::vector<MarkerPlace> places;
@@ -268,15 +268,12 @@ bool MarkerSurvey::LeaveOutContradicting(const std::vector<BuildFrame>& frames, 
   if (any && left < 2) {
     throw InputError(options_.file, "its markers contradict each other; measure their places again");
   }
-  if (any) {
-    AddControlPoints(frames, surveys);
-  }
   return any;
 }
 
-void MarkerSurvey::MaskInMap(const Placement& placement, std::vector<BuildFrame>* frames) const {
-  for (const SeenInMap& marker : CollectInMap(sightings_, *frames, placement)) {
-    for (std::size_t i = 0; i < frames->size(); ++i) {
+FrameSet MarkerSurvey::MaskInMap(const Placement& placement, FrameSet set) const {
+  for (const SeenInMap& marker : CollectInMap(sightings_, set.frames, placement)) {
+    for (std::size_t i = 0; i < set.frames.size(); ++i) {
       if (!placement.map_from_base[i]) {
         continue;
       }
@@ -284,9 +281,10 @@ void MarkerSurvey::MaskInMap(const Placement& placement, std::vector<BuildFrame>
       std::array<Eigen::Vector2d, 4> corners;
       std::transform(marker.corners_m.begin(), marker.corners_m.end(), corners.begin(),
                      [&](const Eigen::Vector2d& corner) { return base_from_map * corner; });
-      RemoveKeypointsOn(corners, MarginOf(options_), &(*frames)[i].features);
+      RemoveKeypointsOn(corners, MarginOf(options_), &set.frames[i].features);
     }
   }
+  return set;
 }
 
 std::vector<MarkerFit> MarkerSurvey::Fits(const std::vector<BuildFrame>& frames, const Placement& placement) const {

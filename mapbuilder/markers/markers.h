@@ -32,23 +32,22 @@ class MarkerSurvey {
  public:
   /// Reads the file and finds the markers in all frames. Throws InputError when the file is wrong, when none of its
   /// markers is seen, when they do not fix the map's place and heading, or when they are of another size.
-  MarkerSurvey(const MarkerOptions& options, const std::vector<LoadedSurvey>& surveys,
-               const std::vector<BuildFrame>& frames);
+  MarkerSurvey(const MarkerOptions& options, const FrameSet& set);
 
-  /// Takes the keypoints on markers out of the frames that see the markers whole.
-  void MaskSeen(std::vector<BuildFrame>* frames) const;
+  /// The frames without the keypoints on markers that a frame sees whole.
+  FrameSet MaskSeen(FrameSet set) const;
 
-  /// Adds the known markers to the control points of the surveys: their centres, or all corners where the yaw is known.
-  void AddControlPoints(const std::vector<BuildFrame>& frames, std::vector<LoadedSurvey>* surveys) const;
+  /// The surveys with the known markers among their control points: their centres, or all corners where the yaw is
+  /// known. Those of an earlier call are replaced.
+  FrameSet AddControlPoints(FrameSet set) const;
 
   /// Compares the markers' places in the map with the file (least median of squares over all pairs of markers, then
   /// residuals). A marker that contradicts the others is named in a warning, and not used any more: true when there is
-  /// one, whose control points are gone and the frames to be placed again.
-  bool LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement,
-                             std::vector<LoadedSurvey>* surveys);
+  /// one; the control points have to be added and the frames placed again.
+  bool LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement);
 
-  /// Takes the keypoints on markers out of all frames, those that see a marker in part included.
-  void MaskInMap(const Placement& placement, std::vector<BuildFrame>* frames) const;
+  /// The frames without the keypoints on markers, those that see a marker in part included.
+  FrameSet MaskInMap(const Placement& placement, FrameSet set) const;
 
   /// How well each marker that was seen fits the finished map.
   std::vector<MarkerFit> Fits(const std::vector<BuildFrame>& frames, const Placement& placement) const;

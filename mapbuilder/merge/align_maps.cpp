@@ -9,6 +9,7 @@
 #include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/finished_map/map_views.h"
+#include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/placement/pose_graph.h"
 
 namespace floorloc {

@@ -48,7 +48,7 @@ class Screener {
   void FindBlurred();
   void FindStandstill(const PairRegistrationOptions& registration);
   void FindWithoutTexture();
-  Screening Result() const;
+  ScreenedFrames Result() const;
   const std::vector<std::string>& reasons() const { return reason_; }
 
  private:
@@ -206,8 +206,8 @@ void Screener::FindStandstill(const PairRegistrationOptions& registration) {
   }
 }
 
-Screening Screener::Result() const {
-  Screening result;
+ScreenedFrames Screener::Result() const {
+  ScreenedFrames result;
   result.warnings = warnings_;
   for (const LoadedSurvey& loaded : surveys_) {
     const Survey& survey = loaded.survey;
@@ -231,14 +231,14 @@ Screening Screener::Result() const {
 }
 
 // Removes the control points of pictures that are not among the frames, and returns how many.
-std::size_t RemoveLostControlPoints(const std::vector<BuildFrame>& frames, std::vector<LoadedSurvey>* surveys) {
-  std::vector<std::set<std::string>> kept(surveys->size());
-  for (const BuildFrame& frame : frames) {
+std::size_t RemoveLostControlPoints(FrameSet* set) {
+  std::vector<std::set<std::string>> kept(set->surveys.size());
+  for (const BuildFrame& frame : set->frames) {
     kept[static_cast<std::size_t>(frame.survey)].insert(frame.info.filename);
   }
   std::size_t lost = 0;
-  for (std::size_t s = 0; s < surveys->size(); ++s) {
-    lost += std::erase_if((*surveys)[s].survey.control_points,
+  for (std::size_t s = 0; s < set->surveys.size(); ++s) {
+    lost += std::erase_if(set->surveys[s].survey.control_points,
                           [&](const ControlPoint& point) { return !kept[s].contains(point.filename); });
   }
   return lost;
@@ -246,9 +246,8 @@ std::size_t RemoveLostControlPoints(const std::vector<BuildFrame>& frames, std::
 
 }  // namespace
 
-Screening ScreenFrames(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& registration,
-                       std::vector<BuildFrame>* frames) {
-  Screener screener(*surveys, *frames);
+ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registration) {
+  Screener screener(set.surveys, set.frames);
   screener.FindUnreadable();
   screener.FindBadlyExposed();
   screener.FindWithoutTexture();
@@ -256,20 +255,19 @@ Screening ScreenFrames(std::vector<LoadedSurvey>* surveys, const PairRegistratio
   screener.FindBlurred();
   screener.FindStandstill(registration);
   const std::vector<std::string> reasons = screener.reasons();
-  Screening result = screener.Result();
+  ScreenedFrames result = screener.Result();
 
-  std::vector<BuildFrame> kept;
-  for (std::size_t i = 0; i < frames->size(); ++i) {
+  for (std::size_t i = 0; i < set.frames.size(); ++i) {
     if (reasons[i].empty()) {
-      kept.push_back(std::move((*frames)[i]));
+      result.kept.frames.push_back(std::move(set.frames[i]));
     }
   }
-  if (kept.empty()) {
+  if (result.kept.frames.empty()) {
     throw InputError("no picture of the survey can be used: " + result.dropped.front().filename + " is left out (" +
                      result.dropped.front().reason + "), and so are all others; look at the pictures");
   }
-  *frames = std::move(kept);
-  if (const std::size_t lost = RemoveLostControlPoints(*frames, surveys); lost > 0) {
+  result.kept.surveys = std::move(set.surveys);
+  if (const std::size_t lost = RemoveLostControlPoints(&result.kept); lost > 0) {
     result.warnings.push_back(std::to_string(lost) +
                               " control points are in pictures that were left out, and not used");
   }

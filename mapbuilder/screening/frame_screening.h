@@ -10,8 +10,9 @@
 
 namespace floorloc {
 
-/// What was found wrong with the frames of a build.
-struct Screening {
+/// The frames that are good for a map, and what was found wrong with the others.
+struct ScreenedFrames {
+  FrameSet kept;
   std::vector<DroppedFrame> dropped;
   std::vector<std::string> warnings;  ///< sentences
 };
@@ -19,7 +20,6 @@ struct Screening {
 /// Takes frames out that would harm the map or add nothing to it: unreadable, too dark, overexposed, without texture,
 /// much less sharp than the frames around them, repeated while the robot stood still; with them go their control
 /// points. Throws InputError when more than a few pictures can't be read, or no frame is left.
-Screening ScreenFrames(std::vector<LoadedSurvey>* surveys, const PairRegistrationOptions& registration,
-                       std::vector<BuildFrame>* frames);
+ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registration);
 
 }  // namespace floorloc

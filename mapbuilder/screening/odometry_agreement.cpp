@@ -259,18 +259,17 @@ MotionAgreement CompareMotions(const std::vector<MotionPair>& motions) {
   return agreement;
 }
 
-std::vector<std::string> CheckOdometry(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
-                                       const PairRegistrationOptions& registration) {
+std::vector<std::string> CheckOdometry(const FrameSet& set, const PairRegistrationOptions& registration) {
   std::vector<std::string> warnings;
-  for (std::size_t s = 0; s < surveys.size(); ++s) {
-    const Survey& survey = surveys[s].survey;
+  for (std::size_t s = 0; s < set.surveys.size(); ++s) {
+    const Survey& survey = set.surveys[s].survey;
     if (survey.odometry.empty()) {
       continue;
     }
     const int index = static_cast<int>(s);
-    CountFramesWithOdometry(frames, index, survey, &warnings);
+    CountFramesWithOdometry(set.frames, index, survey, &warnings);
     const RectM& floor = survey.camera.floor.roi;
-    Judge(CompareMotions(MeasureMotions(frames, index, floor, registration)), survey, &warnings);
+    Judge(CompareMotions(MeasureMotions(set.frames, index, floor, registration)), survey, &warnings);
   }
   return warnings;
 }

@@ -30,7 +30,6 @@ MotionAgreement CompareMotions(const std::vector<MotionPair>& motions);
 /// Registers a sample of frames without help from odometry and compares. Returns warnings. Throws InputError
 /// when scale, direction or handedness of floor.yaml and odometry.tum can't both be right, or when no frame lies within
 /// the time of odometry.tum.
-std::vector<std::string> CheckOdometry(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
-                                       const PairRegistrationOptions& registration);
+std::vector<std::string> CheckOdometry(const FrameSet& set, const PairRegistrationOptions& registration);
 
 }  // namespace floorloc

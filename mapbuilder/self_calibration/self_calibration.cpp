@@ -47,8 +47,9 @@ class SightMaker {
 
 class Calibrator {
  public:
-  Calibrator(const CalibrationSubject& subject, const SelfCalibrationOptions& options)
-      : frames_(*subject.frames), surveys_(*subject.surveys), placement_(*subject.placement), options_(options) {}
+  // What the result holds is calibrated in place.
+  Calibrator(CalibratedFrames* result, const SelfCalibrationOptions& options)
+      : frames_(result->set.frames), surveys_(result->set.surveys), placement_(result->placement), options_(options) {}
 
   SelfCalibration Run() {
     RequireScale();
@@ -262,8 +263,12 @@ std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& n
   return unknowns;
 }
 
-SelfCalibration SelfCalibrate(const CalibrationSubject& subject, const SelfCalibrationOptions& options) {
-  return options.unknowns.empty() ? SelfCalibration{} : Calibrator(subject, options).Run();
+CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options) {
+  CalibratedFrames result{std::move(set), std::move(placement), {}};
+  if (!options.unknowns.empty()) {
+    result.calibration = Calibrator(&result, options).Run();
+  }
+  return result;
 }
 
 }  // namespace floorloc

@@ -37,16 +37,17 @@ struct SelfCalibration {
   double rms_after_m = 0.0;
 };
 
-/// What self-calibration changes.
-struct CalibrationSubject {
-  std::vector<BuildFrame>* frames;     ///< keypoints move with their camera
-  std::vector<LoadedSurvey>* surveys;  ///< cameras and rectifiers
-  Placement* placement;                ///< poses and links
+/// A placed survey seen through the calibrated cameras.
+struct CalibratedFrames {
+  FrameSet set;         ///< keypoints moved with their camera; cameras and rectifiers are the calibrated ones
+  Placement placement;  ///< poses and links
+  SelfCalibration calibration;
 };
 
 /// Bundle adjustment over the keypoint tracks of placed frames, with the given unknowns of every survey's camera and
 /// each frame's own tilt among the unknowns. Height and focal length show only where something tells the scale: control
-/// points, known distances, outer poses. Throws InputError when they are asked for without.
-SelfCalibration SelfCalibrate(const CalibrationSubject& subject, const SelfCalibrationOptions& options);
+/// points, known distances, outer poses. Throws InputError when they are asked for without. Without unknowns everything
+/// is returned as it came.
+CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options);
 
 }  // namespace floorloc

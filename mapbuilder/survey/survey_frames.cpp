@@ -60,6 +60,15 @@ cv::Mat LoadedSurvey::FloorMask() const {
   return (rectifier->RectifyPicture(raw_mask) == 255) & rectifier->mask();
 }
 
+std::vector<RectM> FrameSet::FloorsInBase() const {
+  std::vector<RectM> floors;
+  floors.reserve(frames.size());
+  for (const BuildFrame& frame : frames) {
+    floors.push_back(surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
+  }
+  return floors;
+}
+
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFrames bad_frames,
                                       double resolution_m) {
   std::vector<LoadedSurvey> surveys;

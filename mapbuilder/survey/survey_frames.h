@@ -46,6 +46,15 @@ struct BuildFrame {
   std::optional<KnownPose> prior;       ///< a pose known from another system, or from the map to be extended
 };
 
+/// Frames with the surveys they are of: what the stages of a build hand on.
+struct FrameSet {
+  std::vector<LoadedSurvey> surveys;
+  std::vector<BuildFrame> frames;
+
+  /// The region of interest of every frame, base frame.
+  std::vector<RectM> FloorsInBase() const;
+};
+
 /// Side of a cell of BuildFrame::brightness, pixels of the rectified picture.
 constexpr int kBrightnessCellPx = 24;
 

@@ -35,7 +35,13 @@ class Survey20 {
     options.registration.resolution_m = true_camera_.floor.resolution_m;
   }
 
-  SelfCalibration Run() { return SelfCalibrate({&frames, &surveys, &placement}, options); }
+  SelfCalibration Run() {
+    CalibratedFrames result = SelfCalibrate({surveys, frames}, placement, options);
+    surveys = result.set.surveys;
+    frames = result.set.frames;
+    placement = result.placement;
+    return result.calibration;
+  }
 
   // How far the survey's camera is from the true one, worst over the region of interest, rigid motion left aside.
   double ShapeErrorM() const {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/build/build_options.h"
+
+namespace floorloc {
+
+BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const OldMap* base) {
+  if (base != nullptr) {
+    options.fingerprint += base->map.info.content_version;
+    options.extractor = base->map.info.extractor;
+    options.mosaic.tile_px = base->map.mosaic.tile_px;
+    options.mosaic.resolution_m = base->map.mosaic.resolution_m;
+  }
+  options.placement.registration.threads = options.threads;
+  options.placement.registration.progress = options.progress;
+  const FloorPlane& floor = surveys.front().survey.camera.floor;
+  options.placement.registration.resolution_m = floor.resolution_m;
+  options.fusion = options.fusion.ForCamera(floor, options.extractor.max_keypoints);
+  if (options.max_keypoints_per_m2 > 0.0) {
+    options.fusion.pruning.max_per_m2 = options.max_keypoints_per_m2;
+  }
+  options.fusion.threads = options.threads;
+  options.fusion.seed = options.seed;
+  options.placement.registration.registration.seed = options.seed;
+  options.self_calibration.registration = options.placement.registration;
+  options.held_out.extractor = options.extractor;
+  options.held_out.fusion = options.fusion;
+  options.held_out.threads = options.threads;
+  options.mosaic.threads = options.threads;
+  options.mosaic.progress = options.progress;
+  if (options.mosaic.resolution_m <= 0.0) {
+    options.mosaic.resolution_m = surveys.front().survey.camera.floor.resolution_m;
+  }
+  return options;
+}
+
+}  // namespace floorloc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/io/trajectory.h"
+#include "core/vision/extractors/feature_extractor.h"
+#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/build/held_out.h"
+#include "mapbuilder/finished_map/base_map.h"
+#include "mapbuilder/keypoints/fuse_keypoints.h"
+#include "mapbuilder/markers/markers.h"
+#include "mapbuilder/mosaic/mosaic.h"
+#include "mapbuilder/placement/place_frames.h"
+#include "mapbuilder/self_calibration/self_calibration.h"
+
+namespace floorloc {
+
+struct BuildOptions {
+  std::vector<std::filesystem::path> surveys;
+  std::filesystem::path out;
+  std::filesystem::path extend;  ///< the map to which the surveys are added, in its frame; may be `out`; empty: none
+  ExtractorOptions extractor;    ///< not used with `extend`: the map's own
+  Trajectory poses;              ///< map_from_base known from another system; may be empty
+  MarkerOptions markers;
+  PlacementOptions placement;
+  SelfCalibrationOptions self_calibration;
+  FusionOptions fusion;
+  double max_keypoints_per_m2 = 0.0;  ///< budget of the map; 0: what suits the camera
+  bool hold_out = true;               ///< seek some frames in a map made without them
+  HeldOutOptions held_out;
+  MosaicOptions mosaic;  ///< resolution_m 0: the surveys'
+  int threads = 0;       ///< 0: one per core
+  std::uint32_t seed = 1;
+  bool resume = false;  ///< use what an earlier run left in the journal beside `out`
+  /// Names all options, as the caller has them: what a journal holds of a build with others is not used.
+  std::string fingerprint;
+  ProgressOutput progress;
+};
+
+/// The stages' options with what all of them share filled in: threads, seed, progress, the surveys' resolution, and
+/// with a base map (nullptr: none) its extractor and mosaic.
+BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const OldMap* base);
+
+}  // namespace floorloc

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/build/place_surveys.h"
+
+#include "core/io/input_error.h"
+#include "mapbuilder/extend/extend_map.h"
+#include "mapbuilder/placement/placement_journal.h"
+
+namespace floorloc {
+namespace {
+
+// Gives each frame its pose from --poses, as a prior.
+FrameSet WithKnownPoses(FrameSet set, const Trajectory& poses, const PlacementOptions& options) {
+  if (poses.empty()) {
+    return set;
+  }
+  const Eigen::Vector3d sigma(options.prior_sigma_m, options.prior_sigma_m, options.prior_sigma_rad);
+  int known = 0;
+  for (BuildFrame& frame : set.frames) {
+    if (const std::optional<Pose2> pose = InterpolatePose(poses, frame.info.stamp_ns)) {
+      frame.prior = {*pose, sigma.cwiseAbs2().asDiagonal()};
+      ++known;
+    }
+  }
+  if (known == 0) {
+    throw InputError("none of the --poses lies at the time of a survey frame; check that both use the same clock");
+  }
+  return set;
+}
+
+// Finds the markers, if any are asked for. Marker paper is no floor: its keypoints are masked afterwards.
+std::optional<MarkerSurvey> FindMarkers(const FrameSet& set, const BuildOptions& options) {
+  if (options.markers.file.empty()) {
+    return std::nullopt;
+  }
+  MarkerOptions with_shared = options.markers;
+  with_shared.detection.threads = options.threads;
+  with_shared.detection.progress = options.progress;
+  return MarkerSurvey(with_shared, set);
+}
+
+// The keys of what is done once all features are known.
+std::string KeyOf(const char* stage, const BuildOptions& options, const FrameSet& set) {
+  return PlacementKey(set.surveys, stage + options.fingerprint, options.poses);
+}
+
+// The frames' poses in the base map, unless an earlier run of this build found them.
+std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const OldMap& base, const BuildOptions& options,
+                                             BuildJournal* journal) {
+  const std::string key = KeyOf("fixes", options, set);
+  if (auto done = RestoreFixes(key, journal)) {
+    return std::move(*done);
+  }
+  std::vector<PosePriorFactor> fixes =
+      LocateInMap(base, set.surveys, set.frames, {options.threads, options.seed, options.progress});
+  StoreFixes(fixes, key, journal);
+  return fixes;
+}
+
+// As PlaceFrames, unless an earlier run of this build did it.
+Placement PlaceFramesOnce(const FrameSet& set, const BuildOptions& options, BuildJournal* journal) {
+  const std::string key = KeyOf("placement", options, set);
+  if (std::optional<Placement> done = RestorePlacement(key, journal)) {
+    return std::move(*done);
+  }
+  Placement placement = PlaceFrames(set.frames, set.surveys, options.placement);
+  StorePlacement(placement, key, journal);
+  return placement;
+}
+
+// Places the frames again when a marker turns out to contradict the others.
+PlacedSurveys PlaceWithMarkers(PlacedSurveys placed, const BuildOptions& options, BuildJournal* journal) {
+  MarkerSurvey& markers = *placed.markers;
+  placed.placement = PlaceFramesOnce(placed.set, options, journal);
+  if (markers.LeaveOutContradicting(placed.set.frames, placed.placement)) {
+    placed.set = markers.AddControlPoints(std::move(placed.set));
+    BuildOptions without = options;
+    without.fingerprint += "contradicting markers left out\n";
+    placed.placement = PlaceFramesOnce(placed.set, without, journal);
+  }
+  placed.set = markers.MaskInMap(placed.placement, std::move(placed.set));
+  return placed;
+}
+
+}  // namespace
+
+PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const OldMap* base, BuildJournal* journal) {
+  PlacedSurveys placed;
+  placed.set = WithKnownPoses(std::move(set), options.poses, options.placement);
+  placed.markers = FindMarkers(placed.set, options);
+  if (placed.markers) {
+    placed.set = placed.markers->AddControlPoints(placed.markers->MaskSeen(std::move(placed.set)));
+  }
+  if (base != nullptr) {
+    const std::vector<PosePriorFactor> fixes = LocateInMapOnce(placed.set, *base, options, journal);
+    placed.base_file = base->file.filename().string();
+    placed.found_in_base = static_cast<int>(fixes.size());
+    placed.set = AlignToMap(*base, fixes, std::move(placed.set));
+  }
+  if (placed.markers) {
+    return PlaceWithMarkers(std::move(placed), options, journal);
+  }
+  placed.placement = PlaceFramesOnce(placed.set, options, journal);
+  return placed;
+}
+
+}  // namespace floorloc
