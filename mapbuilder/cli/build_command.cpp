@@ -132,7 +132,7 @@ void AddBuildCommand(CLI::App& app) {
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
   command
       ->add_option("--features", a->features,
-                   "Feature extractor; auto: hessian. \"Choosing an extractor\" in README.md compares them, and\n"
+                   "Feature extractor; auto: hessian. docs/benchmarks/extractors.md compares them, and\n"
                    "'./run bench extractors' does so on your floor")
       ->check(CLI::IsMember(ExtractorNames()))
       ->capture_default_str();

@@ -118,7 +118,7 @@ void AddFloorOptions(CLI::App& command, Arguments& a) {
   command
       .add_option("--board-pose", a.board_poses,
                   "x,y,yaw of that board in the base frame (metres, radians): where its corner 0 is and where its x\n"
-                  "axis points; one for each --floor-image. README.md says which corner that is")
+                  "axis points; one for each --floor-image. docs/survey.md says which corner that is")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--board-thickness", a.options.board_thickness_m, "Of the board on the floor, metres")
