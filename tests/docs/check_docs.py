@@ -5,7 +5,7 @@ import pathlib
 import re
 from typing import NamedTuple
 
-from pages import LINKS_ONLY, Page
+from pages import LINKS_ONLY, SPAN, Page
 
 # Words that stand for a part of a path: `tests/fuzz/NAME_fuzzer.cpp`.
 PLACEHOLDER = re.compile(r"[A-Z]{3,}(?=[_./]|$)")
@@ -159,4 +159,22 @@ def check_layout(tree):
             for folder in sorted(folders) if not re.search(rf"(?<![\w]){folder.name}/", layout)]
 
 
-CHECKS = (check_links, check_paths, check_identifiers, check_run, check_commands, check_server_page, check_layout)
+def check_traces(tree):
+    """Where a row of a table names functions and, in its last column, files, each function stands in one of these."""
+    problems = []
+    for page in tree.pages:
+        for number, line in enumerate(page.text.splitlines(), start=1):
+            cells = [SPAN.findall(cell) for cell in line.strip("|").split("|")] if line.startswith("| ") else []
+            files = [tree.root / span for _, span in cells[-1]] if cells else []
+            if len(cells) < 3 or not files or not all(file.is_file() for file in files):
+                continue
+            headers = [file.with_suffix(".h") for file in files if file.suffix == ".cpp"]
+            words = {word for file in files + headers if file.exists()
+                     for word in re.findall(r"\w+", file.read_text(encoding="utf-8"))}
+            problems += [Problem(page.name, number, f"{span} is in none of the files of its row")
+                         for _, span in cells[-2] if IDENTIFIER.fullmatch(span) and span.split("::")[-1] not in words]
+    return problems
+
+
+CHECKS = (check_links, check_paths, check_identifiers, check_run, check_commands, check_server_page, check_layout,
+          check_traces)

@@ -165,6 +165,13 @@ class CheckDocsTest(unittest.TestCase):
         self.assertEqual(self.problems(**{"docs/server.md": SERVER_PAGE.replace("POST", "PUT")}),
                          ["the call PUT /v1/maps does not exist", "the call POST /v1/maps is not documented"])
 
+    def test_functions_stand_in_the_files_of_their_row(self):
+        row = "| reads | `ReadSurvey` | `core/io/survey.cpp` |\n"
+        self.assertEqual(self.problems(row), [])
+        elsewhere = {"core/io/video.cpp": "void ReadVideo();\n"}
+        self.assertEqual(self.problems(row + row.replace("Survey", "Video"), **elsewhere),
+                         ["ReadVideo is in none of the files of its row"])
+
     def test_the_layout_has_every_folder(self):
         self.assertEqual(self.problems(**{"core/map/map.h": "", "core/io/survey.h": ""}),
                          ["core/map/ is missing in the layout"])
