@@ -32,6 +32,22 @@ bool HasRightLengths(const KeypointBlobs& blobs, std::size_t row_bytes) {
          blobs.last_survey.size() == n * 2 && blobs.descriptor.size() == n * row_bytes;
 }
 
+// Floats round a place in the tile to its edges at most.
+bool LiesInTile(float x_m, float y_m, const KeypointTile& tile) {
+  const auto side_m = static_cast<float>(tile.side_m);
+  const float slack_m = 1e-3F * side_m;
+  return x_m >= -slack_m && x_m <= side_m + slack_m && y_m >= -slack_m && y_m <= side_m + slack_m;
+}
+
+bool AreFinite(const Blob& floats) {
+  for (std::size_t i = 0; i < floats.size() / sizeof(float); ++i) {
+    if (!std::isfinite(Get<float>(floats, i))) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::int64_t KeypointBlobs::Checksum() const {
@@ -70,17 +86,20 @@ KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> 
 
 bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::size_t row_bytes,
                      MapKeypoints* keypoints) {
-  if (blobs.count < 0 || !HasRightLengths(blobs, row_bytes)) {
+  if (blobs.count < 0 || !HasRightLengths(blobs, row_bytes) ||
+      (keypoints->descriptors.depth() == CV_32F && !AreFinite(blobs.descriptor))) {
     return false;
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(blobs.count); ++i) {
     Keypoint k;
-    k.x_m = static_cast<float>(Get<float>(blobs.position, 2 * i) + tile.x * tile.side_m);
-    k.y_m = static_cast<float>(Get<float>(blobs.position, 2 * i + 1) + tile.y * tile.side_m);
+    const auto x_m = Get<float>(blobs.position, 2 * i);
+    const auto y_m = Get<float>(blobs.position, 2 * i + 1);
+    k.x_m = static_cast<float>(x_m + tile.x * tile.side_m);
+    k.y_m = static_cast<float>(y_m + tile.y * tile.side_m);
     k.angle_rad = Get<float>(blobs.angle, i);
     k.size_m = Get<float>(blobs.size, i);
     k.response = Get<float>(blobs.response, i);
-    if (!std::isfinite(k.x_m) || !std::isfinite(k.y_m) || !std::isfinite(k.angle_rad) || !std::isfinite(k.size_m)) {
+    if (!LiesInTile(x_m, y_m, tile) || !std::isfinite(k.angle_rad) || !std::isfinite(k.size_m)) {
       return false;
     }
     keypoints->keypoints.push_back(k);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/map/map_contract.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/map/content_hash.h"
@@ -21,6 +22,11 @@ std::vector<double> UnpackDoubles(const Blob& blob) {
     std::memcpy(values.data(), blob.data(), blob.size());
   }
   return values;
+}
+
+bool IsSha256(const std::string& text) {
+  return text.size() == 64 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
 std::string ComputeContentVersion(const SqliteConnection& connection) {

@@ -13,10 +13,15 @@ namespace floorloc {
 // What reader and writer must agree on.
 constexpr std::int64_t kMapApplicationId = 0x464C4F43;  // "FLOC"
 constexpr int kMapFormatVersion = 2;
+/// No floor lies farther from the map frame's origin, not even in UTM coordinates: northings end at 10,000 km.
+constexpr double kMaxMapCoordinateM = 1e7;
 
 Blob PackDoubles(std::span<const double> values);
 /// Empty when the length is not a multiple of 8.
 std::vector<double> UnpackDoubles(const Blob& blob);
+
+/// True for 64 hex digits in lower case.
+bool IsSha256(const std::string& text);
 
 /// SHA-256 over everything that decides the answers: frame placement, links, cameras, extractor, keypoints, mosaic.
 /// Names and dates do not count: the same surveys and options give the same version.

@@ -12,10 +12,12 @@
 
 namespace floorloc {
 
-/// A map file opened read-only. Thread-safe: calls are serialised inside.
+/// A map file opened read-only. Thread-safe: calls are serialised inside. What its functions return is consistent,
+/// whatever the file holds: every index names something that is there, every number is finite and within reason. They
+/// throw a MapError that names table, row and column where that does not hold.
 class MapDatabase {
  public:
-  /// Checks the application id, the format version and SQLite's quick_check. Throws MapError.
+  /// Checks the application id, the format version, SQLite's quick_check, and that there are tables only.
   explicit MapDatabase(const std::filesystem::path& file);
   ~MapDatabase();
   MapDatabase(const MapDatabase&) = delete;
@@ -23,13 +25,14 @@ class MapDatabase {
 
   MapInfo ReadInfo() const;
   MosaicLayout ReadMosaicLayout() const;
-  /// Info, layout and all keypoints, every blob's length and checksum verified. Throws MapError.
+  /// Info, layout and all keypoints, every blob's length and checksum verified. Checks all other tables, too.
   FloorMap ReadMap() const;
   std::vector<MapFrame> ReadFrames() const;
-  /// Every link joins two of ReadFrames(). Throws MapError.
+  /// Every link joins two of ReadFrames().
   std::vector<MapLink> ReadLinks() const;
-  /// The encoded JPEG of a mosaic tile; empty where the map has none. Throws MapError when damaged.
+  /// The encoded JPEG of a mosaic tile, its checksum verified; empty where the map has none.
   std::optional<std::vector<std::uint8_t>> ReadMosaicTile(const TileId& tile) const;
+  /// Of one level; all lie on the surveyed floor.
   std::vector<TileId> ListMosaicTiles(int zoom) const;
   /// Recomputes the content version over everything. Throws MapError when it differs from the stored one.
   void VerifyContent() const;

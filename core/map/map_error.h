@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace floorloc {
 
@@ -9,7 +10,17 @@ namespace floorloc {
 /// file and says what to do.
 class MapError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  enum class Kind {
+    kOther,        ///< missing, not readable, not writable, or not fit for what is asked
+    kDamaged,      ///< no map, or one whose content contradicts itself: it stays so
+    kUnsupported,  ///< whole, but it takes another version of this program
+  };
+
+  explicit MapError(const std::string& what, Kind kind = Kind::kOther) : std::runtime_error(what), kind_(kind) {}
+  Kind kind() const { return kind_; }
+
+ private:
+  Kind kind_;
 };
 
 }  // namespace floorloc

@@ -27,6 +27,20 @@ std::string Advice(int code) {
   }
 }
 
+// What is wrong with the file, not with the disk, the permissions or another process.
+MapError::Kind KindOf(int code) {
+  switch (code & 0xFF) {
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+    case SQLITE_ERROR:  // a table or column is missing
+    case SQLITE_MISMATCH:
+    case SQLITE_TOOBIG:
+      return MapError::Kind::kDamaged;
+    default:
+      return MapError::Kind::kOther;
+  }
+}
+
 }  // namespace
 
 SqliteConnection::SqliteConnection(const std::filesystem::path& file, Mode mode) : file_(file) {
@@ -35,13 +49,14 @@ SqliteConnection::SqliteConnection(const std::filesystem::path& file, Mode mode)
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   handle_.reset(handle);
   if (code != SQLITE_OK) {
-    throw MapError(file.string() + " " + Advice(code));
+    throw MapError(file.string() + " " + Advice(code), KindOf(code));
   }
   sqlite3_extended_result_codes(handle, 1);
 }
 
 void SqliteConnection::Fail() const {
-  throw MapError(file_.string() + " " + Advice(sqlite3_errcode(get())) + " (" + sqlite3_errmsg(get()) + ")");
+  const int code = sqlite3_errcode(get());
+  throw MapError(file_.string() + " " + Advice(code) + " (" + sqlite3_errmsg(get()) + ")", KindOf(code));
 }
 
 void SqliteConnection::Execute(const std::string& sql) const {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/map/map_error.h"
@@ -66,7 +68,8 @@ FlatField FlatFieldFrom(const Json& json) {
   FlatField field{json.at("columns"), json.at("rows"), json.at("gain").get<std::vector<double>>()};
   if (field.columns < 1 || field.rows < 1 ||
       field.gain.size() != static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows)) {
-    throw MapError("the build report in the map has a flat field of wrong size; build the map again");
+    throw MapError("the build report in the map has a flat field of wrong size; build the map again",
+                   MapError::Kind::kDamaged);
   }
   return field;
 }
@@ -101,6 +104,19 @@ std::vector<T> ListFrom(const Json& json, const char* name, T (*parse)(const Jso
     items.push_back(parse(item));
   }
   return items;
+}
+
+// Counts, metres, radians, shares: none is larger, and all fit the types that hold them.
+void CheckNumbers(const Json& json) {
+  constexpr double kMaxNumber = 2147483647.0;
+  if (json.is_number() && !(std::abs(json.get<double>()) <= kMaxNumber)) {
+    throw MapError("the build report in the map is damaged (a number is out of range: " + json.dump() +
+                       "); restore the map from a copy or build it again",
+                   MapError::Kind::kDamaged);
+  }
+  if (json.is_structured()) {
+    std::for_each(json.begin(), json.end(), CheckNumbers);
+  }
 }
 
 void ReadNumbers(const Json& json, BuildReport* report) {
@@ -176,6 +192,7 @@ BuildReport ParseBuildReport(const std::string& text) {
   BuildReport report;
   try {
     const Json json = Json::parse(text);
+    CheckNumbers(json);
     ReadNumbers(json, &report);
     report.dropped = ListFrom(json, "dropped", DroppedFrom);
     report.held_out = ListFrom(json, "held_out", HeldOutFrom);
@@ -184,7 +201,8 @@ BuildReport ParseBuildReport(const std::string& text) {
     report.flat_fields = ListFrom(json, "flat_fields", FlatFieldFrom);
   } catch (const nlohmann::json::exception& error) {
     throw MapError(std::string("the build report in the map is damaged (") + error.what() +
-                   "); restore the map from a copy or build it again");
+                       "); restore the map from a copy or build it again",
+                   MapError::Kind::kDamaged);
   }
   return report;
 }

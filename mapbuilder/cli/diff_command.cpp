@@ -69,7 +69,7 @@ void PrintText(const MapDiff& diff) {
 void Run(const Arguments& a) {
   const MapDiff diff = CompareMaps(MapDatabase(a.before), MapDatabase(a.after));
   if (a.json) {
-    std::cout << ToJson(diff).dump(2) << "\n";
+    std::cout << ToJson(diff).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
     PrintText(diff);
   }

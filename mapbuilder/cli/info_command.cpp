@@ -18,6 +18,12 @@ struct Arguments {
   bool json = false;
 };
 
+// Null for what is JSON, but not of numbers that a double holds.
+nlohmann::json Embedded(const std::string& text) {
+  nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  return json.is_discarded() ? nlohmann::json() : json;
+}
+
 nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
   const MapInfo& info = map.info;
   nlohmann::ordered_json json{{"name", info.name},
@@ -42,8 +48,8 @@ nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
   for (const MapParent& parent : info.parents) {
     json["parents"].push_back({{"relation", parent.relation}, {"id", parent.id}, {"version", parent.content_version}});
   }
-  json["surveys"] = nlohmann::json::parse(info.surveys_json, nullptr, false);
-  json["report"] = nlohmann::json::parse(info.report_json, nullptr, false);
+  json["surveys"] = Embedded(info.surveys_json);
+  json["report"] = Embedded(info.report_json);
   return json;
 }
 
@@ -72,7 +78,7 @@ void Run(const Arguments& a) {
   const FloorMap map = database.ReadMap();
   const std::size_t frames = database.ReadFrames().size();
   if (a.json) {
-    std::cout << ToJson(map, frames).dump(2) << "\n";
+    std::cout << ToJson(map, frames).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
     PrintText(map, frames, std::filesystem::file_size(a.map));
   }

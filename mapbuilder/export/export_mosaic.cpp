@@ -19,7 +19,10 @@ MosaicPicture ExportMosaic(const MapDatabase& map, double resolution_m) {
   const MosaicLevel level = ReadMosaicLevel(map, resolution_m);
   const double wanted_m = resolution_m > 0.0 ? resolution_m : level.layout.resolution_m;
   const RectM grid = level.Extent();
-  if (grid.width_m() / wanted_m > kMaxSidePx || grid.height_m() / wanted_m > kMaxSidePx) {
+  // The level's own pixels are up to twice as many; more when its tiles are not of one floor.
+  const double level_px = std::max(level.columns(), level.rows()) * static_cast<double>(level.layout.tile_px);
+  if (grid.width_m() / wanted_m > kMaxSidePx || grid.height_m() / wanted_m > kMaxSidePx ||
+      level_px > 2.0 * kMaxSidePx + level.layout.tile_px) {
     throw MapError("the mosaic would have more than 30000 pixels a side; export it with a larger --resolution, e.g. " +
                    std::to_string(std::max(grid.width_m(), grid.height_m()) / kMaxSidePx) + ", or with --geotiff");
   }

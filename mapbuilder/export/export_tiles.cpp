@@ -58,7 +58,9 @@ std::int64_t ExportTiles(const MapDatabase& map, const fs::path& folder) {
       ++count;
     }
   }
-  WriteFileAtomically(pending.path() / "metadata.json", Describe(map.ReadInfo(), layout).dump(2) + "\n");
+  WriteFileAtomically(
+      pending.path() / "metadata.json",
+      Describe(map.ReadInfo(), layout).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   pending.Complete();
   return count;
 }

@@ -9,7 +9,12 @@ OldMap::OldMap(const std::filesystem::path& path)
       map(database.ReadMap()),
       frames(database.ReadFrames()),
       links(database.ReadLinks()),
-      coverage(Poses(), Floors()) {}
+      coverage(Poses(), Floors()) {
+  if (frames.empty()) {
+    throw MapError(file.string() + " has no frames; restore it from a copy or build it again",
+                   MapError::Kind::kDamaged);
+  }
+}
 
 std::vector<std::optional<Pose2>> OldMap::Poses() const {
   std::vector<std::optional<Pose2>> poses;
@@ -22,9 +27,6 @@ std::vector<std::optional<Pose2>> OldMap::Poses() const {
 std::vector<RectM> OldMap::Floors() const {
   std::vector<RectM> floors;
   for (const MapFrame& frame : frames) {
-    if (frame.survey < 0 || frame.survey >= survey_count()) {
-      throw MapError(file.string() + " is damaged (a frame of no survey); restore it from a copy or build it again");
-    }
     floors.push_back(map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi);
   }
   return floors;

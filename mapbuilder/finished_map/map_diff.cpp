@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <tuple>
 
 #include "core/map/extractor_parameters.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/finished_map/same_points.h"
+#include "mapbuilder/finished_map/survey_provenance.h"
 
 namespace floorloc {
 namespace {
@@ -18,10 +18,8 @@ namespace {
 struct LoadedMap {
   explicit LoadedMap(const MapDatabase& database)
       : map(database.ReadMap()), frames(database.ReadFrames()), coverage(MakeCoverage()) {
-    const auto surveys = nlohmann::json::parse(map.info.surveys_json, nullptr, false);
-    for (std::size_t i = 0; i < map.info.cameras.size(); ++i) {
-      const bool known = surveys.is_array() && i < surveys.size() && surveys[i].is_object();
-      survey_names.push_back(known ? surveys[i].value("folder", "") : "");
+    for (const SurveyProvenance& survey : ReadProvenance(map.info)) {
+      survey_names.push_back(survey.folder);
     }
   }
 

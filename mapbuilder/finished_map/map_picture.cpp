@@ -4,10 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/map/map_error.h"
+#include "mapbuilder/finished_map/mosaic_level.h"
 
 namespace floorloc {
 namespace {
@@ -97,10 +96,7 @@ cv::Mat MapPicture::ReadTiles(const Eigen::Vector2i& first, const Eigen::Vector2
       if (!jpeg) {
         continue;
       }
-      const cv::Mat tile = cv::imdecode(*jpeg, cv::IMREAD_COLOR);
-      if (tile.cols != side || tile.rows != side) {
-        throw MapError("a mosaic tile is damaged; restore the map from a copy or build it again");
-      }
+      const cv::Mat tile = DecodeMosaicTile(*jpeg, side);
       if (picture.empty()) {
         picture = cv::Mat::zeros((last.y() - first.y() + 1) * side, (last.x() - first.x() + 1) * side, CV_8UC3);
       }

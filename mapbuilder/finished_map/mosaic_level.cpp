@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
 
 namespace floorloc {
 
@@ -34,13 +36,17 @@ MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m) {
   return level;
 }
 
+cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px) {
+  try {
+    return DecodeColor(jpeg, tile_px, tile_px, "mosaic tile");
+  } catch (const InputError&) {
+    throw MapError("a mosaic tile is damaged; restore the map from a copy or build it again", MapError::Kind::kDamaged);
+  }
+}
+
 cv::Mat ReadMosaicPicture(const MapDatabase& map, const MosaicLevel& level, const TileId& tile) {
   const auto jpeg = map.ReadMosaicTile(tile);
-  const cv::Mat picture = jpeg ? cv::imdecode(*jpeg, cv::IMREAD_COLOR) : cv::Mat();
-  if (picture.cols != level.layout.tile_px || picture.rows != level.layout.tile_px) {
-    throw MapError("a mosaic tile is damaged; restore the map from a copy or build it again");
-  }
-  return picture;
+  return DecodeMosaicTile(jpeg.value_or(std::vector<std::uint8_t>()), level.layout.tile_px);
 }
 
 }  // namespace floorloc

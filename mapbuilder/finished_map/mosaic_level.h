@@ -31,6 +31,9 @@ struct MosaicLevel {
 /// mosaic.
 MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m);
 
+/// CV_8UC3 of tile_px a side. Throws MapError when the bytes are no such picture.
+cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px);
+
 /// CV_8UC3. Throws MapError when it is damaged.
 cv::Mat ReadMosaicPicture(const MapDatabase& map, const MosaicLevel& level, const TileId& tile);
 

@@ -31,16 +31,17 @@ std::optional<std::size_t> FloorGrid::CellAt(const Eigen::Vector2d& point_in_map
 std::vector<std::size_t> FloorGrid::CellsInView(const Pose2& map_from_base, const RectM& rect_in_base) const {
   const Eigen::Vector2d center = map_from_base * rect_in_base.Center();
   const double reach_m = 0.5 * std::hypot(rect_in_base.width_m(), rect_in_base.height_m());
-  const auto first = [&](double value, double low) {
-    return std::max(0, static_cast<int>(std::floor((value - reach_m - low) / cell_m_)));
+  // Limited as doubles: a view far away must not overflow an int.
+  const auto first = [&](double value, double low, int count) {
+    return static_cast<int>(std::clamp(std::floor((value - reach_m - low) / cell_m_), 0.0, 1.0 * count));
   };
   const auto last = [&](double value, double low, int count) {
-    return std::min(count - 1, static_cast<int>(std::floor((value + reach_m - low) / cell_m_)));
+    return static_cast<int>(std::clamp(std::floor((value + reach_m - low) / cell_m_), -1.0, count - 1.0));
   };
   const Pose2 base_from_map = map_from_base.Inverse();
   std::vector<std::size_t> cells;
-  for (int row = first(center.y(), y_min_); row <= last(center.y(), y_min_, rows_); ++row) {
-    for (int column = first(center.x(), x_min_); column <= last(center.x(), x_min_, columns_); ++column) {
+  for (int row = first(center.y(), y_min_, rows_); row <= last(center.y(), y_min_, rows_); ++row) {
+    for (int column = first(center.x(), x_min_, columns_); column <= last(center.x(), x_min_, columns_); ++column) {
       if (rect_in_base.Contains(base_from_map * Center(Index(column, row)))) {
         cells.push_back(Index(column, row));
       }

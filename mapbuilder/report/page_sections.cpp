@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "mapbuilder/finished_map/survey_provenance.h"
 #include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/charts.h"
 #include "mapbuilder/report/colour_scale.h"
@@ -332,10 +332,9 @@ std::string OriginSection(const ReportPage& page) {
   }
   fact("Resolution", FixedText(1e3 * info.resolution_m, 2) + " mm per pixel");
   fact("Features", ToString(info.extractor.type));
-  const auto surveys = nlohmann::json::parse(info.surveys_json, nullptr, false);
-  for (const auto& survey : surveys.is_array() ? surveys : nlohmann::json::array()) {
-    fact("Survey", survey.value("folder", "") + ": " + std::to_string(survey.value("frames", 0)) + " frames, camera " +
-                       survey.value("camera", "") + (survey.value("odometry", false) ? ", with odometry" : ""));
+  for (const SurveyProvenance& survey : ReadProvenance(info)) {
+    fact("Survey", survey.folder + ": " + std::to_string(survey.frames) + " frames, camera " + survey.camera +
+                       (survey.odometry ? ", with odometry" : ""));
   }
   html << "</dl></div></section>\n";
   return html.str();

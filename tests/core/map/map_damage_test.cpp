@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
-#include <memory>
+#include <functional>
+#include <limits>
 #include <random>
 
+#include "tests/core/map/map_damages.h"
 #include "tests/core/map/map_test_support.h"
 
 namespace floorloc {
@@ -28,13 +29,7 @@ class MapDamageTest : public ::testing::Test {
     original_ = MapDatabase(file_).ReadMap();
   }
 
-  void RunSql(const std::string& sql) const {
-    sqlite3* handle = nullptr;
-    ASSERT_EQ(sqlite3_open(file_.c_str(), &handle), SQLITE_OK);
-    char* message = nullptr;
-    EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, &message), SQLITE_OK) << message;
-    sqlite3_close(handle);
-  }
+  void RunSql(const std::string& sql) const { testing_map::RunSql(file_, sql); }
   std::string ErrorOfReading() const {
     return ErrorOf([this] { MapDatabase(file_).ReadMap(); });
   }
@@ -80,33 +75,7 @@ TEST_F(MapDamageTest, CutOffFilesAreRefused) {
 }
 
 TEST_F(MapDamageTest, DamagedContentSaysWhatToDo) {
-  const std::vector<std::string> damages = {
-      "UPDATE keypoint_tile SET position = zeroblob(length(position))",
-      "UPDATE keypoint_tile SET position = zeroblob(length(position) - 4)",
-      "UPDATE keypoint_tile SET descriptor = zeroblob(7)",
-      "UPDATE keypoint_tile SET count = count + 1",
-      "UPDATE keypoint_tile SET count = -1",
-      "UPDATE keypoint_tile SET count = 9000000000000",
-      "UPDATE keypoint_tile SET checksum = checksum + 1",
-      "UPDATE map SET descriptor_length = 33",
-      "UPDATE map SET descriptor_length = 1000000000",
-      "UPDATE map SET keypoint_tile_m = 0",
-      "UPDATE map SET mosaic_tile_px = 0",
-      "UPDATE map SET mosaic_max_zoom = 63",
-      "UPDATE map SET resolution_m = -1",
-      "UPDATE extractor_parameter SET value = '1e9' WHERE name = 'levels'",
-      "UPDATE extractor_parameter SET value = 'surff' WHERE name = 'type'",
-      "DELETE FROM extractor_parameter WHERE name = 'levels'",
-      "DELETE FROM map",
-      "DELETE FROM camera",
-      "UPDATE camera SET homography = zeroblob(72)",
-      "UPDATE camera SET homography = zeroblob(71)",
-      "UPDATE camera SET distortion_model = 'thin_prism'",
-      "UPDATE camera SET width_px = 0",
-      "DROP TABLE keypoint_tile",
-      "DROP TABLE camera",
-  };
-  for (const std::string& damage : damages) {
+  for (const std::string& damage : testing_map::FatalDamages()) {
     WriteBytes(file_, bytes_);
     RunSql(damage);
     const std::string error = ErrorOfReading();
@@ -115,13 +84,58 @@ TEST_F(MapDamageTest, DamagedContentSaysWhatToDo) {
   }
 }
 
+TEST_F(MapDamageTest, OtherDamageIsRefusedOrHarmless) {
+  for (const std::string& damage : testing_map::OtherDamages()) {
+    WriteBytes(file_, bytes_);
+    RunSql(damage);
+    try {
+      const MapDatabase database(file_);
+      const FloorMap map = database.ReadMap();
+      for (const MapFrame& frame : database.ReadFrames()) {
+        EXPECT_LT(static_cast<std::size_t>(frame.survey), map.info.cameras.size()) << damage;
+      }
+    } catch (const MapError& error) {
+      EXPECT_EQ(error.kind(), MapError::Kind::kDamaged) << damage;
+    }
+  }
+}
+
+// Checksums do not help against whoever can compute them.
+TEST_F(MapDamageTest, KeypointsThatNoneCanHaveAreRefused) {
+  const std::vector<std::function<void(MapKeypoints&)>> changes = {
+      [](MapKeypoints& k) { k.last_survey[5] = 2; },
+      [](MapKeypoints& k) { k.keypoints[5].angle_rad = std::numeric_limits<float>::infinity(); },
+      [](MapKeypoints& k) { k.keypoints[5].angle_rad = 1e30F; },
+      [](MapKeypoints& k) { k.keypoints[5].size_m = -1.0F; },
+      [](MapKeypoints& k) { k.keypoints[5].response = std::numeric_limits<float>::quiet_NaN(); },
+  };
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    testing_map::MapContent content = MakeContent();
+    changes[i](content.keypoints);
+    WriteMap(file_, content);
+    EXPECT_THAT(ErrorOfReading(), HasSubstr("is damaged (keypoint tile")) << i;
+  }
+  testing_map::MapContent content = MakeContent(DescriptorType::kFloat);
+  content.keypoints.descriptors.at<float>(7, 3) = std::numeric_limits<float>::quiet_NaN();
+  WriteMap(file_, content);
+  EXPECT_THAT(ErrorOfReading(), HasSubstr("is damaged (keypoint tile"));
+}
+
+TEST_F(MapDamageTest, TheSentenceNamesTableRowAndColumn) {
+  RunSql("UPDATE frame SET survey = 1000000 WHERE id = 1");
+  EXPECT_EQ(ErrorOf([this] { MapDatabase(file_).ReadFrames(); }),
+            file_.string() +
+                " is damaged (frame 1: survey is 1000000, not within 0 to 1); restore it from a copy or "
+                "build it again");
+}
+
 TEST_F(MapDamageTest, VerifyFindsWhatReadingDoesNotNeed) {
   const std::vector<std::string> damages = {"UPDATE frame SET x = x + 0.001 WHERE id = 1",
                                             "DELETE FROM mosaic_tile WHERE z = 2 AND x = 0",
                                             "UPDATE mosaic_tile SET jpeg = zeroblob(length(jpeg)) WHERE z = 2",
                                             "DELETE FROM keypoint_tile WHERE x = 0",
                                             "UPDATE map SET x_max = x_max + 1",
-                                            "UPDATE map SET content_version = 'x'",
+                                            "UPDATE map SET content_version = replace(hex(zeroblob(32)), '0', 'f')",
                                             "UPDATE camera SET fx = fx + 1"};
   for (const std::string& damage : damages) {
     WriteBytes(file_, bytes_);
@@ -165,11 +179,13 @@ TEST_F(MapDamageTest, ANewerFormatIsRefusedByName) {
 
 // A map comes from outside: views and triggers in it must not run.
 TEST_F(MapDamageTest, ForeignSchemaIsNotTrusted) {
-  RunSql("ALTER TABLE keypoint_tile RENAME TO hidden; CREATE VIEW keypoint_tile AS SELECT * FROM hidden");
-  try {
-    EXPECT_TRUE(SameKeypoints(MapDatabase(file_).ReadMap().keypoints, original_.keypoints));
-  } catch (const MapError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("m.floormap"));
+  for (const std::string schema :
+       {"ALTER TABLE keypoint_tile RENAME TO hidden; CREATE VIEW keypoint_tile AS SELECT * FROM hidden",
+        "CREATE TRIGGER t AFTER UPDATE ON map BEGIN DELETE FROM frame; END",
+        "CREATE VIRTUAL TABLE words USING fts5(word)"}) {
+    WriteBytes(file_, bytes_);
+    RunSql(schema);
+    EXPECT_THAT(ErrorOfReading(), HasSubstr("holds more than tables")) << schema;
   }
 }
 

@@ -150,6 +150,7 @@ TEST(MapTest, EmptyMapReadsBack) {
   const TemporaryFolder folder;
   MapContent content = MakeContent();
   content.frames.clear();
+  content.links.clear();
   content.tiles.clear();
   content.keypoints = testing_map::RandomKeypoints(0, DescriptorType::kBinary, 1);
   WriteMap(folder.path() / "m.floormap", content);

@@ -61,7 +61,7 @@ inline MapKeypoints RandomKeypoints(int count, DescriptorType type, std::uint32_
     keypoints.keypoints.push_back({x, y, 6.0F * unit(random) - 3.0F, 0.02F * unit(random), 100.0F * unit(random)});
     keypoints.observations.push_back(static_cast<std::uint16_t>(random() % 65536));
     keypoints.distinctiveness.push_back(static_cast<std::uint8_t>(random() % 256));
-    keypoints.last_survey.push_back(static_cast<std::uint16_t>(random() % 65536));
+    keypoints.last_survey.push_back(static_cast<std::uint16_t>(random() % 2));
   }
   return keypoints;
 }

@@ -28,8 +28,10 @@ class OldMapTest : public ::testing::Test {
     writer.WriteKeypoints(one, DescriptorType::kBinary);
     MapInfo info;
     info.cameras = {SyntheticFloor(1).camera()};
-    info.extent = {0.0, 1.0, 0.0, 1.0};
+    info.extent = {-1.0, 3.0, -1.0, 2.0};
     info.area_m2 = 1.0;
+    info.surveys_json = "[]";
+    info.report_json = "{}";
     writer.Commit(info, {256, 0, 1e-3});
   }
 
