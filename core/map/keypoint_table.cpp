@@ -9,15 +9,13 @@
 #include "core/map/checked_row.h"
 #include "core/map/keypoint_blobs.h"
 #include "core/map/map_contract.h"
+#include "core/vision/extractors/extractor_layout.h"
 
 namespace floorloc {
 namespace {
 
 struct KeypointColumns {
-  struct Descriptors {
-    DescriptorType type = DescriptorType::kBinary;
-    int length = 0;
-  } descriptors;
+  DescriptorLayout descriptors;
   double tile_m = 1.0;
 
   bool binary() const { return descriptors.type == DescriptorType::kBinary; }
@@ -40,6 +38,17 @@ KeypointColumns ReadColumns(const SqliteConnection& connection) {
   return {{type == ToString(DescriptorType::kBinary) ? DescriptorType::kBinary : DescriptorType::kFloat,
            row.Integer(1, "descriptor_length", 0, kMaxDescriptorLength)},
           row.Real(2, "keypoint_tile_m", 1e-3, 1e4)};
+}
+
+// A map without keypoints may leave the length open.
+void CheckDescriptors(const SqliteConnection& connection, ExtractorType type, std::size_t keypoints,
+                      DescriptorLayout* layout) {
+  const DescriptorLayout expected = LayoutOf(type);
+  if (keypoints > 0 && *layout != expected) {
+    ThrowDamaged(connection, "map: its descriptors are " + ToString(*layout) + " each, those of its extractor '" +
+                                 ToString(type) + "' are " + ToString(expected));
+  }
+  *layout = expected;
 }
 
 // From the blobs' real lengths, so never more than the file holds.
@@ -73,8 +82,9 @@ void CheckTile(const CheckedRow& row, const MapKeypoints& keypoints, std::size_t
 }  // namespace
 
 MapKeypoints ReadKeypointTable(const SqliteConnection& connection, const MapInfo& info) {
-  const KeypointColumns columns = ReadColumns(connection);
+  KeypointColumns columns = ReadColumns(connection);
   const std::size_t total = CountKeypoints(connection);
+  CheckDescriptors(connection, info.extractor.type, total, &columns.descriptors);
   MapKeypoints keypoints;
   keypoints.descriptors = cv::Mat(0, columns.descriptors.length, columns.binary() ? CV_8U : CV_32F);
   keypoints.keypoints.reserve(total);

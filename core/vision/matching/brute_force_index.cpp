@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/vision/features/descriptor_layout.h"
 #include "core/vision/matching/hamming.h"
 #include "core/vision/matching/nearest_list.h"
 
@@ -16,9 +17,10 @@ using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 class BruteForceHamming final : public DescriptorIndex {
  public:
-  explicit BruteForceHamming(const cv::Mat& descriptors) : train_(descriptors) {}
+  explicit BruteForceHamming(const cv::Mat& descriptors) : layout_(LayoutOf(descriptors)), train_(descriptors) {}
 
   std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
+    CheckComparable(descriptors, layout_);
     const PackedDescriptors queries(descriptors);
     std::vector<std::vector<Neighbour>> neighbours;
     std::vector<int> all(static_cast<std::size_t>(train_.rows()));
@@ -32,6 +34,7 @@ class BruteForceHamming final : public DescriptorIndex {
   int size() const override { return train_.rows(); }
 
  private:
+  DescriptorLayout layout_;
   PackedDescriptors train_;
 };
 
@@ -46,9 +49,10 @@ RowMatrix ToMatrix(const cv::Mat& descriptors) {
 class BruteForceEuclidean final : public DescriptorIndex {
  public:
   explicit BruteForceEuclidean(const cv::Mat& descriptors)
-      : train_(ToMatrix(descriptors)), train_norm_(train_.rowwise().squaredNorm()) {}
+      : layout_(LayoutOf(descriptors)), train_(ToMatrix(descriptors)), train_norm_(train_.rowwise().squaredNorm()) {}
 
   std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
+    CheckComparable(descriptors, layout_);
     const RowMatrix queries = ToMatrix(descriptors);
     std::vector<std::vector<Neighbour>> neighbours;
     // |a - b|^2 = |a|^2 + |b|^2 - 2 a.b, a block of queries at a time: a matrix product is the fastest loop there is.
@@ -74,6 +78,7 @@ class BruteForceEuclidean final : public DescriptorIndex {
   int size() const override { return static_cast<int>(train_.rows()); }
 
  private:
+  DescriptorLayout layout_;
   RowMatrix train_;
   Eigen::VectorXf train_norm_;
 };

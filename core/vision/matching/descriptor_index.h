@@ -63,7 +63,7 @@ class DescriptorIndex {
   DescriptorIndex(const DescriptorIndex&) = delete;
   DescriptorIndex& operator=(const DescriptorIndex&) = delete;
 
-  /// Neighbours of every row, nearest first; fewer than asked for when there are fewer.
+  /// Of every row, nearest first, as many as there are. Throws std::invalid_argument for rows unlike the indexed ones.
   virtual std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors,
                                                      const NeighbourSearch& search) const = 0;
   /// The count nearest neighbours of every row.

@@ -6,6 +6,8 @@
 #include <opencv2/flann.hpp>
 #include <type_traits>
 
+#include "core/vision/features/descriptor_layout.h"
+
 namespace floorloc {
 namespace {
 
@@ -36,6 +38,7 @@ class FlannIndex final : public DescriptorIndex {
   }
 
   std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
+    CheckComparable(descriptors, LayoutOf(data_));
     std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(descriptors.rows));
     const int k = std::min(search.count, size());  // OpenCV throws when it can't find as many as were asked for
     if (k == 0) {

@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
+#include "core/vision/features/descriptor_layout.h"
 #include "core/vision/image/multiversion.h"
 
 namespace floorloc {
@@ -190,6 +192,13 @@ Match GuidedMatcher::FindAmong(const Features& query, const PackedDescriptors& p
 }
 
 std::vector<Match> GuidedMatcher::FindNearest(const Features& query, const MatchGuide& guide) const {
+  if (query.keypoints.empty() || descriptors_.rows == 0) {
+    return {};
+  }
+  CheckComparable(query.descriptors, LayoutOf(descriptors_));
+  if (query.keypoints.size() != static_cast<std::size_t>(query.descriptors.rows)) {
+    throw std::invalid_argument("a frame must have as many descriptors as keypoints");
+  }
   const PackedDescriptors packed_query =
       packed_.rows() > 0 ? PackedDescriptors(query.descriptors) : PackedDescriptors();
   const double yaw = guide.target_from_query.yaw();

@@ -32,7 +32,7 @@ class GuidedMatcher {
  public:
   GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m);
 
-  /// One match per query keypoint that has a candidate.
+  /// One match per query keypoint that has a candidate. Throws std::invalid_argument for descriptors unlike its own.
   std::vector<Match> FindNearest(const Features& query, const MatchGuide& guide) const;
 
  private:

@@ -6,6 +6,7 @@
 #include <bit>
 #include <span>
 
+#include "core/vision/features/descriptor_layout.h"
 #include "core/vision/matching/hamming.h"
 #include "core/vision/matching/hash_key.h"
 #include "core/vision/matching/nearest_list.h"
@@ -73,13 +74,15 @@ class BucketTable {
 class HashIndex final : public DescriptorIndex {
  public:
   HashIndex(const cv::Mat& descriptors, const IndexOptions& options)
-      : train_(descriptors),
+      : layout_(LayoutOf(descriptors)),
+        train_(descriptors),
         key_(train_, KeyBits(train_.rows())),
         table_(train_, key_),
         sequence_(key_.parts(), kMaxProbes),
         probes_(options.probes) {}
 
   std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
+    CheckComparable(descriptors, layout_);
     const PackedDescriptors queries(descriptors);
     const std::span<const ProbeSequence::Probe> probes = ProbesOf(search);
     std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(queries.rows()));
@@ -130,6 +133,7 @@ class HashIndex final : public DescriptorIndex {
     return std::span(scratch->candidates).first(count);
   }
 
+  DescriptorLayout layout_;
   PackedDescriptors train_;
   HashKey key_;
   BucketTable table_;

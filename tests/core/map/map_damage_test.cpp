@@ -121,6 +121,18 @@ TEST_F(MapDamageTest, KeypointsThatNoneCanHaveAreRefused) {
   EXPECT_THAT(ErrorOfReading(), HasSubstr("is damaged (keypoint tile"));
 }
 
+// Its keypoints would be compared with what another extractor makes of the frames.
+TEST_F(MapDamageTest, DescriptorsOfAnotherExtractorAreRefused) {
+  for (const std::string type : {"brisk", "akaze", "sift", "surf"}) {
+    WriteBytes(file_, bytes_);
+    RunSql("UPDATE extractor_parameter SET value = '" + type + "' WHERE name = 'type'");
+    EXPECT_THAT(ErrorOfReading(), HasSubstr("descriptors are 32 bytes each, those of its extractor '" + type)) << type;
+  }
+  WriteBytes(file_, bytes_);
+  RunSql("UPDATE map SET descriptor_type = 'float', descriptor_length = 8");  // as many bytes
+  EXPECT_THAT(ErrorOfReading(), HasSubstr("descriptors are 8 numbers each"));
+}
+
 TEST_F(MapDamageTest, TheSentenceNamesTableRowAndColumn) {
   RunSql("UPDATE frame SET survey = 1000000 WHERE id = 1");
   EXPECT_EQ(ErrorOf([this] { MapDatabase(file_).ReadFrames(); }),

@@ -50,7 +50,7 @@ inline MapKeypoints RandomKeypoints(int count, DescriptorType type, std::uint32_
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
   MapKeypoints keypoints;
-  keypoints.descriptors = cv::Mat(0, 32, type == DescriptorType::kBinary ? CV_8U : CV_32F);
+  keypoints.descriptors = type == DescriptorType::kBinary ? cv::Mat(0, 32, CV_8U) : cv::Mat(0, 128, CV_32F);
   keypoints.descriptors.resize(static_cast<std::size_t>(count));
   if (count > 0) {
     cv::RNG(seed).fill(keypoints.descriptors, cv::RNG::UNIFORM, 0, 256);
@@ -76,14 +76,21 @@ inline MapContent MakeContent(DescriptorType type = DescriptorType::kBinary,
   content.info.created = "2024-05-06T07:08:09Z";
   content.info.extent = {-1.5, 1.5, -0.7, 1.3};
   content.info.area_m2 = 5.25;
-  content.info.extractor = {ExtractorType::kAkaze, 1234, 37, 3, 1.25, 0.00123456789, 21, 0.75};
+  content.info.extractor = {type == DescriptorType::kBinary ? ExtractorType::kOrb : ExtractorType::kSift,
+                            1234,
+                            37,
+                            3,
+                            1.25,
+                            0.00123456789,
+                            21,
+                            0.75};
   content.info.cameras = {MakeCamera(model), MakeCamera(DistortionModel::kEquidistant)};
   content.info.parents = {{"merges", "an id", "a version"}, {"merges", "another id", "another version"}};
   content.info.surveys_json = R"([{"folder":"s\u00fc\u00df"}])";
   content.info.report_json = R"({"frames":2})";
   content.mosaic = {256, 2, 0.0007};
   content.frames = {
-      {1'700'000'000'123'456'789, "images/0.jpg", Pose2(1.0 / 3.0, -2.0, 3.1)},
+      {1'700'000'000'123'456'789, "images/0.jpg", Pose2(1.0 / 3.0, -0.5, 3.1)},
       {1'700'000'000'223'456'789, "images/\u00fc.jpg", Pose2(0.1, 0.2, -3.1), 1, 0.75, Pose2(4.0, 5.0, 1.0 / 7.0)}};
   content.links = {{0, 1, Pose2(0.3, 1.0 / 3.0, -0.5), Eigen::Vector3d(1e-8, 2e-8, 3e-6).asDiagonal(), 77, 2e-4, 0.9}};
   content.links[0].covariance(0, 2) = content.links[0].covariance(2, 0) = 1e-9;

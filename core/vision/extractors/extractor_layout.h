@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/vision/extractors/feature_extractor.h"
+#include "core/vision/features/descriptor_layout.h"
+
+namespace floorloc {
+
+/// Of an extractor's descriptors; also known for those that this build does not have.
+DescriptorLayout LayoutOf(ExtractorType type);
+
+}  // namespace floorloc
