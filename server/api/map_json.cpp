@@ -30,7 +30,7 @@ nlohmann::json FormatMosaic(const MosaicLayout& mosaic) {
 
 nlohmann::json FormatSummary(const LoadedMap& map) {
   if (!map.ready()) {
-    return {{"name", map.name}, {"status", "error"}, {"error", map.error}};
+    return {{"name", map.name}, {"status", "error"}, {"code", map.error_code}, {"error", map.error}};
   }
   const MapInfo& info = map.info();
   const FloorMap& content = map.localizer->map();

@@ -42,6 +42,14 @@ std::shared_ptr<const LoadedMap> FindMap(const AppState& state, const std::strin
   return map;
 }
 
+std::optional<std::vector<std::uint8_t>> ReadTile(const LoadedMap& map, const TileId& id) {
+  try {
+    return map.database->ReadMosaicTile(id);
+  } catch (const MapError& error) {
+    throw Problem(500, CodeOf(error), WithoutFolder(error.what(), map.file));
+  }
+}
+
 HttpResponse AnswerTile(const AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const TileId id = ParseTileId(request, map->localizer->map().mosaic);
@@ -53,7 +61,7 @@ HttpResponse AnswerTile(const AppState& state, const HttpRequest& request) {
     response.status = 304;
     return response;
   }
-  const auto jpeg = map->database->ReadMosaicTile(id);
+  const auto jpeg = ReadTile(*map, id);
   if (!jpeg) {
     throw Problem(404, "tile_not_found", "The mosaic has no tile here.");
   }
@@ -92,7 +100,7 @@ std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpReq
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const std::string& name) {
   auto map = FindMap(state, name);
   if (!map->ready()) {
-    throw Overload("map_unavailable", "The map could not be loaded: " + map->error);
+    throw Problem(500, map->error_code, "The map is not served: " + map->error);
   }
   return map;
 }

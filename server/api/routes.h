@@ -20,7 +20,8 @@ void AddWebRoutes(Router& router);  ///< the page
 
 HttpResponse JsonResponse(int status, std::string body);
 
-/// The map of the path parameter {map}. Throws Problem: 404 unknown_map, 503 map_unavailable when it is damaged.
+/// The map of the path parameter {map}. Throws Problem: 404 unknown_map; 500 map_damaged, map_unsupported or
+/// map_unavailable when it is not served, which lasts until another file stands in its place.
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request);
 
 /// The same by its name.

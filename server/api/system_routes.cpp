@@ -47,7 +47,7 @@ HttpResponse AnswerReadiness(const AppState& state) {
     throw Overload("draining", "The server is stopping.");
   }
   if (state.catalog.CountReady() == 0) {
-    throw Overload("no_maps", "No map could be loaded; put NAME.floormap files into the maps folder and restart.");
+    throw Problem(503, "no_maps", "No map could be loaded; put NAME.floormap files into the maps folder and restart.");
   }
   return JsonResponse(200, R"({"status":"ready"})");
 }

@@ -104,7 +104,7 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
     throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
   }
   if (access != RouteAccess::kEverybody && !rate_limiter_.Allow(head.remote_address, Clock::now())) {
-    throw Problem(429, "rate_limited", "Too many requests from this address; slow down.");
+    throw Problem(429, "rate_limited", "Too many requests from this address; slow down.", Problem::Retry::kSoon);
   }
   CheckContentType(*found.route, head);
 }

@@ -11,15 +11,6 @@
 namespace floorloc {
 namespace {
 
-// Clients get to read the error, and the folder is none of their business.
-std::string WithoutFolder(std::string text, const std::filesystem::path& file) {
-  const std::string folder = file.parent_path().string() + "/";
-  for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder)) {
-    text.erase(at, folder.size());
-  }
-  return text;
-}
-
 std::vector<std::filesystem::path> ListMapFiles(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::directory_iterator entries(folder, error);
@@ -36,20 +27,51 @@ std::vector<std::filesystem::path> ListMapFiles(const std::filesystem::path& fol
   return files;
 }
 
+void SetError(const std::exception& error, const std::string& code, LoadedMap* map) {
+  map->localizer.reset();
+  map->database.reset();
+  map->error = WithoutFolder(error.what(), map->file);
+  map->error_code = code;
+  spdlog::error("map '{}' is not served: {}", map->name, error.what());
+}
+
 }  // namespace
+
+std::string WithoutFolder(std::string text, const std::filesystem::path& file) {
+  const std::string folder = file.parent_path().string() + "/";
+  for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder)) {
+    text.erase(at, folder.size());
+  }
+  return text;
+}
+
+std::string CodeOf(const MapError& error) {
+  switch (error.kind()) {
+    case MapError::Kind::kDamaged:
+      return "map_damaged";
+    case MapError::Kind::kUnsupported:
+      return "map_unsupported";
+    case MapError::Kind::kOther:
+      break;
+  }
+  return "map_unavailable";
+}
 
 std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, const LocalizerOptions& options) {
   auto map = std::make_shared<LoadedMap>();
   map->name = file.stem().string();
+  map->file = file;
   try {
     map->database = std::make_unique<const MapDatabase>(file);
     map->localizer = std::make_unique<const Localizer>(
         map->database->ReadMap(), options,
         [&database = *map->database](const TileId& tile) { return database.ReadMosaicTile(tile); });
+  } catch (const MapError& error) {
+    SetError(error, CodeOf(error), map.get());
+  } catch (const std::invalid_argument& error) {  // an extractor that this build does not have
+    SetError(error, "map_unsupported", map.get());
   } catch (const std::exception& error) {
-    map->database.reset();
-    map->error = WithoutFolder(error.what(), file);
-    spdlog::error("map '{}' is not served: {}", map->name, error.what());
+    SetError(error, "map_unavailable", map.get());
   }
   return map;
 }

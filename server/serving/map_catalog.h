@@ -16,13 +16,21 @@ namespace floorloc {
 /// A map as it is served; never changes. A request keeps the one it started with.
 struct LoadedMap {
   std::string name;
-  std::string error;  ///< why it cannot be served; empty when it can
+  std::filesystem::path file;
+  std::string error;       ///< why it cannot be served; empty when it can
+  std::string error_code;  ///< map_damaged, map_unsupported (it takes another version) or map_unavailable
   std::unique_ptr<const MapDatabase> database;
   std::unique_ptr<const Localizer> localizer;
 
   bool ready() const { return localizer != nullptr; }
   const MapInfo& info() const { return localizer->map().info; }
 };
+
+/// What a client gets to read of an error with a map's file: the folder is none of its business.
+std::string WithoutFolder(std::string text, const std::filesystem::path& file);
+
+/// The stable code of an error with a map's file: map_damaged, map_unsupported or map_unavailable.
+std::string CodeOf(const MapError& error);
 
 /// Opens a map file and builds its search structures. A map that cannot be read comes back with its error.
 std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, const LocalizerOptions& options);

@@ -13,7 +13,7 @@ HttpResponse ToResponse(const Problem& problem) {
   response.content_type = "application/problem+json";
   response.body = FormatProblem(problem);
   response.headers["Cache-Control"] = "no-store";
-  if (problem.status() == 503 || problem.status() == 429) {
+  if (problem.retry() == Problem::Retry::kSoon) {
     response.headers["Retry-After"] = "1";
   }
   if (problem.status() == 401) {

@@ -11,25 +11,30 @@ namespace floorloc {
 /// An error for the client, answered as RFC 9457 application/problem+json.
 class Problem : public std::runtime_error {
  public:
-  /// code: stable and for machines; detail: one sentence for people that says what to do.
-  Problem(int status, std::string code, const std::string& detail)
-      : std::runtime_error(detail), status_(status), code_(std::move(code)) {}
+  enum class Retry { kNo, kSoon };
+
+  /// code: stable and for machines; detail: one sentence for people that says what to do. kSoon: the same request may
+  /// well succeed in a moment.
+  Problem(int status, std::string code, const std::string& detail, Retry retry = Retry::kNo)
+      : std::runtime_error(detail), status_(status), code_(std::move(code)), retry_(retry) {}
 
   int status() const { return status_; }
   const std::string& code() const { return code_; }
+  Retry retry() const { return retry_; }
 
  private:
   int status_;
   std::string code_;
+  Retry retry_;
 };
 
 /// The server cannot take more work now: 503 with Retry-After.
 class Overload : public Problem {
  public:
-  Overload(std::string code, const std::string& detail) : Problem(503, std::move(code), detail) {}
+  Overload(std::string code, const std::string& detail) : Problem(503, std::move(code), detail, Retry::kSoon) {}
 };
 
-/// The problem+json answer. 429 and 503 carry Retry-After, 401 WWW-Authenticate.
+/// The problem+json answer. Retry-After says when the same request may succeed; 401 carries WWW-Authenticate.
 HttpResponse ToResponse(const Problem& problem);
 
 /// The problem for a status that the HTTP library answers by itself (malformed request line, ...).

@@ -170,7 +170,8 @@ TEST_F(LocalizeTest, RefusesWrongParameters) {
 TEST_F(LocalizeTest, RefusesMapsThatAreNotServed) {
   ExpectProblem(client_.Post("/v1/maps/cellar/localize?vehicle=agv-7", jpeg_, "image/jpeg"), 404, "unknown_map");
   const auto response = client_.Post("/v1/maps/broken/localize?vehicle=agv-7", jpeg_, "image/jpeg");
-  ExpectProblem(response, 503, "map_unavailable");
+  ExpectProblem(response, 500, "map_damaged");
+  EXPECT_FALSE(response.has_header("Retry-After"));
   EXPECT_EQ(response.body.find(SharedMaps().folder().string()), std::string::npos);
 }
 

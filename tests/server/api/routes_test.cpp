@@ -21,6 +21,7 @@ TEST_F(RoutesTest, ListsMapsAndNamesTheDamagedOne) {
   ASSERT_EQ(maps.size(), 2U);
   EXPECT_EQ(maps[0]["name"], "broken");
   EXPECT_EQ(maps[0]["status"], "error");
+  EXPECT_EQ(maps[0]["code"], "map_damaged");
   EXPECT_NE(maps[0]["error"], "");
   EXPECT_EQ(maps[1]["name"], "hall");
   EXPECT_EQ(maps[1]["status"], "ready");
@@ -59,7 +60,7 @@ TEST_F(RoutesTest, MissingTilesAreNotFound) {
 
 TEST_F(RoutesTest, ServesTheBuildReport) {
   EXPECT_EQ(Json(client_.Get("/v1/maps/hall/report"))["frames"]["used"], 2);
-  ExpectProblem(client_.Get("/v1/maps/broken/report"), 503, "map_unavailable");
+  ExpectProblem(client_.Get("/v1/maps/broken/report"), 500, "map_damaged");
 }
 
 TEST_F(RoutesTest, RefusesAWrongSince) {

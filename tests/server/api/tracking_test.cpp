@@ -258,7 +258,7 @@ TEST_F(TrackingTest, AVehicleOfADamagedMapGetsNoAnswer) {
   json body = VehicleBody();
   body["map"] = "broken";
   EXPECT_EQ(client_.Put("/v1/vehicles/b", body.dump()).status, 201);
-  ExpectProblem(client_.Post("/v1/vehicles/b/frames?stamp=1", Jpeg(start_), "image/jpeg"), 503, "map_unavailable");
+  ExpectProblem(client_.Post("/v1/vehicles/b/frames?stamp=1", Jpeg(start_), "image/jpeg"), 500, "map_damaged");
 }
 
 TEST_F(TrackingTest, ASecondPictureAtOnceIsRefusedButOdometryIsNot) {
