@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: Apache-2.0
--- A floor map, format version 2. Units: metres, radians. Frame: map (x right, y up, z = 0 on the floor).
+-- A floor map, format version 3. Units: metres, radians. Frame: map (x right, y up, z = 0 on the floor).
 -- Every BLOB is little-endian and packed; schema/README.md has the layouts. A checksum is the first eight bytes of the
 -- SHA-256 of the row's blobs, in column order, as a big-endian signed integer.
 PRAGMA application_id = 0x464C4F43;  -- "FLOC"
-PRAGMA user_version = 2;
+PRAGMA user_version = 3;
 
 CREATE TABLE map (
   one             INTEGER PRIMARY KEY CHECK (one = 1),
@@ -24,6 +24,15 @@ CREATE TABLE map (
   surveys_json    TEXT NOT NULL,  -- provenance, one object per survey
   report_json     TEXT NOT NULL   -- what the builder measured
 );
+
+-- What this file holds beside what it says about itself. A reader refuses the map when it does not know a layer that is
+-- required, and leaves alone one that is not; schema/README.md has the policy.
+CREATE TABLE layer (
+  name         TEXT PRIMARY KEY,
+  version      INTEGER NOT NULL,  -- of the layer's tables
+  required     INTEGER NOT NULL CHECK (required IN (0, 1)),
+  content_hash TEXT NOT NULL      -- SHA-256 of its content, hex
+) WITHOUT ROWID;
 
 -- Map versions that this one was made from; none for a map of surveys alone.
 CREATE TABLE parent (

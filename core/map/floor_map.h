@@ -22,6 +22,15 @@ struct MapParent {
   std::string content_version;
 };
 
+/// A part of a map file that has a version of its own: tables that a program reads together, or not at all.
+struct MapLayer {
+  std::string name;
+  int version = 1;
+  bool required = true;      ///< whoever does not know it must not use the map
+  std::string content_hash;  ///< SHA-256, hex; empty in maps of format version 2
+  bool known = true;         ///< false: this program does not read it
+};
+
 /// What a map says about itself; written once, when the map is built.
 struct MapInfo {
   int format_version = 0;
@@ -36,8 +45,9 @@ struct MapInfo {
   ExtractorOptions extractor;
   std::vector<FloorCamera> cameras;  ///< one per survey, at least one
   std::vector<MapParent> parents;
-  std::string surveys_json;  ///< provenance: one object per survey
-  std::string report_json;   ///< build report
+  std::vector<MapLayer> layers;  ///< as the file has them, also those that this program does not know
+  std::string surveys_json;      ///< provenance: one object per survey
+  std::string report_json;       ///< build report
 
   /// Of the first survey: frames are rectified at its resolution.
   const FloorCamera& camera() const { return cameras.front(); }

@@ -7,6 +7,33 @@
 #include "core/map/content_hash.h"
 
 namespace floorloc {
+namespace {
+
+// The value's type, then the value: no two rows of different values are the same bytes.
+void AddValue(const SqliteStatement& row, int column, ContentHash* hash) {
+  const int type = row.Type(column);
+  hash->Add(std::int64_t{type});
+  switch (type) {
+    case SQLITE_INTEGER:
+      hash->Add(row.Integer(column));
+      return;
+    case SQLITE_FLOAT:
+      hash->Add(row.Real(column));
+      return;
+    case SQLITE_TEXT:
+      hash->Add(row.Text(column));
+      return;
+    case SQLITE_BLOB: {
+      const Blob bytes = row.Bytes(column);
+      hash->Add(static_cast<std::int64_t>(bytes.size())).Add(bytes);
+      return;
+    }
+    default:
+      return;
+  }
+}
+
+}  // namespace
 
 Blob PackDoubles(std::span<const double> values) {
   Blob blob(values.size_bytes());
@@ -24,9 +51,25 @@ std::vector<double> UnpackDoubles(const Blob& blob) {
   return values;
 }
 
+int ReadFormatVersion(const SqliteConnection& connection) {
+  SqliteStatement statement(connection, "PRAGMA user_version");
+  return statement.Step() ? static_cast<int>(statement.Integer(0)) : 0;
+}
+
 bool IsSha256(const std::string& text) {
   return text.size() == 64 &&
          std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+}
+
+void AddRows(const SqliteConnection& connection, const std::string& query, ContentHash* hash) {
+  SqliteStatement row(connection, query);
+  std::int64_t rows = 0;
+  for (; row.Step(); ++rows) {
+    for (int column = 0; column < row.columns(); ++column) {
+      AddValue(row, column, hash);
+    }
+  }
+  hash->Add(std::int64_t{row.columns()}).Add(rows);
 }
 
 std::string ComputeContentVersion(const SqliteConnection& connection) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "core/map/content_hash.h"
 #include "core/map/floor_map.h"
 #include "core/map/sqlite.h"
 
@@ -12,7 +13,9 @@ namespace floorloc {
 
 // What reader and writer must agree on.
 constexpr std::int64_t kMapApplicationId = 0x464C4F43;  // "FLOC"
-constexpr int kMapFormatVersion = 2;
+constexpr int kMapFormatVersion = 3;                    // what is written
+constexpr int kOldestMapFormatVersion = 2;
+constexpr int kFirstVersionWithLayers = 3;
 /// No floor lies farther from the map frame's origin, not even in UTM coordinates: northings end at 10,000 km.
 constexpr double kMaxMapCoordinateM = 1e7;
 
@@ -20,8 +23,13 @@ Blob PackDoubles(std::span<const double> values);
 /// Empty when the length is not a multiple of 8.
 std::vector<double> UnpackDoubles(const Blob& blob);
 
+int ReadFormatVersion(const SqliteConnection& connection);
+
 /// True for 64 hex digits in lower case.
 bool IsSha256(const std::string& text);
+
+/// Adds all rows of a query, each value with its type: schema/README.md has the layout.
+void AddRows(const SqliteConnection& connection, const std::string& query, ContentHash* hash);
 
 /// SHA-256 over everything that decides the answers: frame placement, links, cameras, extractor, keypoints, mosaic.
 /// Names and dates do not count: the same surveys and options give the same version.

@@ -10,6 +10,7 @@
 #include "core/map/content_hash.h"
 #include "core/map/keypoint_table.h"
 #include "core/map/map_contract.h"
+#include "core/map/map_layers.h"
 #include "core/map/map_tables.h"
 
 namespace floorloc {
@@ -59,10 +60,11 @@ void MapDatabase::Impl::CheckContract() const {
         connection.file().string() + " is not a floorloc map; give a .floormap file that floorloc-mapbuilder wrote",
         MapError::Kind::kDamaged);
   }
-  const std::int64_t version = Pragma(connection, "user_version");
-  if (version != kMapFormatVersion) {
+  const int version = ReadFormatVersion(connection);
+  if (version < kOldestMapFormatVersion || version > kMapFormatVersion) {
     throw MapError(connection.file().string() + " has format version " + std::to_string(version) +
-                       " but this program reads version " + std::to_string(kMapFormatVersion) +
+                       " but this program reads versions " + std::to_string(kOldestMapFormatVersion) + " to " +
+                       std::to_string(kMapFormatVersion) +
                        "; build the map again or use the matching version of floorloc",
                    MapError::Kind::kUnsupported);
   }
@@ -78,6 +80,7 @@ void MapDatabase::Impl::CheckContract() const {
   if (!code.Step() || code.Integer(0) > 0) {
     ThrowDamaged(connection, "it holds more than tables");
   }
+  ReadLayers(connection);
 }
 
 int MapDatabase::Impl::Count(const std::string& table) const {
@@ -168,6 +171,12 @@ void MapDatabase::VerifyContent() const {
     }
   }
   const std::lock_guard lock(impl_->mutex);
+  for (const MapLayer& layer : info.layers) {
+    if (layer.known && !layer.content_hash.empty() &&
+        ComputeLayerHash(impl_->connection, layer.name) != layer.content_hash) {
+      ThrowDamaged(impl_->connection, "its layer '" + layer.name + "' does not have the recorded content");
+    }
+  }
   if (ComputeContentVersion(impl_->connection) != info.content_version) {
     ThrowDamaged(impl_->connection, "its content does not have the recorded version");
   }

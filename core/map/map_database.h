@@ -17,7 +17,8 @@ namespace floorloc {
 /// throw a MapError that names table, row and column where that does not hold.
 class MapDatabase {
  public:
-  /// Checks the application id, the format version, SQLite's quick_check, and that there are tables only.
+  /// Checks the application id, the format version, SQLite's quick_check, that there are tables only, and that no
+  /// layer is required that this program does not know.
   explicit MapDatabase(const std::filesystem::path& file);
   ~MapDatabase();
   MapDatabase(const MapDatabase&) = delete;
@@ -34,7 +35,8 @@ class MapDatabase {
   std::optional<std::vector<std::uint8_t>> ReadMosaicTile(const TileId& tile) const;
   /// Of one level; all lie on the surveyed floor.
   std::vector<TileId> ListMosaicTiles(int zoom) const;
-  /// Recomputes the content version over everything. Throws MapError when it differs from the stored one.
+  /// Reads every byte that this program knows and recomputes the content version.
+  /// Throws MapError when it differs from the stored one. Layers that it does not know are not looked into.
   void VerifyContent() const;
 
  private:

@@ -11,6 +11,7 @@
 #include "core/map/checked_row.h"
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_contract.h"
+#include "core/map/map_layers.h"
 
 namespace floorloc {
 namespace {
@@ -184,7 +185,7 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
   }
   const CheckedRow row(connection, statement, "map");
   MapInfo info;
-  info.format_version = kMapFormatVersion;
+  info.format_version = ReadFormatVersion(connection);
   info.builder_version = row.Text(0, "builder_version");
   info.id = row.Text(1, "id");
   info.content_version = row.Text(2, "content_version");
@@ -205,6 +206,7 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
   info.extractor = ReadExtractor(connection);
   info.cameras = ReadCameras(connection);
   info.parents = ReadParents(connection);
+  info.layers = ReadLayers(connection);
   return info;
 }
 

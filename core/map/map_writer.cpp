@@ -9,6 +9,7 @@
 #include "core/map/extractor_parameters.h"
 #include "core/map/keypoint_blobs.h"
 #include "core/map/map_contract.h"
+#include "core/map/map_layers.h"
 #include "core/map/part_file.h"
 #include "schema/embedded.h"
 
@@ -71,6 +72,7 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
         .Bind(parent.content_version)
         .Run();
   }
+  WriteLayers(connection);
   std::string version = ComputeContentVersion(connection);
   SqliteStatement(connection, "UPDATE map SET content_version = ?").Bind(version).Run();
   transaction.Commit();

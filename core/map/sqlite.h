@@ -59,6 +59,7 @@ class SqliteStatement {
   double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
   std::string Text(int column) const;
   Blob Bytes(int column) const;
+  int columns() const { return sqlite3_column_count(handle_.get()); }
   /// SQLITE_INTEGER, ...: what the row holds, whatever the column was declared as.
   int Type(int column) const { return sqlite3_column_type(handle_.get(), column); }
   bool IsNull(int column) const { return Type(column) == SQLITE_NULL; }

@@ -23,7 +23,8 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
                                         {"keypoints", r.keypoints},
                                         {"shared_keypoints", r.shared_keypoints},
                                         {"area_m2", r.area_m2},
-                                        {"content_version", r.content_version}};
+                                        {"content_version", r.content_version},
+                                        {"warnings", r.warnings}};
     std::cout << report.dump(2) << "\n";
     return;
   }
@@ -33,6 +34,9 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
   std::printf("  floor        %.2f m2\n  keypoints    %d, %d of them in both\n", r.area_m2, r.keypoints,
               r.shared_keypoints);
   std::printf("  version      %s\n", r.content_version.substr(0, 16).c_str());
+  for (const std::string& warning : r.warnings) {
+    std::printf("  WARNING      %s\n", warning.c_str());
+  }
 }
 
 void Run(Arguments& a) {

@@ -15,7 +15,13 @@ void AddVerifyCommand(CLI::App& app) {
   command->callback([file] {
     const MapDatabase map(*file);
     map.VerifyContent();
-    std::cout << file->string() << ": whole, version " << map.ReadInfo().content_version << "\n";
+    const MapInfo info = map.ReadInfo();
+    std::cout << file->string() << ": whole, version " << info.content_version << "\n";
+    for (const MapLayer& layer : info.layers) {
+      if (!layer.known) {
+        std::cout << "not checked: the layer '" << layer.name << "', which this version of floorloc does not know\n";
+      }
+    }
   });
 }
 

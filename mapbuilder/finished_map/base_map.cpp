@@ -32,6 +32,18 @@ std::vector<RectM> OldMap::Floors() const {
   return floors;
 }
 
+std::vector<std::string> OldMap::LayersLeftBehind() const {
+  std::vector<std::string> sentences;
+  for (const MapLayer& layer : map.info.layers) {
+    if (!layer.known) {
+      sentences.push_back("the layer '" + layer.name + "' of " + file.filename().string() +
+                          " is not in the new map: this version of floorloc does not know it; make it again, or use "
+                          "the version that wrote it");
+    }
+  }
+  return sentences;
+}
+
 CoverageGrid CoverageOfAll(const OldMap& old, const std::vector<std::optional<Pose2>>& map_from_base,
                            const std::vector<RectM>& floor_in_base) {
   std::vector<std::optional<Pose2>> poses = old.Poses();

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/map/map_database.h"
@@ -26,6 +27,8 @@ struct OldMap {
   /// Of each frame.
   std::vector<std::optional<Pose2>> Poses() const;
   std::vector<RectM> Floors() const;
+  /// One sentence per layer that this program does not know: a map that is made from this one will not have it.
+  std::vector<std::string> LayersLeftBehind() const;
 };
 
 /// Of a map's frames and of further ones.

@@ -116,6 +116,10 @@ MergeReport MergeMaps(const MergeOptions& options) {
   WriteMosaic(first, second, motions, coverage.Extent(), layout, mosaic, &writer);
 
   MergeReport report;
+  for (const OldMap* map : {&first, &second}) {
+    const std::vector<std::string> left_behind = map->LayersLeftBehind();
+    report.warnings.insert(report.warnings.end(), left_behind.begin(), left_behind.end());
+  }
   report.frames = static_cast<int>(first.frames.size() + second.frames.size());
   report.shared_frames = tie.shared_frames;
   report.bent_m = tie.bent_m;

@@ -25,6 +25,7 @@ struct MergeReport {
   int shared_keypoints = 0;  ///< floor points that both maps had
   double area_m2 = 0.0;
   std::string content_version;
+  std::vector<std::string> warnings;  ///< one sentence each
 };
 
 /// Two maps -> one. Throws MapError when they have other features or resolutions, or do not overlap.

@@ -182,10 +182,10 @@ TEST_F(MapDamageTest, ADatabaseOfAnotherProgramIsRefused) {
 }
 
 TEST_F(MapDamageTest, ANewerFormatIsRefusedByName) {
-  RunSql("PRAGMA user_version = 3");
+  RunSql("PRAGMA user_version = 4");
   const std::string error = ErrorOfReading();
-  EXPECT_THAT(error, HasSubstr("has format version 3"));
-  EXPECT_THAT(error, HasSubstr("reads version 2"));
+  EXPECT_THAT(error, HasSubstr("has format version 4"));
+  EXPECT_THAT(error, HasSubstr("reads versions 2 to 3"));
   EXPECT_THAT(error, HasSubstr("build the map again"));
 }
 

@@ -81,7 +81,7 @@ TEST_P(MapRoundTrip, ReadsWhatWasWritten) {
   database.VerifyContent();
   const FloorMap map = database.ReadMap();
 
-  EXPECT_EQ(map.info.format_version, 2);
+  EXPECT_EQ(map.info.format_version, 3);
   EXPECT_EQ(map.info.builder_version, content.info.builder_version);
   EXPECT_EQ(map.info.id, content.info.id);
   EXPECT_EQ(map.info.content_version, version);

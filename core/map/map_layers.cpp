@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/map/map_layers.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "core/map/checked_row.h"
+#include "core/map/content_hash.h"
+#include "core/map/map_contract.h"
+
+namespace floorloc {
+namespace {
+
+// A layer as this program reads and writes it, and the rows that its hash covers. Blobs of tiles are covered by the
+// checksums that stand beside them.
+struct KnownLayer {
+  const char* name;
+  int version;
+  std::array<const char*, 2> rows;
+};
+
+constexpr std::array<KnownLayer, 3> kKnownLayers = {{
+    {"frames",
+     1,
+     {"SELECT id, survey, stamp_ns, filename, x, y, yaw, gain, odom_x, odom_y, odom_yaw FROM frame ORDER BY id",
+      "SELECT first, second, x, y, yaw, covariance, inliers, rms_m, residual_sigma FROM link ORDER BY first, second"}},
+    {"keypoints",
+     1,
+     {"SELECT keypoint_tile_m, descriptor_type, descriptor_length FROM map",
+      "SELECT x, y, count, checksum FROM keypoint_tile ORDER BY x, y"}},
+    {"mosaic",
+     1,
+     {"SELECT resolution_m, mosaic_tile_px, mosaic_max_zoom FROM map",
+      "SELECT z, x, y, checksum FROM mosaic_tile ORDER BY z, x, y"}},
+}};
+
+const KnownLayer* FindKnown(const std::string& name) {
+  const auto* found =
+      std::find_if(kKnownLayers.begin(), kKnownLayers.end(), [&](const KnownLayer& k) { return name == k.name; });
+  return found == kKnownLayers.end() ? nullptr : found;
+}
+
+MapLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement& statement) {
+  const CheckedRow row(connection, statement, "layer '" + statement.Text(0) + "'");
+  MapLayer layer;
+  layer.name = row.Text(0, "name");
+  layer.version = row.Integer(1, "version", 1, std::numeric_limits<int>::max());
+  layer.required = row.Integer(2, "required", 0, 1) == 1;
+  layer.content_hash = row.Text(3, "content_hash");
+  if (!IsSha256(layer.content_hash)) {
+    row.Refuse("content_hash is no SHA-256 in hex");
+  }
+  // Those that this program knows, it needs.
+  const KnownLayer* known = FindKnown(layer.name);
+  layer.known = known != nullptr;
+  if (layer.known ? layer.version > known->version : layer.required) {
+    throw MapError(connection.file().string() + " has the layer '" + layer.name + "' in version " +
+                       std::to_string(layer.version) +
+                       ", which this program does not know and must not leave out; use a newer version of floorloc",
+                   MapError::Kind::kUnsupported);
+  }
+  return layer;
+}
+
+}  // namespace
+
+std::vector<MapLayer> ReadLayers(const SqliteConnection& connection) {
+  std::vector<MapLayer> layers;
+  if (ReadFormatVersion(connection) < kFirstVersionWithLayers) {
+    for (const KnownLayer& known : kKnownLayers) {
+      layers.push_back({known.name, 1, true, "", true});
+    }
+    return layers;
+  }
+  SqliteStatement statement(connection, "SELECT name, version, required, content_hash FROM layer ORDER BY name");
+  while (statement.Step()) {
+    layers.push_back(ReadLayer(connection, statement));
+  }
+  for (const KnownLayer& known : kKnownLayers) {
+    if (std::none_of(layers.begin(), layers.end(), [&](const MapLayer& l) { return l.name == known.name; })) {
+      ThrowDamaged(connection, "it has no layer '" + std::string(known.name) + "'");
+    }
+  }
+  return layers;
+}
+
+void WriteLayers(const SqliteConnection& connection) {
+  SqliteStatement insert(connection, "INSERT INTO layer VALUES (?,?,1,?)");
+  for (const KnownLayer& known : kKnownLayers) {
+    insert.Bind(std::string(known.name)).Bind(known.version).Bind(ComputeLayerHash(connection, known.name)).Run();
+  }
+}
+
+std::string ComputeLayerHash(const SqliteConnection& connection, const std::string& name) {
+  const KnownLayer* known = FindKnown(name);
+  ContentHash hash;
+  for (const char* rows : known->rows) {
+    AddRows(connection, rows, &hash);
+  }
+  return hash.Hex();
+}
+
+}  // namespace floorloc

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/map/floor_map.h"
+#include "core/map/sqlite.h"
+
+namespace floorloc {
+
+// The table of layers: schema/README.md has the policy.
+
+/// The layers of a map, by name. Throws a MapError: unsupported when one is required that this program does not know,
+/// damaged when one is missing that it needs. Maps of format version 2 have no table, and these layers in version 1.
+std::vector<MapLayer> ReadLayers(const SqliteConnection& connection);
+
+/// Fills the table for what this program writes; the layers' own tables must be complete.
+void WriteLayers(const SqliteConnection& connection);
+
+/// SHA-256 over the tables of a layer that this program knows, hex.
+std::string ComputeLayerHash(const SqliteConnection& connection, const std::string& name);
+
+}  // namespace floorloc
