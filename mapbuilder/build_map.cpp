@@ -16,6 +16,7 @@
 #include "mapbuilder/extend/extend_map.h"
 #include "mapbuilder/finished_map/map_info.h"
 #include "mapbuilder/placement/placement_journal.h"
+#include "mapbuilder/report_paths.h"
 #include "mapbuilder/screening/frame_screening.h"
 #include "mapbuilder/screening/odometry_agreement.h"
 #include "mapbuilder/survey/frame_journal.h"
@@ -208,11 +209,11 @@ void CountKeypoints(const MapKeypoints& keypoints, BuildReport* report) {
                               std::max<double>(1.0, static_cast<double>(keypoints.size()));
 }
 
-MapInfo Completed(MapInfo info, const ExtractorOptions& extractor, const BuildReport& report) {
-  info.extractor = extractor;
+MapInfo Completed(MapInfo info, const BuildOptions& options, const BuildReport& report) {
+  info.extractor = options.extractor;
   info.extent = report.extent;
   info.area_m2 = report.area_m2;
-  info.report_json = ToJson(report, false);
+  info.report_json = ToJson(WithoutFolders(report, options.surveys, options.markers.file), false);
   return info;
 }
 
@@ -291,7 +292,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("mosaic");
 
   const MapInfo info = MakeMapInfo(options.out.stem().string(), surveys, old.get());
-  report.content_version = writer.Commit(Completed(info, options.extractor, report), layout);
+  report.content_version = writer.Commit(Completed(info, options, report), layout);
   journal.Remove();
   clock.Finish("write");
   return report;

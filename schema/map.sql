@@ -9,7 +9,7 @@ CREATE TABLE map (
   one             INTEGER PRIMARY KEY CHECK (one = 1),
   builder_version TEXT NOT NULL,
   id              TEXT NOT NULL,  -- UUID; stays the same over a map's versions
-  content_version TEXT NOT NULL,  -- SHA-256 over the content, hex
+  content_version TEXT NOT NULL,  -- SHA-256 over the content, hex; schema/README.md says what counts
   name            TEXT NOT NULL,
   created         TEXT NOT NULL,  -- ISO 8601, UTC
   frame           TEXT NOT NULL,  -- 'map'
@@ -31,7 +31,7 @@ CREATE TABLE layer (
   name         TEXT PRIMARY KEY,
   version      INTEGER NOT NULL,  -- of the layer's tables
   required     INTEGER NOT NULL CHECK (required IN (0, 1)),
-  content_hash TEXT NOT NULL      -- SHA-256 of its content, hex
+  content_hash TEXT NOT NULL      -- SHA-256 of its content, hex; map.content_version covers it
 ) WITHOUT ROWID;
 
 -- Map versions that this one was made from; none for a map of surveys alone.

@@ -33,46 +33,8 @@ void AddValue(const SqliteStatement& row, int column, ContentHash* hash) {
   }
 }
 
-}  // namespace
-
-Blob PackDoubles(std::span<const double> values) {
-  Blob blob(values.size_bytes());
-  if (!values.empty()) {
-    std::memcpy(blob.data(), values.data(), blob.size());
-  }
-  return blob;
-}
-
-std::vector<double> UnpackDoubles(const Blob& blob) {
-  std::vector<double> values(blob.size() % sizeof(double) == 0 ? blob.size() / sizeof(double) : 0);
-  if (!values.empty()) {
-    std::memcpy(values.data(), blob.data(), blob.size());
-  }
-  return values;
-}
-
-int ReadFormatVersion(const SqliteConnection& connection) {
-  SqliteStatement statement(connection, "PRAGMA user_version");
-  return statement.Step() ? static_cast<int>(statement.Integer(0)) : 0;
-}
-
-bool IsSha256(const std::string& text) {
-  return text.size() == 64 &&
-         std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
-}
-
-void AddRows(const SqliteConnection& connection, const std::string& query, ContentHash* hash) {
-  SqliteStatement row(connection, query);
-  std::int64_t rows = 0;
-  for (; row.Step(); ++rows) {
-    for (int column = 0; column < row.columns(); ++column) {
-      AddValue(row, column, hash);
-    }
-  }
-  hash->Add(std::int64_t{row.columns()}).Add(rows);
-}
-
-std::string ComputeContentVersion(const SqliteConnection& connection) {
+// As version 2 wrote it; it covers neither surveys nor report.
+std::string ContentVersionOfFormat2(const SqliteConnection& connection) {
   ContentHash hash;
   SqliteStatement map(connection,
                       "SELECT resolution_m, x_min, x_max, y_min, y_max, area_m2, keypoint_tile_m, descriptor_type, "
@@ -126,6 +88,61 @@ std::string ComputeContentVersion(const SqliteConnection& connection) {
   while (mosaic.Step()) {
     hash.Add(mosaic.Integer(0)).Add(mosaic.Integer(1)).Add(mosaic.Integer(2)).Add(mosaic.Integer(3));
   }
+  return hash.Hex();
+}
+
+}  // namespace
+
+Blob PackDoubles(std::span<const double> values) {
+  Blob blob(values.size_bytes());
+  if (!values.empty()) {
+    std::memcpy(blob.data(), values.data(), blob.size());
+  }
+  return blob;
+}
+
+std::vector<double> UnpackDoubles(const Blob& blob) {
+  std::vector<double> values(blob.size() % sizeof(double) == 0 ? blob.size() / sizeof(double) : 0);
+  if (!values.empty()) {
+    std::memcpy(values.data(), blob.data(), blob.size());
+  }
+  return values;
+}
+
+int ReadFormatVersion(const SqliteConnection& connection) {
+  SqliteStatement statement(connection, "PRAGMA user_version");
+  return statement.Step() ? static_cast<int>(statement.Integer(0)) : 0;
+}
+
+bool IsSha256(const std::string& text) {
+  return text.size() == 64 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+}
+
+void AddRows(const SqliteConnection& connection, const std::string& query, ContentHash* hash) {
+  SqliteStatement row(connection, query);
+  std::int64_t rows = 0;
+  for (; row.Step(); ++rows) {
+    for (int column = 0; column < row.columns(); ++column) {
+      AddValue(row, column, hash);
+    }
+  }
+  hash->Add(std::int64_t{row.columns()}).Add(rows);
+}
+
+std::string ComputeContentVersion(const SqliteConnection& connection) {
+  if (ReadFormatVersion(connection) < kFirstVersionWithLayers) {
+    return ContentVersionOfFormat2(connection);
+  }
+  ContentHash hash;
+  AddRows(connection, "SELECT frame, x_min, x_max, y_min, y_max, area_m2, surveys_json, report_json FROM map", &hash);
+  AddRows(connection, "SELECT relation, content_version FROM parent ORDER BY rowid", &hash);
+  AddRows(connection, "SELECT name, value FROM extractor_parameter ORDER BY name", &hash);
+  AddRows(connection,
+          "SELECT survey, name, width_px, height_px, fx, fy, cx, cy, distortion_model, distortion, homography, "
+          "roi_x_min, roi_x_max, roi_y_min, roi_y_max, resolution_m FROM camera ORDER BY survey",
+          &hash);
+  AddRows(connection, "SELECT name, version, required, content_hash FROM layer ORDER BY name", &hash);
   return hash.Hex();
 }
 

@@ -31,8 +31,9 @@ bool IsSha256(const std::string& text);
 /// Adds all rows of a query, each value with its type: schema/README.md has the layout.
 void AddRows(const SqliteConnection& connection, const std::string& query, ContentHash* hash);
 
-/// SHA-256 over everything that decides the answers: frame placement, links, cameras, extractor, keypoints, mosaic.
-/// Names and dates do not count: the same surveys and options give the same version.
+/// SHA-256 over all that the map says, the layers by the hashes that their table holds; schema/README.md lists what
+/// does not count. In maps of format version 2: over what decides the answers (frame placement, links, cameras,
+/// extractor, keypoints, mosaic).
 std::string ComputeContentVersion(const SqliteConnection& connection);
 
 }  // namespace floorloc

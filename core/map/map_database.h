@@ -35,8 +35,8 @@ class MapDatabase {
   std::optional<std::vector<std::uint8_t>> ReadMosaicTile(const TileId& tile) const;
   /// Of one level; all lie on the surveyed floor.
   std::vector<TileId> ListMosaicTiles(int zoom) const;
-  /// Reads every byte that this program knows and recomputes the content version.
-  /// Throws MapError when it differs from the stored one. Layers that it does not know are not looked into.
+  /// Reads every byte that this program knows and recomputes the content version, by the rule of the file's format
+  /// version. Throws MapError when it differs from the stored one. Layers that it does not know are not looked into.
   void VerifyContent() const;
 
  private:

@@ -148,6 +148,13 @@ TEST_F(MapDamageTest, VerifyFindsWhatReadingDoesNotNeed) {
                                             "DELETE FROM keypoint_tile WHERE x = 0",
                                             "UPDATE map SET x_max = x_max + 1",
                                             "UPDATE map SET content_version = replace(hex(zeroblob(32)), '0', 'f')",
+                                            "UPDATE map SET report_json = '{\"frames\":3}'",
+                                            "UPDATE map SET surveys_json = '[]'",
+                                            "UPDATE parent SET content_version = 'another'",
+                                            "DELETE FROM parent",
+                                            "UPDATE camera SET name = 'rear'",
+                                            "UPDATE link SET inliers = inliers + 1",
+                                            "UPDATE frame SET odom_x = 0, odom_y = 0, odom_yaw = 0 WHERE id = 0",
                                             "UPDATE camera SET fx = fx + 1"};
   for (const std::string& damage : damages) {
     WriteBytes(file_, bytes_);

@@ -19,7 +19,7 @@ using testing_map::RunSql;
 
 class MapLayersTest : public ::testing::Test {
  protected:
-  MapLayersTest() { WriteMap(file_, MakeContent()); }
+  MapLayersTest() { version_ = WriteMap(file_, MakeContent()); }
 
   // As a newer program would add it, the map's version included.
   void AddLayer(const std::string& name, int version, bool required) const {
@@ -40,6 +40,7 @@ class MapLayersTest : public ::testing::Test {
 
   testing_map::TemporaryFolder folder_;
   std::filesystem::path file_ = folder_.path() / "m.floormap";
+  std::string version_;
 };
 
 TEST_F(MapLayersTest, AMapNamesItsLayers) {
@@ -64,6 +65,7 @@ TEST_F(MapLayersTest, AnUnknownOptionalLayerIsLeftAlone) {
   EXPECT_EQ(info.layers[3].name, "zones");
   EXPECT_EQ(info.layers[3].version, 7);
   EXPECT_FALSE(info.layers[3].known);
+  EXPECT_NE(info.content_version, version_) << "a layer is content";
 }
 
 TEST_F(MapLayersTest, AnUnknownRequiredLayerIsRefused) {

@@ -178,13 +178,14 @@ TEST(MapTest, EveryExtractorParameterReadsBack) {
   EXPECT_THROW(FromParameters(newer), std::invalid_argument);
 }
 
-TEST(ContentVersionTest, NamesAndDatesDoNotCount) {
+TEST(ContentVersionTest, WhereAMapIsFromDoesNotCount) {
   const TemporaryFolder folder;
   const MapContent content = MakeContent();
   MapContent renamed = content;
   renamed.info.name = "other";
   renamed.info.id = "another";
-  renamed.info.parents.clear();
+  renamed.info.parents[0].id = "an id of chance";
+  renamed.info.builder_version = "10.0.0";
   renamed.info.created = "2030-01-01T00:00:00Z";
   EXPECT_EQ(WriteMap(folder.path() / "a.floormap", content), WriteMap(folder.path() / "b.floormap", renamed));
 }
@@ -209,6 +210,13 @@ TEST(ContentVersionTest, EveryChangeOfTheContentCounts) {
       {"camera", [](MapContent& c) { c.info.cameras[0].camera.fx += 1e-9; }},
       {"distortion", [](MapContent& c) { c.info.cameras[0].camera.distortion[0] += 1e-9; }},
       {"extent", [](MapContent& c) { c.info.extent.x_max += 1e-9; }},
+      {"no odometry is not odometry zero", [](MapContent& c) { c.frames[0].odom_from_base = Pose2(); }},
+      {"report", [](MapContent& c) { c.info.report_json = R"({"frames":3})"; }},
+      {"surveys", [](MapContent& c) { c.info.surveys_json = "[]"; }},
+      {"camera's name", [](MapContent& c) { c.info.cameras[1].camera.name = "rear"; }},
+      {"relation", [](MapContent& c) { c.info.parents[0].relation = "extends"; }},
+      {"parent", [](MapContent& c) { c.info.parents[1].content_version = "third version"; }},
+      {"no parents", [](MapContent& c) { c.info.parents.clear(); }},
   };
   for (const auto& [name, change] : changes) {
     MapContent content = MakeContent();

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/report_paths.h"
+
+#include <string>
+
+namespace floorloc {
+namespace {
+
+// Also of a folder that is given with a slash at its end, or as ".".
+std::string NameOf(const std::filesystem::path& folder) {
+  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+// Where a path begins: "./" also ends many others.
+void ReplaceFolder(const std::filesystem::path& folder, const std::string& name, std::string* text) {
+  const std::string from = (folder / "").string();
+  for (std::size_t at = text->find(from); at != std::string::npos; at = text->find(from, at + 1)) {
+    if (at == 0 || (*text)[at - 1] == ' ' || (*text)[at - 1] == '(') {
+      text->replace(at, from.size(), name);
+    }
+  }
+}
+
+}  // namespace
+
+BuildReport WithoutFolders(BuildReport report, const std::vector<std::filesystem::path>& surveys,
+                           const std::filesystem::path& file) {
+  const auto shorten = [&](std::string* text) {
+    for (const std::filesystem::path& survey : surveys) {
+      ReplaceFolder(survey, NameOf(survey) + "/", text);
+    }
+    if (file.has_parent_path()) {
+      ReplaceFolder(file.parent_path(), "", text);
+    }
+  };
+  for (std::string& warning : report.warnings) {
+    shorten(&warning);
+  }
+  for (DroppedFrame& frame : report.dropped) {
+    shorten(&frame.reason);
+  }
+  return report;
+}
+
+}  // namespace floorloc
