@@ -9,10 +9,10 @@
 
 namespace floorloc {
 
-/// What a localizer takes from a picture: made once, sought as often as needed.
+/// What a localizer takes from a frame: made once, sought as often as needed.
 struct FrameObservation {
   Features features;              ///< base frame
-  FrameSamples samples;           ///< to be laid over the mosaic
+  FrameSamples samples;           ///< to be aligned to the mosaic
   Eigen::Vector3d camera_center;  ///< base frame, metres
   RectM roi;                      ///< what the camera sees, base frame
   double rectify_ms = 0.0;

@@ -64,7 +64,7 @@ MountingVector MountingStep(const MountingProblem& problem, const MountingVector
   return step.allFinite() ? step : MountingVector::Zero();
 }
 
-MountingEstimate AverageOverMountings(const MountingProblem& problem, const MountingVector& unknowns) {
+MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns) {
   const double noise = problem.variance * Inflation(problem);
   const MountingMatrix likelihood = problem.information / noise;
   const MountingVector pull = likelihood * unknowns + problem.gradient / noise;

@@ -30,6 +30,6 @@ MountingVector MountingStep(const MountingProblem& problem, const MountingVector
 /// Posterior of the unknowns. How much a camera shakes is not known: levels of vibration are averaged by how well each
 /// explains the frame (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line can't be told
 /// from a turn of the robot; its uncertainty follows the level.
-MountingEstimate AverageOverMountings(const MountingProblem& problem, const MountingVector& unknowns);
+MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns);
 
 }  // namespace floorloc

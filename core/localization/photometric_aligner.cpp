@@ -228,7 +228,7 @@ class Fit {
     }
     const Eigen::Vector2d bent = MountingJacobian(camera_center_, frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
-    const MountingEstimate estimate = AverageOverMountings(problem_, unknowns_);
+    const MountingEstimate estimate = MarginalizeMounting(problem_, unknowns_);
     // From the motion about the frame's middle to the base frame's pose.
     const double yaw = start_.yaw() + estimate.mean(2);
     const Eigen::Vector2d arm = Pose2(0.0, 0.0, yaw) * frame_.center();

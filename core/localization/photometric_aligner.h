@@ -14,7 +14,7 @@
 
 namespace floorloc {
 
-/// A frame laid over the mosaic.
+/// A frame aligned to the mosaic.
 struct PhotometricFit {
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2

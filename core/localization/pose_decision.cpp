@@ -71,9 +71,9 @@ double LeadByKeypoints(const VerifiedPose& first, const VerifiedPose& second, co
 // Distinctive matches went to one pose only (sign test).
 double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second, const CommonFloor& common) {
   const auto votes = [&](const VerifiedPose& pose) {
-    return static_cast<double>(std::count_if(pose.voters.begin(), pose.voters.end(), [&](int keypoint) {
-      return common.HasKeypoint(static_cast<std::size_t>(keypoint));
-    }));
+    return static_cast<double>(
+        std::count_if(pose.supporting_keypoints.begin(), pose.supporting_keypoints.end(),
+                      [&](int keypoint) { return common.HasKeypoint(static_cast<std::size_t>(keypoint)); }));
   };
   const double for_first = votes(first);
   const double for_second = votes(second);
@@ -141,11 +141,11 @@ double LogChanceOfPicture(const PhotometricFit& photo) {
 
 // Beyond chance by all its keypoints, and by what is distinctive.
 double LogChance(const VerifiedPose& pose, const PoseEvidence& evidence) {
-  double distinctive = pose.log_chance_votes;
+  double distinctive = pose.support_log10_nfa;
   if (pose.photo && !evidence.floor_repeats) {
     distinctive = std::min(distinctive, LogChanceOfPicture(*pose.photo));
   }
-  return std::max(pose.candidate.log_false_alarms, kStructureExponent * distinctive);
+  return std::max(pose.candidate.log10_nfa, kStructureExponent * distinctive);
 }
 
 // On a floor that repeats itself: that the right pose was not among the candidates, and a look-alike is taken for it. A
@@ -189,7 +189,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
   std::vector<double> rival(poses.size(), 0.0);
   double p_rival = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i != best && poses[i].candidate.log_false_alarms < kMinSignificance) {
+    if (i != best && poses[i].candidate.log10_nfa < kMinSignificance) {
       rival[i] = RivalProbability(poses[best], poses[i], evidence);
       p_rival += rival[i];
     }

@@ -72,9 +72,9 @@ VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_fro
   }
   // The hypothesis came from pairs of keypoints, so as many were tried; two inliers are its own doing.
   const auto keypoints = static_cast<double>(features.keypoints.size());
-  verified.candidate.log_false_alarms =
-      LogNumberOfFalseAlarms(static_cast<int>(keypoints) - 2, static_cast<int>(verified.candidate.inliers.size()) - 2,
-                             std::max(chance_, 1e-6), std::max(1.0, 0.5 * keypoints * (keypoints - 1.0)));
+  verified.candidate.log10_nfa =
+      Log10Nfa(static_cast<int>(keypoints) - 2, static_cast<int>(verified.candidate.inliers.size()) - 2,
+               std::max(chance_, 1e-6), std::max(1.0, 0.5 * keypoints * (keypoints - 1.0)));
   return verified;
 }
 

@@ -14,14 +14,14 @@ namespace floorloc {
 
 /// A pose hypothesis after all keypoints of the frame were looked for where it predicts them.
 struct VerifiedPose {
-  PoseCandidate candidate;              ///< refined; its inliers index `matches`; its chance is that of all keypoints
-  std::vector<OrientedMatch> matches;   ///< one per keypoint that resembles a map point near its predicted place
-  std::vector<int> voters;              ///< keypoints whose distinctive match of the first look agrees with the pose
-  double log_chance_votes = 0.0;        ///< log10 of how many poses as good as this one chance gives, by the votes
-  std::vector<float> distance;          ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
-  std::optional<PhotometricFit> photo;  ///< where the frame was laid over the mosaic
-  bool elsewhere = false;               ///< outside the prior: a rival only
-  double prior_weight = 1.0;            ///< how probable the place was before the frame, relative to the others
+  PoseCandidate candidate;                ///< refined; its inliers index `matches`; its chance is that of all keypoints
+  std::vector<OrientedMatch> matches;     ///< one per keypoint that resembles a map point near its predicted place
+  std::vector<int> supporting_keypoints;  ///< whose distinctive match of the first look agrees with the pose
+  double support_log10_nfa = 0.0;         ///< log10 of the number of false alarms, by the supporting keypoints
+  std::vector<float> distance;            ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
+  std::optional<PhotometricFit> photo;    ///< where the frame was aligned to the mosaic
+  bool outside_prior = false;             ///< outside the prior: a rival only
+  double prior_weight = 1.0;              ///< how probable the place was before the frame, relative to the others
 };
 
 /// Verifies poses against a map: what a wrong pose would find by chance is measured on the map itself.

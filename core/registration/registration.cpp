@@ -73,8 +73,8 @@ std::vector<double> PosteriorWeights(const std::vector<PoseCandidate>& candidate
   std::vector<double> weights;
   double sum = 0.0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const bool counts = i == best || candidates[i].log_false_alarms < kMinSignificance;
-    const double advantage = candidates[best].log_false_alarms - candidates[i].log_false_alarms;
+    const bool counts = i == best || candidates[i].log10_nfa < kMinSignificance;
+    const double advantage = candidates[best].log10_nfa - candidates[i].log10_nfa;
     weights.push_back(counts ? std::pow(10.0, kTemper * advantage) : 0.0);
     sum += weights.back();
   }
@@ -93,9 +93,9 @@ struct PoseChoice {
 
 PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const RegistrationOptions& options) {
   PoseChoice choice;
-  const auto best = std::min_element(
-      candidates.begin(), candidates.end(),
-      [](const PoseCandidate& a, const PoseCandidate& b) { return a.log_false_alarms < b.log_false_alarms; });
+  const auto best =
+      std::min_element(candidates.begin(), candidates.end(),
+                       [](const PoseCandidate& a, const PoseCandidate& b) { return a.log10_nfa < b.log10_nfa; });
   if (best == candidates.end() || static_cast<int>(best->inliers.size()) < options.min_inliers) {
     return choice;
   }
@@ -113,7 +113,7 @@ PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const Regist
     rivalled = rivalled || (i != index && static_cast<double>(candidates[i].inliers.size()) >
                                               options.max_rival_share * static_cast<double>(best->inliers.size()));
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, best->log_false_alarms));
+  const double p_chance = std::min(1.0, std::pow(10.0, best->log10_nfa));
   choice.p_wrong = std::min(1.0, p_chance + (1.0 - weights[index]));
   if (p_chance > options.max_p_wrong) {
     choice.status = RegistrationStatus::kNotSignificant;
@@ -225,11 +225,11 @@ std::vector<PoseCandidate> FindPoseCandidates(const std::vector<OrientedMatch>& 
   return candidates;
 }
 
-double LogChancePoses(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options) {
+double Log10NfaOfPose(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options) {
   const double disc_m2 = std::numbers::pi * options.inlier_radius_m * options.inlier_radius_m;
   const double chance = std::max(disc_m2 / std::max(region.area_m2, disc_m2), 1e-7);
   // Two matches define the pose: only the others are evidence.
-  return LogNumberOfFalseAlarms(matches - 2, inliers - 2, chance, std::max(1.0, 0.5 * matches * (matches - 1.0)));
+  return Log10Nfa(matches - 2, inliers - 2, chance, std::max(1.0, 0.5 * matches * (matches - 1.0)));
 }
 
 RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const SearchRegion& region,
@@ -240,8 +240,7 @@ RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const 
   }
   std::vector<PoseCandidate> candidates = FindPoseCandidates(matches, options);
   for (PoseCandidate& c : candidates) {
-    c.log_false_alarms =
-        LogChancePoses(static_cast<int>(matches.size()), static_cast<int>(c.inliers.size()), region, options);
+    c.log10_nfa = Log10NfaOfPose(static_cast<int>(matches.size()), static_cast<int>(c.inliers.size()), region, options);
   }
   PoseChoice choice = ChoosePose(candidates, options);
   result.status = choice.status;

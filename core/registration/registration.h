@@ -67,8 +67,9 @@ struct RegistrationResult {
 struct PoseCandidate {
   Pose2 target_from_source;
   std::vector<int> inliers;  ///< indices into the matches
-  /// log10 of how many poses as good as this one chance alone would give; far below 0: not chance.
-  double log_false_alarms = 0.0;
+  /// log10 of the number of false alarms: of how many poses as good as this one chance alone would give; far below 0:
+  /// not chance.
+  double log10_nfa = 0.0;
 };
 
 /// Poses that the matches vote for, verified by two-point RANSAC and refined, most inliers first.
@@ -90,9 +91,10 @@ struct SearchRegion {
   double area_m2 = 1.0;  ///< of the part of the target that was searched
 };
 
-/// log10 of how many poses chance would give that agree with as many of the matches: each pair of matches proposes one,
-/// and a wrong match agrees with a wrong pose as often as its place in the searched area happens to be right.
-double LogChancePoses(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options);
+/// log10 of the number of false alarms: of how many poses chance would give that agree with as many of the matches (a
+/// contrario, Desolneux, Moisan & Morel 2000; for rigid motions Moisan & Stival 2004). Each pair of matches proposes
+/// one, and a wrong match agrees with a wrong pose as often as its place in the searched area happens to be right.
+double Log10NfaOfPose(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options);
 
 /// Robust SE(2) registration of oriented matches of a known scale: every match is a hypothesis; votes over (x, y, yaw);
 /// two-point RANSAC inside the best cells; least squares on all inliers.

@@ -19,7 +19,7 @@ double LogBinomialTerm(int n, int k, double p) {
 
 }  // namespace
 
-double LogNumberOfFalseAlarms(int matches, int inliers, double chance, double trials) {
+double Log10Nfa(int matches, int inliers, double chance, double trials) {
   if (inliers <= 0) {
     return std::log10(trials);
   }

@@ -81,7 +81,7 @@ std::vector<Hypothesis> FindHypotheses(const GuidedMatcher& matcher, const Featu
   std::vector<Hypothesis> hypotheses;
   for (const PoseCandidate& candidate : FindPoseCandidates(matches, registration)) {
     const int inliers = static_cast<int>(candidate.inliers.size());
-    if (inliers < registration.min_inliers || LogChancePoses(static_cast<int>(matches.size()), inliers, region,
+    if (inliers < registration.min_inliers || Log10NfaOfPose(static_cast<int>(matches.size()), inliers, region,
                                                              registration) > std::log10(registration.max_p_wrong)) {
       continue;
     }

@@ -82,7 +82,7 @@ class Run {
     fused.localized.frame = frame;
     const FrameObservation seen = localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms));
     const std::optional<PosePrior> prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt;
-    fused.localized.result = localizer_.LocalizeHereOrAnywhere(seen, prior);
+    fused.localized.result = localizer_.LocalizeWithGlobalFallback(seen, prior);
     fused.outcome = tracker_.AddFrame(frame.stamp_ns, seen.features, fused.localized.result);
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {

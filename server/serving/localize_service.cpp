@@ -56,7 +56,7 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   outcome.decode_ms = MillisecondsSince(start);
   const Localizer& localizer = *job.map->localizer;
   FrameObservation observation = localizer.Observe(*job.rectifier, picture);
-  outcome.result = localizer.LocalizeHereOrAnywhere(observation, job.prior);
+  outcome.result = localizer.LocalizeWithGlobalFallback(observation, job.prior);
   outcome.features = std::move(observation.features);
   outcome.search = outcome.result.used_prior ? "prior" : "global";
   outcome.total_ms = MillisecondsSince(start);

@@ -65,7 +65,7 @@ class MountingAverageTest : public ::testing::Test {
   std::vector<MountingEstimate> Estimate(const MountingVector& truth, int rounds) {
     std::vector<MountingEstimate> estimates;
     for (int round = 0; round < rounds; ++round) {
-      estimates.push_back(AverageOverMountings(Pose(truth), MountingVector::Zero()));
+      estimates.push_back(MarginalizeMounting(Pose(truth), MountingVector::Zero()));
     }
     return estimates;
   }
@@ -132,8 +132,8 @@ TEST_F(MountingAverageTest, AShakenCameraIsFollowed) {
 }
 
 TEST_F(MountingAverageTest, UncertaintyOfTheHeadingFollowsTheVibration) {
-  const MountingEstimate calm = AverageOverMountings(Pose(RandomTruth(0.0)), MountingVector::Zero());
-  const MountingEstimate shaken = AverageOverMountings(Pose(RandomTruth(kStrongLevel)), MountingVector::Zero());
+  const MountingEstimate calm = MarginalizeMounting(Pose(RandomTruth(0.0)), MountingVector::Zero());
+  const MountingEstimate shaken = MarginalizeMounting(Pose(RandomTruth(kStrongLevel)), MountingVector::Zero());
   EXPECT_GT(Sigma(shaken, 2), 5.0 * Sigma(calm, 2));
   EXPECT_GT(Sigma(shaken, 2), 1e-3);
   // A turn of the robot and one of the camera look alike: they are known together, not each.
@@ -148,7 +148,7 @@ TEST_F(MountingAverageTest, CovarianceIsHonestAtEveryLevel) {
     std::vector<MountingVector> truths;
     for (int round = 0; round < 200; ++round) {
       truths.push_back(RandomTruth(level));
-      estimates.push_back(AverageOverMountings(Pose(truths.back()), MountingVector::Zero()));
+      estimates.push_back(MarginalizeMounting(Pose(truths.back()), MountingVector::Zero()));
     }
     const double nees = MeanNees(estimates, truths);  // 7 expected
     EXPECT_GT(nees, 4.5) << "level " << level;
@@ -160,30 +160,30 @@ TEST_F(MountingAverageTest, TheAnswerDoesNotDependOnWhereTheProblemIsLinearised)
   const MountingVector truth = RandomTruth(1e-3);
   const MountingVector elsewhere = RandomTruth(1e-3);
   rng_.seed(21);
-  const MountingEstimate from_zero = AverageOverMountings(Pose(truth), MountingVector::Zero());
+  const MountingEstimate from_zero = MarginalizeMounting(Pose(truth), MountingVector::Zero());
   rng_.seed(21);
-  const MountingEstimate from_elsewhere = AverageOverMountings(Pose(truth, elsewhere), elsewhere);
+  const MountingEstimate from_elsewhere = MarginalizeMounting(Pose(truth, elsewhere), elsewhere);
   EXPECT_LT((from_zero.mean - from_elsewhere.mean).norm(), 1e-9);
   EXPECT_LT((from_zero.covariance - from_elsewhere.covariance).norm(), 1e-12);
 }
 
 TEST_F(MountingAverageTest, DependentPixelsMakeItLessCertain) {
   MountingProblem problem = Pose(RandomTruth(0.0));
-  const double independent = Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0);
+  const double independent = Sigma(MarginalizeMounting(problem, MountingVector::Zero()), 0);
   problem.scatter *= 1e-3;
-  EXPECT_NEAR(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), independent, 1e-12)
+  EXPECT_NEAR(Sigma(MarginalizeMounting(problem, MountingVector::Zero()), 0), independent, 1e-12)
       << "never more certain than independent pixels";
   problem.scatter *= 25e3;
-  EXPECT_GT(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), 1.5 * independent);
+  EXPECT_GT(Sigma(MarginalizeMounting(problem, MountingVector::Zero()), 0), 1.5 * independent);
 }
 
 TEST_F(MountingAverageTest, FewCellsMakeItLessCertain) {
   MountingProblem problem = Pose(RandomTruth(0.0));
-  const double sigma = Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0);
+  const double sigma = Sigma(MarginalizeMounting(problem, MountingVector::Zero()), 0);
   problem.cells = 1000;
-  EXPECT_NEAR(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), sigma, 0.01 * sigma);
+  EXPECT_NEAR(Sigma(MarginalizeMounting(problem, MountingVector::Zero()), 0), sigma, 0.01 * sigma);
   problem.cells = 9;
-  EXPECT_GT(Sigma(AverageOverMountings(problem, MountingVector::Zero()), 0), 1.5 * sigma);
+  EXPECT_GT(Sigma(MarginalizeMounting(problem, MountingVector::Zero()), 0), 1.5 * sigma);
 }
 
 TEST_F(MountingAverageTest, OneStepSolvesALinearProblem) {
@@ -200,7 +200,7 @@ TEST_F(MountingAverageTest, WithoutInformationNothingMovesAndAllStaysFinite) {
   const MountingVector unknowns = RandomTruth(1e-3);
   EXPECT_TRUE(MountingStep({}, MountingVector::Zero()).isZero());
   EXPECT_TRUE(MountingStep({}, unknowns).allFinite());
-  const MountingEstimate estimate = AverageOverMountings({}, unknowns);
+  const MountingEstimate estimate = MarginalizeMounting({}, unknowns);
   ExpectProper(estimate);
   EXPECT_GT(Sigma(estimate, 0), 5e-3) << "nothing is known of the position";
 }
@@ -219,7 +219,7 @@ TEST_F(MountingAverageTest, DegenerateProblemsStayFinite) {
   for (const MountingProblem& problem : {one_pixel, broken, huge}) {
     SCOPED_TRACE(problem.information.norm());
     EXPECT_TRUE(MountingStep(problem, unknowns).allFinite());
-    ExpectProper(AverageOverMountings(problem, unknowns));
+    ExpectProper(MarginalizeMounting(problem, unknowns));
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr float kMaxDistance = 60.0F;
 constexpr int kKeypoints = 120;
 constexpr int kCells = kKeypoints / 2;  // witnesses as many as keypoints with an inlier
-constexpr int kVoters = 20;
+constexpr int kSupport = 20;
 constexpr double kStrongVotes = -30.0;
 
 // Poses of one frame, `x` apart. By default each is far beyond chance by its keypoints, has votes, and explains every
@@ -25,19 +25,19 @@ class PoseDecisionTest : public ::testing::Test {
     pose.candidate.target_from_source = Pose2(x, 0.0, 0.0);
     pose.candidate.inliers.resize(kKeypoints / 2);
     std::iota(pose.candidate.inliers.begin(), pose.candidate.inliers.end(), 0);
-    pose.candidate.log_false_alarms = -40.0;
-    for (int i = 0; i < kVoters; ++i) {
-      pose.voters.push_back(2 * i);
+    pose.candidate.log10_nfa = -40.0;
+    for (int i = 0; i < kSupport; ++i) {
+      pose.supporting_keypoints.push_back(2 * i);
     }
-    pose.log_chance_votes = kStrongVotes;
+    pose.support_log10_nfa = kStrongVotes;
     for (int i = 0; i < kKeypoints; ++i) {
       pose.distance.push_back(i % 2 == 0 ? Uniform(20.0F, 40.0F) : std::numeric_limits<float>::infinity());
     }
     return pose;
   }
   static VerifiedPose WithoutVotes(VerifiedPose pose) {
-    pose.voters.clear();
-    pose.log_chance_votes = 0.0;
+    pose.supporting_keypoints.clear();
+    pose.support_log10_nfa = 0.0;
     return pose;
   }
   // Its keypoints resemble the map's more.
@@ -117,7 +117,7 @@ TEST_F(PoseDecisionTest, TooFewInliersAreNoPose) {
 
 TEST_F(PoseDecisionTest, KeypointsThatChanceExplainsAreNotSignificant) {
   VerifiedPose pose = WithPicture(MakePose(0.0), 0.9F);
-  pose.candidate.log_false_alarms = -2.0;
+  pose.candidate.log10_nfa = -2.0;
   const PoseDecision decision = Decide({pose}, false);
   EXPECT_EQ(decision.status, RegistrationStatus::kNotSignificant);
   EXPECT_EQ(decision.best, 0);
@@ -131,7 +131,7 @@ TEST_F(PoseDecisionTest, EqualPosesAreAmbiguous) {
 
 TEST_F(PoseDecisionTest, APoseThatChanceOffersIsNoRival) {
   VerifiedPose chance = MakePose(1.0);
-  chance.candidate.log_false_alarms = -0.5;
+  chance.candidate.log10_nfa = -0.5;
   ExpectAccepted(Decide({MakePose(0.0), chance}), 0);
 }
 
@@ -210,7 +210,7 @@ TEST_F(PoseDecisionTest, FloorBeyondTheMapsEdgeSpeaksForNobody) {
   for (std::size_t i = kKeypoints / 2; i < kKeypoints; ++i) {
     at_edge.distance[i] = std::numeric_limits<float>::infinity();
   }
-  std::erase_if(at_edge.voters, [](int keypoint) { return keypoint >= kKeypoints / 2; });
+  std::erase_if(at_edge.supporting_keypoints, [](int keypoint) { return keypoint >= kKeypoints / 2; });
   EXPECT_EQ(Decide({inside, at_edge}).best, 0);  // all of the picture counts: half of it is missing
   ExpectAmbiguous(Decide({inside, WithoutFloorFrom(at_edge, kCells / 2)}), 2);
 }

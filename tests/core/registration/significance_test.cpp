@@ -13,40 +13,39 @@ namespace {
 TEST(SignificanceTest, MoreInliersAreLessLikelyByChance) {
   for (const double chance : {1e-6, 1e-3, 0.1, 0.5}) {
     for (int inliers = 1; inliers < 200; ++inliers) {
-      EXPECT_LE(LogNumberOfFalseAlarms(200, inliers + 1, chance, 1.0),
-                LogNumberOfFalseAlarms(200, inliers, chance, 1.0) + 1e-9)
+      EXPECT_LE(Log10Nfa(200, inliers + 1, chance, 1.0), Log10Nfa(200, inliers, chance, 1.0) + 1e-9)
           << inliers << " " << chance;
     }
-    EXPECT_LT(LogNumberOfFalseAlarms(200, 150, chance, 1.0), LogNumberOfFalseAlarms(200, 140, chance, 1.0));
+    EXPECT_LT(Log10Nfa(200, 150, chance, 1.0), Log10Nfa(200, 140, chance, 1.0));
   }
 }
 
 TEST(SignificanceTest, MoreMatchesTrialsAndChanceAreLessSignificant) {
-  const double base = LogNumberOfFalseAlarms(100, 20, 0.01, 10.0);
-  EXPECT_GT(LogNumberOfFalseAlarms(200, 20, 0.01, 10.0), base);
-  EXPECT_GT(LogNumberOfFalseAlarms(100, 20, 0.02, 10.0), base);
-  EXPECT_NEAR(LogNumberOfFalseAlarms(100, 20, 0.01, 1000.0), base + 2.0, 1e-9);
+  const double base = Log10Nfa(100, 20, 0.01, 10.0);
+  EXPECT_GT(Log10Nfa(200, 20, 0.01, 10.0), base);
+  EXPECT_GT(Log10Nfa(100, 20, 0.02, 10.0), base);
+  EXPECT_NEAR(Log10Nfa(100, 20, 0.01, 1000.0), base + 2.0, 1e-9);
 }
 
 TEST(SignificanceTest, AgreesWithTheBinomialTail) {
   // P(X >= 2), X ~ B(3, 1/2) = 4 / 8; P(X >= 3), X ~ B(3, 0.1) = 0.001; P(X >= 1), X ~ B(2, 0.1) = 0.19
-  EXPECT_NEAR(LogNumberOfFalseAlarms(3, 2, 0.5, 1.0), std::log10(0.5), 1e-9);
-  EXPECT_NEAR(LogNumberOfFalseAlarms(3, 3, 0.1, 1.0), -3.0, 1e-9);
-  EXPECT_NEAR(LogNumberOfFalseAlarms(2, 1, 0.1, 1.0), std::log10(0.19), 1e-9);
-  EXPECT_NEAR(LogNumberOfFalseAlarms(50, 0, 0.1, 100.0), 2.0, 1e-9);
+  EXPECT_NEAR(Log10Nfa(3, 2, 0.5, 1.0), std::log10(0.5), 1e-9);
+  EXPECT_NEAR(Log10Nfa(3, 3, 0.1, 1.0), -3.0, 1e-9);
+  EXPECT_NEAR(Log10Nfa(2, 1, 0.1, 1.0), std::log10(0.19), 1e-9);
+  EXPECT_NEAR(Log10Nfa(50, 0, 0.1, 100.0), 2.0, 1e-9);
 }
 
 TEST(SignificanceTest, ExtremesAreFinite) {
-  EXPECT_TRUE(std::isfinite(LogNumberOfFalseAlarms(100000, 100000, 1e-12, 1e10)));
-  EXPECT_TRUE(std::isfinite(LogNumberOfFalseAlarms(1, 1, 0.0, 1.0)));
-  EXPECT_TRUE(std::isfinite(LogNumberOfFalseAlarms(1, 1, 1.0, 1.0)));
+  EXPECT_TRUE(std::isfinite(Log10Nfa(100000, 100000, 1e-12, 1e10)));
+  EXPECT_TRUE(std::isfinite(Log10Nfa(1, 1, 0.0, 1.0)));
+  EXPECT_TRUE(std::isfinite(Log10Nfa(1, 1, 1.0, 1.0)));
 }
 
 TEST(SignificanceTest, ChancePosesFallWithTheInliersAndTheSearchedArea) {
   const RegistrationOptions options;
   for (int inliers = 8; inliers < 60; ++inliers) {
-    EXPECT_LT(LogChancePoses(60, inliers + 1, {24.0}, options), LogChancePoses(60, inliers, {24.0}, options));
-    EXPECT_LT(LogChancePoses(60, inliers, {24.0}, options), LogChancePoses(60, inliers, {0.3}, options));
+    EXPECT_LT(Log10NfaOfPose(60, inliers + 1, {24.0}, options), Log10NfaOfPose(60, inliers, {24.0}, options));
+    EXPECT_LT(Log10NfaOfPose(60, inliers, {24.0}, options), Log10NfaOfPose(60, inliers, {0.3}, options));
   }
 }
 

@@ -52,7 +52,7 @@ class VehicleTrackerTest : public testing::Test {
     cv::cvtColor(Floor().View(truth), gray, cv::COLOR_BGR2GRAY);
     const FrameObservation seen = TheLocalizer().Observe(rectifier_, gray);
     prior_ = tracker_.Prior(Stamp(frame));
-    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeHereOrAnywhere(seen, prior_));
+    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeWithGlobalFallback(seen, prior_));
   }
 
   // A frame of a floor that is not in the map.
@@ -61,7 +61,7 @@ class VehicleTrackerTest : public testing::Test {
     cv::cvtColor(floor.View(truth), gray, cv::COLOR_BGR2GRAY);
     const FrameObservation seen = TheLocalizer().Observe(rectifier_, gray);
     prior_ = tracker_.Prior(Stamp(frame));
-    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeHereOrAnywhere(seen, prior_));
+    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeWithGlobalFallback(seen, prior_));
   }
 
   // Slowly to the left along the middle of the floor.

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/candidate_search.h"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "core/localization/oriented_matches.h"
+#include "core/localization/self_similarity.h"
+#include "core/registration/least_squares.h"
+
+namespace floorloc {
+namespace {
+
+constexpr double kGridCellPx = 70.0;
+
+// When too few matches are distinctive, this many neighbours of each keypoint vote, within so many bits.
+constexpr int kVotesPerKeypoint = 2;
+constexpr float kVoteDistance = 64.0F;
+
+// How often a prior does not hold, as far as the localizer is concerned.
+constexpr double kPriorFails = 1e-3;
+
+// Candidates with a smaller share of the best one's matches are no rivals on a floor that does not repeat itself, when
+// the best one is beyond chance by so many decades.
+constexpr double kMinRivalShare = 0.25;
+constexpr double kClearLogChance = -20.0;
+
+}  // namespace
+
+std::vector<int> SupportingKeypoints(const FrameMatches& matches, const Pose2& map_from_base, double radius_m) {
+  std::vector<int> keypoints;
+  for (const int i : FindInliers(matches.oriented, map_from_base, radius_m)) {
+    keypoints.push_back(matches.matches[static_cast<std::size_t>(i)].query);
+  }
+  return keypoints;
+}
+
+CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors, const LocalizerOptions& options)
+    : map_(map),
+      options_(options),
+      binary_(descriptors == DescriptorType::kBinary),
+      index_(CreateDescriptorIndex(map.keypoints.descriptors, options.index)),
+      guided_(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m),
+      verifier_(map.keypoints, guided_, map.info.area_m2, options.registration),
+      floor_repeats_(RepeatsItself(map.keypoints, *index_, options.registration.seed)) {}
+
+FrameMatches CandidateSearch::FindMatches(const Features& features, const SearchScope& scope) const {
+  FrameMatches found;
+  if (scope.indistinct && binary_) {
+    found.matches =
+        FindAllNear(*index_, features.descriptors, {.count = kVotesPerKeypoint, .max_distance = kVoteDistance});
+  } else {
+    found.matches = FilterByRatio(scope.guide ? guided_.FindNearest(features, *scope.guide)
+                                              : FindNearest(*index_, features.descriptors, scope.probes),
+                                  binary_ ? options_.max_ratio_binary : options_.max_ratio_float);
+  }
+  found.oriented = ToOrientedMatches(found.matches, features.keypoints, map_.keypoints.keypoints);
+  return found;
+}
+
+std::vector<VerifiedPose> CandidateSearch::FindPoses(const Features& features, const SearchScope& scope,
+                                                     const FrameMatches& matches, GlobalSearchCache* global) const {
+  std::vector<VerifiedPose> poses = VerifyCandidates(features, scope, matches);
+  if (scope.prior && floor_repeats_ && !poses.empty()) {
+    AddPosesOutsidePrior(features, global, &poses);
+  }
+  return poses;
+}
+
+// Poses that meet are one.
+std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& features, const SearchScope& scope,
+                                                            const FrameMatches& matches) const {
+  const SearchRegion region = RegionOf(scope.guide);
+  std::vector<VerifiedPose> verified;
+  for (const PoseCandidate& candidate : FindPoseCandidates(matches.oriented, options_.registration)) {
+    if (IsDominated(candidate, verified)) {
+      continue;
+    }
+    VerifiedPose pose = verifier_.Verify(features, candidate.target_from_source);
+    const Pose2& refined = pose.candidate.target_from_source;
+    if (!ContainsPose(verified, refined) && scope.Contains(refined)) {
+      pose.supporting_keypoints = SupportingKeypoints(matches, refined, options_.registration.inlier_radius_m);
+      pose.support_log10_nfa =
+          Log10NfaOfPose(static_cast<int>(matches.matches.size()), static_cast<int>(pose.supporting_keypoints.size()),
+                         region, options_.registration);
+      verified.push_back(std::move(pose));
+    }
+  }
+  return verified;
+}
+
+bool CandidateSearch::IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const {
+  return !floor_repeats_ && !verified.empty() && verified.front().candidate.log10_nfa < kClearLogChance &&
+         static_cast<double>(candidate.inliers.size()) <
+             kMinRivalShare * static_cast<double>(verified.front().supporting_keypoints.size());
+}
+
+bool CandidateSearch::ContainsPose(const std::vector<VerifiedPose>& poses, const Pose2& pose) const {
+  return std::any_of(poses.begin(), poses.end(), [&](const VerifiedPose& v) {
+    return SamePose(v.candidate.target_from_source, pose, options_.registration);
+  });
+}
+
+// On a floor that repeats itself a wrong prior would be confirmed by whatever looks alike there: places outside it
+// compete, and all are judged by what is distinctive on the whole map.
+void CandidateSearch::AddPosesOutsidePrior(const Features& features, GlobalSearchCache* global,
+                                           std::vector<VerifiedPose>* poses) const {
+  if (!global->matches) {
+    const SearchScope whole;
+    global->matches = FindMatches(features, whole);
+    global->poses = VerifyCandidates(features, whole, *global->matches);
+  }
+  for (VerifiedPose& pose : *poses) {
+    pose.supporting_keypoints =
+        SupportingKeypoints(*global->matches, pose.candidate.target_from_source, options_.registration.inlier_radius_m);
+  }
+  for (const VerifiedPose& pose : global->poses) {
+    if (!ContainsPose(*poses, pose.candidate.target_from_source)) {
+      poses->push_back(pose);
+      poses->back().outside_prior = true;
+      poses->back().prior_weight = kPriorFails;
+    }
+  }
+}
+
+SearchRegion CandidateSearch::RegionOf(const std::optional<MatchGuide>& guide) const {
+  return {guide ? std::numbers::pi * guide->radius_m * guide->radius_m : std::max(map_.info.area_m2, 0.01)};
+}
+
+}  // namespace floorloc
