@@ -14,18 +14,6 @@ namespace {
 
 constexpr double kGridCellPx = 70.0;
 
-// When too few matches are distinctive, this many neighbours of each keypoint vote, within so many bits.
-constexpr int kVotesPerKeypoint = 2;
-constexpr float kVoteDistance = 64.0F;
-
-// How often a prior does not hold, as far as the localizer is concerned.
-constexpr double kPriorFails = 1e-3;
-
-// Candidates with a smaller share of the best one's matches are no rivals on a floor that does not repeat itself, when
-// the best one is beyond chance by so many decades.
-constexpr double kMinRivalShare = 0.25;
-constexpr double kClearLogChance = -20.0;
-
 }  // namespace
 
 std::vector<int> SupportingKeypoints(const FrameMatches& matches, const Pose2& map_from_base, double radius_m) {
@@ -42,14 +30,15 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
       binary_(descriptors == DescriptorType::kBinary),
       index_(CreateDescriptorIndex(map.keypoints.descriptors, options.index)),
       guided_(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m),
-      verifier_(map.keypoints, guided_, map.info.area_m2, options.registration),
-      floor_repeats_(RepeatsItself(map.keypoints, *index_, options.registration.seed)) {}
+      verifier_(map, guided_, options.registration, options.verification),
+      floor_repeats_(RepeatsItself(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {}
 
 FrameMatches CandidateSearch::FindMatches(const Features& features, const SearchScope& scope) const {
   FrameMatches found;
   if (scope.indistinct && binary_) {
     found.matches =
-        FindAllNear(*index_, features.descriptors, {.count = kVotesPerKeypoint, .max_distance = kVoteDistance});
+        FindAllNear(*index_, features.descriptors,
+                    {.count = options_.search.votes_per_keypoint, .max_distance = options_.search.max_vote_distance});
   } else {
     found.matches = FilterByRatio(scope.guide ? guided_.FindNearest(features, *scope.guide)
                                               : FindNearest(*index_, features.descriptors, scope.probes),
@@ -91,9 +80,10 @@ std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& feat
 }
 
 bool CandidateSearch::IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const {
-  return !floor_repeats_ && !verified.empty() && verified.front().candidate.log10_nfa < kClearLogChance &&
+  return !floor_repeats_ && !verified.empty() &&
+         verified.front().candidate.log10_nfa < options_.search.clear_log10_nfa &&
          static_cast<double>(candidate.inliers.size()) <
-             kMinRivalShare * static_cast<double>(verified.front().supporting_keypoints.size());
+             options_.search.min_rival_share * static_cast<double>(verified.front().supporting_keypoints.size());
 }
 
 bool CandidateSearch::ContainsPose(const std::vector<VerifiedPose>& poses, const Pose2& pose) const {
@@ -119,7 +109,7 @@ void CandidateSearch::AddPosesOutsidePrior(const Features& features, GlobalSearc
     if (!ContainsPose(*poses, pose.candidate.target_from_source)) {
       poses->push_back(pose);
       poses->back().outside_prior = true;
-      poses->back().prior_weight = kPriorFails;
+      poses->back().prior_weight = options_.search.prior_failure_rate;
     }
   }
 }

@@ -18,18 +18,6 @@
 namespace floorloc {
 namespace {
 
-// Above this risk of being wrong the keypoints alone do not decide: all poses are aligned to the mosaic.
-constexpr double kClearPWrong = 1e-6;
-
-// A frame that agrees less with the mosaic keeps the pose that its keypoints gave it.
-constexpr double kMinCorrelation = 0.15;
-
-// The mosaic may correct where keypoints put the middle of the frame by this, in inlier radii.
-constexpr double kMaxCorrection = 2.0;
-
-// Arm at which the systematic errors of position and heading weigh the same.
-constexpr double kSystematicLeverM = 0.25;
-
 LocalizerOptions ScaledTo(LocalizerOptions options, double resolution_m) {
   options.registration = options.registration.ScaledTo(resolution_m);
   return options;
@@ -113,20 +101,20 @@ struct Localizer::Impl {
   // The best pose is aligned to the mosaic; so are its rivals when the keypoints do not tell them apart.
   PoseDecision Decide(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
     const PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
-    PoseDecision decision = DecidePose(*poses, evidence, options.registration);
+    PoseDecision decision = DecidePose(*poses, evidence, options.registration, options.decision);
     if (!raster || decision.best < 0) {
       return decision;
     }
-    const PhotometricAligner aligner(*raster);
+    const PhotometricAligner aligner(*raster, options.photometric);
     const auto align = [&](VerifiedPose* pose) {
       pose->photo = aligner.Align(frame.samples, frame.camera_center, pose->candidate.target_from_source);
     };
-    if (decision.p_wrong <= kClearPWrong) {
+    if (decision.p_wrong <= options.decision.clear_p_wrong) {
       align(&(*poses)[static_cast<std::size_t>(decision.best)]);
       return decision;
     }
     std::for_each(poses->begin(), poses->end(), [&](VerifiedPose& pose) { align(&pose); });
-    return DecidePose(*poses, evidence, options.registration);
+    return DecidePose(*poses, evidence, options.registration, options.decision);
   }
 
   static std::vector<int> CellsOf(const FrameObservation& frame) {
@@ -174,13 +162,13 @@ struct Localizer::Impl {
     }
     // What a frame alone does not show: errors of the map turn and shift the floor in view.
     result->covariance += SystematicCovariance(result->map_from_base, result->map_from_base * center_in_base,
-                                               {systematic_m, systematic_m / kSystematicLeverM});
+                                               {systematic_m, systematic_m / options.systematic_lever_m});
   }
 
   // True when the frame fits the mosaic, and where the keypoints say: a fit can slide off.
   bool Agrees(const PhotometricFit& photo) const {
-    return photo.MeanCorrelation() >= kMinCorrelation &&
-           photo.moved_m <= kMaxCorrection * options.registration.inlier_radius_m;
+    return photo.MeanCorrelation() >= options.photometric.min_correlation &&
+           photo.moved_m <= options.photometric.max_correction_radii * options.registration.inlier_radius_m;
   }
 };
 

@@ -12,7 +12,15 @@ void LocalizerOptions::Check() const {
   if (index.trees < 1 || index.trees > 64 || index.checks < 1 || index.checks > 1000000) {
     throw std::invalid_argument("index trees must be 1 to 64 and checks 1 to 1000000");
   }
+  if (!(systematic_m >= 0.0 && systematic_share >= 0.0 && systematic_lever_m > 0.0)) {
+    throw std::invalid_argument("systematic_m and systematic_share must not be negative, systematic_lever_m positive");
+  }
+  search.Check();
+  self_similarity.Check();
   registration.Check();
+  verification.Check();
+  photometric.Check();
+  decision.Check();
 }
 
 }  // namespace floorloc

@@ -3,6 +3,11 @@
 
 #include <cstddef>
 
+#include "core/localization/photometric_aligner.h"
+#include "core/localization/pose_decision.h"
+#include "core/localization/pose_verifier.h"
+#include "core/localization/search_options.h"
+#include "core/localization/self_similarity.h"
 #include "core/registration/registration.h"
 #include "core/vision/matching/descriptor_index.h"
 
@@ -12,11 +17,18 @@ struct LocalizerOptions {
   IndexOptions index;              ///< of the global search
   float max_ratio_float = 0.85F;   ///< ratio test, float descriptors
   float max_ratio_binary = 0.90F;  ///< ratio test, binary descriptors
+  SearchOptions search;
+  SelfSimilarityOptions self_similarity;
   RegistrationOptions registration;
-  double systematic_m = 2e-4;     ///< error of the map that a frame's residuals do not show
-  double systematic_share = 1.0;  ///< the same as a share of their RMS, where the mosaic was not compared
+  VerificationOptions verification;
+  PhotometricOptions photometric;
+  DecisionOptions decision;
+  double systematic_m = 2e-4;        ///< error of the map that a frame's residuals do not show
+  double systematic_share = 1.0;     ///< the same as a share of their RMS, where the mosaic was not compared
+  double systematic_lever_m = 0.25;  ///< arm at which systematic errors of position and heading weigh the same
   std::size_t mosaic_memory_bytes = std::size_t{128} << 20;  ///< of the decoded mosaic that is kept
 
+  /// Throws std::invalid_argument with the field's name.
   void Check() const;
 };
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "core/localization/mounting_average.h"
 
@@ -18,7 +19,6 @@ constexpr float kMiddle = 128.0F;
 
 constexpr int kSampleStridePx = 6;
 constexpr int kCellPx = 48;
-constexpr std::size_t kMinCellSamples = 16;
 constexpr int kMaxIterations = 6;
 constexpr double kConvergedPx = 0.25;
 
@@ -148,10 +148,15 @@ MountingMatrix ToMatrix(const std::array<Row, kRow>& rows) {
 // One fit of a frame to a patch of the mosaic.
 class Fit {
  public:
-  Fit(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const RasterPatch& patch, const Pose2& start)
-      : frame_(frame), camera_center_(camera_center), patch_(patch), start_(start) {}
+  Fit(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const RasterPatch& patch,
+      const PhotometricOptions& options)
+      : frame_(frame),
+        camera_center_(camera_center),
+        patch_(patch),
+        min_cell_samples_(static_cast<float>(options.min_cell_samples)) {}
 
-  PhotometricFit Run() {
+  PhotometricFit Run(const Pose2& start) {
+    start_ = start;
     Compare();
     for (int iteration = 0; iteration < kMaxIterations && gain_ > 0.0; ++iteration) {
       const MountingVector step = MountingStep(problem_, unknowns_);
@@ -194,8 +199,8 @@ class Fit {
     Assemble();
   }
 
-  static bool Compares(const CellSums& cell) { return cell.n >= static_cast<float>(kMinCellSamples); }
-  static double Weight(const CellSums& cell) {
+  bool Compares(const CellSums& cell) const { return cell.n >= min_cell_samples_; }
+  double Weight(const CellSums& cell) const {
     return Compares(cell) ? std::max(0.0, static_cast<double>(cell.Correlation())) : 0.0;
   }
 
@@ -245,7 +250,8 @@ class Fit {
   const FrameSamples& frame_;
   const Eigen::Vector3d camera_center_;
   const RasterPatch& patch_;
-  const Pose2 start_;
+  float min_cell_samples_;
+  Pose2 start_;
   MountingVector unknowns_ = MountingVector::Zero();
   std::vector<CellSums> sums_;
   double gain_ = 0.0;
@@ -270,13 +276,23 @@ double MeanOf(const std::vector<float>& values, double share) {
 
 }  // namespace
 
+void PhotometricOptions::Check() const {
+  const auto require = [](bool ok, const char* message) {
+    if (!ok) {
+      throw std::invalid_argument(message);
+    }
+  };
+  require(min_cell_samples >= 1, "min_cell_samples must be positive");
+  require(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
+  require(max_correction_radii > 0, "max_correction_radii must be positive");
+}
+
 double PhotometricFit::MeanCorrelation() const { return MeanOf(ComparedCells(*this), 1.0); }
 
-double PhotometricFit::TrimmedCorrelation() const {
-  constexpr double kShare = 0.75;
+double PhotometricFit::TrimmedCorrelation(double share) const {
   std::vector<float> cells = ComparedCells(*this);
   std::sort(cells.begin(), cells.end());
-  return MeanOf(cells, kShare);
+  return MeanOf(cells, share);
 }
 
 FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) : grid_(image.grid) {
@@ -315,7 +331,7 @@ PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Eigen:
   const double reach = frame.radius_m() + kMarginPx * raster_.resolution_m();
   const RasterPatch patch =
       raster_.Cut({middle.x() - reach, middle.x() + reach, middle.y() - reach, middle.y() + reach});
-  return Fit(frame, camera_center, patch, start).Run();
+  return Fit(frame, camera_center, patch, options_).Run(start);
 }
 
 }  // namespace floorloc

@@ -14,6 +14,20 @@
 
 namespace floorloc {
 
+/// When a fit to the mosaic is believed. All from 13d8f43; `./run bench honesty` for right or wrong, `./run bench` for
+/// how far off.
+struct PhotometricOptions {
+  int min_cell_samples = 16;  ///< pixels on surveyed floor below which a cell of the frame compares nothing
+  /// A frame whose cells correlate less with the mosaic, in the mean, keeps the pose that its keypoints gave it.
+  double min_correlation = 0.15;
+  /// How far the mosaic may correct where the keypoints put the middle of the frame, in inlier radii: a fit can slide
+  /// off.
+  double max_correction_radii = 2.0;
+
+  /// Throws std::invalid_argument with the field's name.
+  void Check() const;
+};
+
 /// A frame aligned to the mosaic.
 struct PhotometricFit {
   Pose2 map_from_base;
@@ -25,8 +39,8 @@ struct PhotometricFit {
 
   /// Over the cells that compare; 0 when there are none.
   double MeanCorrelation() const;
-  /// Over the lower three quarters of them: a few lines that cross the whole floor do not raise it.
-  double TrimmedCorrelation() const;
+  /// Over the lower `share` of them: a few lines that cross the whole floor do not raise it.
+  double TrimmedCorrelation(double share) const;
 };
 
 /// The pixels of a frame that are compared, its picture contrast-normalised as the mosaic's. The picture is laid out in
@@ -64,13 +78,15 @@ class FrameSamples {
 class PhotometricAligner {
  public:
   /// Refers to the raster, which must outlive it.
-  explicit PhotometricAligner(const MosaicRaster& raster) : raster_(raster) {}
+  explicit PhotometricAligner(const MosaicRaster& raster, const PhotometricOptions& options = {})
+      : raster_(raster), options_(options) {}
 
   /// start: map_from_base, a few pixels from the truth at most. camera_center: base frame.
   PhotometricFit Align(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const Pose2& start) const;
 
  private:
   const MosaicRaster& raster_;
+  PhotometricOptions options_;
 };
 
 }  // namespace floorloc

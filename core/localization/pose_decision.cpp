@@ -6,19 +6,11 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 namespace floorloc {
 namespace {
-
-// A pose that its keypoints do not lift above chance by this is no rival: chance always offers some.
-constexpr double kMinSignificance = -1.0;
-
-// No model of chance is surer of itself.
-constexpr double kLeastPWrong = 1e-9;
-
-// Floors repeat themselves more than independent points would: what looks like a chance of p happens with p^this.
-constexpr double kStructureExponent = 0.5;
 
 // How well a keypoint fits a pose: 0 where the pose has nothing alike for it.
 double Score(float distance, float max_distance) { return std::max(0.0, static_cast<double>(max_distance - distance)); }
@@ -81,13 +73,17 @@ double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second, const 
 }
 
 // Correlations spread evenly only after Fisher's transformation.
-double FisherZ(float correlation) { return std::atanh(std::clamp(static_cast<double>(correlation), -0.98, 0.98)); }
+double FisherZ(float correlation, double limit) {
+  return std::atanh(std::clamp(static_cast<double>(correlation), -limit, limit));
+}
 
-double LeadByPicture(const PhotometricFit& first, const PhotometricFit& second, const CommonFloor& common) {
+double LeadByMosaic(const PhotometricFit& first, const PhotometricFit& second, const CommonFloor& common,
+                    double max_correlation) {
   PairedTest test;
   for (std::size_t c = 0; c < first.cell_correlation.size(); ++c) {
     if (common.HasCell(static_cast<int>(c))) {
-      test.Add(FisherZ(first.cell_correlation[c]) - FisherZ(second.cell_correlation[c]));
+      test.Add(FisherZ(first.cell_correlation[c], max_correlation) -
+               FisherZ(second.cell_correlation[c], max_correlation));
     }
   }
   return test.Sigma();
@@ -112,12 +108,13 @@ double FisherP(std::span<const double> p_values) {
 
 // Probability that the second of two poses is the right one. A witness that can't tell them apart does not weaken
 // another that can; one that contradicts does.
-double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence) {
+double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
+                        const DecisionOptions& options) {
   const CommonFloor common(first, second, evidence.cell_of_keypoint);
   std::vector<double> leads{LeadByKeypoints(first, second, common, evidence.max_distance),
                             LeadByVotes(first, second, common)};
   if (first.photo && second.photo) {
-    leads.push_back(LeadByPicture(*first.photo, *second.photo, common));
+    leads.push_back(LeadByMosaic(*first.photo, *second.photo, common, options.max_correlation));
   }
   std::vector<double> for_first;
   std::vector<double> for_second;
@@ -130,39 +127,36 @@ double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, c
   return against_first / (against_first + against_second);
 }
 
-// log10 of the chance that the picture agrees as well under a wrong pose.
-double LogChanceOfPicture(const PhotometricFit& photo) {
-  // Spread of a cell's correlation where frame and mosaic show different floor.
-  constexpr double kCellSigma = 0.2;
+// log10 of the chance that the frame agrees as well with the mosaic under a wrong pose.
+double Log10ChanceOfPhoto(const PhotometricFit& photo, const DecisionOptions& options) {
   const auto cells = std::count_if(photo.cell_samples.begin(), photo.cell_samples.end(), [](int n) { return n > 0; });
-  const double sigma = photo.TrimmedCorrelation() / kCellSigma * std::sqrt(static_cast<double>(cells));
+  const double sigma =
+      photo.TrimmedCorrelation(options.trimmed_share) / options.cell_sigma * std::sqrt(static_cast<double>(cells));
   return sigma > 0.0 ? std::log10(UpperTail(sigma)) : 0.0;
 }
 
 // Beyond chance by all its keypoints, and by what is distinctive.
-double LogChance(const VerifiedPose& pose, const PoseEvidence& evidence) {
+double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const DecisionOptions& options) {
   double distinctive = pose.support_log10_nfa;
   if (pose.photo && !evidence.floor_repeats) {
-    distinctive = std::min(distinctive, LogChanceOfPicture(*pose.photo));
+    distinctive = std::min(distinctive, Log10ChanceOfPhoto(*pose.photo, options));
   }
-  return std::max(pose.candidate.log10_nfa, kStructureExponent * distinctive);
+  return std::max(pose.candidate.log10_nfa, options.structure_exponent * distinctive);
 }
 
 // On a floor that repeats itself: that the right pose was not among the candidates, and a look-alike is taken for it. A
-// pose becomes a candidate by a few distinctive matches; about a fifth of a pose's inliers are (simulated tiles, hard
-// to clean), so that their number is Poisson distributed.
-double ChanceOfMissingTheRightPose(std::size_t inliers) {
-  constexpr double kDistinctiveShare = 0.2;
-  constexpr double kLookAlikeTaken = 0.05;
-  const double expected = kDistinctiveShare * static_cast<double>(inliers);
+// pose becomes a candidate by a few distinctive matches, whose number is Poisson distributed.
+double ChanceOfMissingTheRightPose(std::size_t inliers, const DecisionOptions& options) {
+  const double expected = options.distinctive_share * static_cast<double>(inliers);
   const double at_most_two = std::exp(-expected) * (1.0 + expected + 0.5 * expected * expected);
-  return kLookAlikeTaken * at_most_two;
+  return options.look_alike_taken * at_most_two;
 }
 
-std::size_t FindBest(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence) {
+std::size_t FindBest(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
+                     const DecisionOptions& options) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (RivalProbability(poses[best], poses[i], evidence) > 0.5) {
+    if (RivalProbability(poses[best], poses[i], evidence, options) > 0.5) {
       best = i;
     }
   }
@@ -175,38 +169,53 @@ PoseHypothesis ToHypothesis(const VerifiedPose& pose, double weight) {
 
 }  // namespace
 
+void DecisionOptions::Check() const {
+  const auto require = [](bool ok, const char* message) {
+    if (!ok) {
+      throw std::invalid_argument(message);
+    }
+  };
+  require(structure_exponent > 0 && structure_exponent <= 1, "structure_exponent must be above 0 and at most 1");
+  require(cell_sigma > 0 && cell_sigma <= 1, "cell_sigma must be above 0 and at most 1");
+  require(trimmed_share > 0 && trimmed_share <= 1, "trimmed_share must be above 0 and at most 1");
+  require(max_correlation > 0 && max_correlation < 1, "max_correlation must be between 0 and 1");
+  require(distinctive_share > 0 && distinctive_share <= 1, "distinctive_share must be above 0 and at most 1");
+  require(look_alike_taken >= 0 && look_alike_taken <= 1, "look_alike_taken must be 0 to 1");
+  require(clear_p_wrong >= 0 && clear_p_wrong <= 1, "clear_p_wrong must be 0 to 1");
+}
+
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
-                        const RegistrationOptions& options) {
+                        const RegistrationOptions& registration, const DecisionOptions& options) {
   PoseDecision decision;
   if (poses.empty()) {
     return decision;
   }
-  const std::size_t best = FindBest(poses, evidence);
-  if (static_cast<int>(poses[best].candidate.inliers.size()) < options.min_inliers) {
+  const std::size_t best = FindBest(poses, evidence, options);
+  if (static_cast<int>(poses[best].candidate.inliers.size()) < registration.min_inliers) {
     return decision;
   }
   decision.best = static_cast<int>(best);
   std::vector<double> rival(poses.size(), 0.0);
   double p_rival = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i != best && poses[i].candidate.log10_nfa < kMinSignificance) {
-      rival[i] = RivalProbability(poses[best], poses[i], evidence);
+    if (i != best && poses[i].candidate.log10_nfa < registration.max_rival_log10_nfa) {
+      rival[i] = RivalProbability(poses[best], poses[i], evidence, options);
       p_rival += rival[i];
     }
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, LogChance(poses[best], evidence)));
+  const double p_chance = std::min(1.0, std::pow(10.0, Log10Chance(poses[best], evidence, options)));
   const double p_missed =
-      evidence.floor_repeats ? ChanceOfMissingTheRightPose(poses[best].candidate.inliers.size()) : 0.0;
-  decision.p_wrong = std::clamp(p_chance + p_missed + p_rival / (1.0 + p_rival), kLeastPWrong, 1.0);
+      evidence.floor_repeats ? ChanceOfMissingTheRightPose(poses[best].candidate.inliers.size(), options) : 0.0;
+  decision.p_wrong = std::clamp(p_chance + p_missed + p_rival / (1.0 + p_rival), registration.min_p_wrong, 1.0);
   const double sum = 1.0 + p_rival;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (rival[i] / sum > options.max_p_wrong) {
+    if (rival[i] / sum > registration.max_p_wrong) {
       decision.alternatives.push_back(ToHypothesis(poses[i], rival[i] / sum));
     }
   }
-  if (p_chance > options.max_p_wrong) {
+  if (p_chance > registration.max_p_wrong) {
     decision.status = RegistrationStatus::kNotSignificant;
-  } else if (decision.p_wrong > options.max_p_wrong) {
+  } else if (decision.p_wrong > registration.max_p_wrong) {
     decision.status = RegistrationStatus::kAmbiguous;
     decision.alternatives.insert(decision.alternatives.begin(), ToHypothesis(poses[best], 1.0 / sum));
   } else {

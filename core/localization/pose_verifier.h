@@ -24,12 +24,29 @@ struct VerifiedPose {
   double prior_weight = 1.0;              ///< how probable the place was before the frame, relative to the others
 };
 
+/// What counts as a keypoint found again under a pose. Each number names the commit that chose it; whether it still
+/// holds is for `./run bench honesty` to say.
+struct VerificationOptions {
+  /// How far a keypoint may be from where the pose predicts it, before refinement, in inlier radii (a729b4a).
+  double search_radii = 3.0;
+  /// How far its angle may be from the predicted one, before refinement, radians (c76363b).
+  double yaw_radius_rad = 0.45;
+  /// Share of the pairs of different floor points whose descriptors may count as alike (c76363b).
+  double alike_share = 0.01;
+  /// Bounds of the chance that a keypoint has an inlier under a wrong pose, as measured on the map (c76363b).
+  double min_chance = 1e-6;
+  double max_chance = 0.5;
+
+  /// Throws std::invalid_argument with the field's name.
+  void Check() const;
+};
+
 /// Verifies poses against a map: what a wrong pose would find by chance is measured on the map itself.
 class PoseVerifier {
  public:
-  /// Refers to the keypoints and the matcher, which must outlive it.
-  PoseVerifier(const MapKeypoints& map, const GuidedMatcher& matcher, double area_m2,
-               const RegistrationOptions& options);
+  /// Refers to the map's keypoints and their matcher, which must outlive it.
+  PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, const RegistrationOptions& registration,
+               const VerificationOptions& options);
 
   VerifiedPose Verify(const Features& features, const Pose2& map_from_base) const;
 
@@ -41,7 +58,8 @@ class PoseVerifier {
 
   const MapKeypoints& map_;
   const GuidedMatcher& matcher_;
-  RegistrationOptions options_;
+  RegistrationOptions registration_;
+  VerificationOptions options_;
   float max_distance_ = 0.0F;
   double chance_ = 0.0;  // that a keypoint has an inlier under a wrong pose
 };

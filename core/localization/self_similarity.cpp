@@ -3,41 +3,46 @@
 
 #include <algorithm>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 namespace floorloc {
-namespace {
 
-constexpr int kSample = 400;
-constexpr int kNeighbours = 8;
-// A twin is elsewhere, not the same point in another descriptor.
-constexpr double kElsewhereM = 0.05;
-// Bits of 256 by which good views of one point differ at most.
-constexpr double kTwinShare = 18.0 / 256.0;
+void SelfSimilarityOptions::Check() const {
+  const auto require = [](bool ok, const char* message) {
+    if (!ok) {
+      throw std::invalid_argument(message);
+    }
+  };
+  require(sample >= 1 && sample <= 1000000, "sample must be 1 to 1000000");
+  require(neighbours >= 1 && neighbours <= 1000, "neighbours must be 1 to 1000");
+  require(min_distance_m > 0, "min_distance_m must be positive");
+  require(max_bit_share >= 0 && max_bit_share < 1, "max_bit_share must be 0 to 1");
+  require(min_twin_share > 0 && min_twin_share < 1, "min_twin_share must be between 0 and 1");
+}
 
-}  // namespace
-
-bool RepeatsItself(const MapKeypoints& map, const DescriptorIndex& index, std::uint32_t seed) {
+bool RepeatsItself(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
+                   std::uint32_t seed) {
   if (map.size() < 2 || map.descriptors.depth() != CV_8U) {
     return false;
   }
   std::mt19937 random(seed);
   std::vector<std::size_t> sampled;
   cv::Mat descriptors;
-  for (int i = 0; i < kSample; ++i) {
+  for (int i = 0; i < options.sample; ++i) {
     sampled.push_back(random() % map.size());
     descriptors.push_back(map.descriptors.row(static_cast<int>(sampled.back())));
   }
-  const auto max_distance = static_cast<float>(kTwinShare * 8.0 * map.descriptors.cols);
-  const auto neighbours = index.Search(descriptors, {.count = kNeighbours, .max_distance = max_distance});
+  const auto max_distance = static_cast<float>(options.max_bit_share * 8.0 * map.descriptors.cols);
+  const auto neighbours = index.Search(descriptors, {.count = options.neighbours, .max_distance = max_distance});
   int twins = 0;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Eigen::Vector2d here = map.keypoints[sampled[i]].Position();
     twins += std::any_of(neighbours[i].begin(), neighbours[i].end(), [&](const Neighbour& n) {
-      return (map.keypoints[static_cast<std::size_t>(n.index)].Position() - here).norm() > kElsewhereM;
+      return (map.keypoints[static_cast<std::size_t>(n.index)].Position() - here).norm() > options.min_distance_m;
     });
   }
-  return 2 * twins > kSample;
+  return twins > options.min_twin_share * options.sample;
 }
 
 }  // namespace floorloc

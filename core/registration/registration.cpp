@@ -66,16 +66,14 @@ Pose2 SampleBestPose(const std::vector<OrientedMatch>& matches, const std::vecto
 
 // A rival that explains nearly as many matches is as probable as its significance says; rivals that chance alone
 // explains are no rivals.
-std::vector<double> PosteriorWeights(const std::vector<PoseCandidate>& candidates, std::size_t best) {
-  constexpr double kMinSignificance = -1.0;
-  // Inliers of one pose are not independent (neighbouring keypoints share pixels): temper the likelihood ratio.
-  constexpr double kTemper = 0.2;
+std::vector<double> PosteriorWeights(const std::vector<PoseCandidate>& candidates, std::size_t best,
+                                     const RegistrationOptions& options) {
   std::vector<double> weights;
   double sum = 0.0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const bool counts = i == best || candidates[i].log10_nfa < kMinSignificance;
+    const bool counts = i == best || candidates[i].log10_nfa < options.max_rival_log10_nfa;
     const double advantage = candidates[best].log10_nfa - candidates[i].log10_nfa;
-    weights.push_back(counts ? std::pow(10.0, kTemper * advantage) : 0.0);
+    weights.push_back(counts ? std::pow(10.0, options.inlier_independence * advantage) : 0.0);
     sum += weights.back();
   }
   for (double& w : weights) {
@@ -100,7 +98,7 @@ PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const Regist
     return choice;
   }
   const auto index = static_cast<std::size_t>(best - candidates.begin());
-  const std::vector<double> weights = PosteriorWeights(candidates, index);
+  const std::vector<double> weights = PosteriorWeights(candidates, index, options);
   choice.best = static_cast<int>(index);
   const auto hypothesis = [&](std::size_t i) {
     return PoseHypothesis{candidates[i].target_from_source, static_cast<int>(candidates[i].inliers.size()), weights[i]};
@@ -159,6 +157,9 @@ void RegistrationOptions::Check() const {
   require(max_p_wrong > 0 && max_p_wrong <= 1, "max_p_wrong must be above 0 and at most 1");
   require(max_rival_share > 0 && max_rival_share <= 1, "max_rival_share must be above 0 and at most 1");
   require(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
+  require(min_p_wrong >= 0 && min_p_wrong < 1, "min_p_wrong must be at least 0 and below 1");
+  require(max_rival_log10_nfa <= 0, "max_rival_log10_nfa must not be positive");
+  require(inlier_independence > 0 && inlier_independence <= 1, "inlier_independence must be above 0 and at most 1");
 }
 
 double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& options) {

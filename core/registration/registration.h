@@ -29,9 +29,18 @@ struct RegistrationOptions {
   int candidates = 10;             ///< best cells that are verified
   int ransac_iterations = 60;      ///< two-point samples per candidate
   int min_inliers = 8;
-  double max_p_wrong = 1e-4;             ///< a registration above it is not accepted
+  double max_p_wrong = 1e-4;             ///< a pose that is wrong with a higher probability is not accepted
   double max_rival_share = 1.0;          ///< a rival with a larger share of the best pose's inliers makes it ambiguous
   double position_noise_floor_m = 5e-5;  ///< lower bound of the keypoint noise in the covariance
+  /// p_wrong is never below: no model of chance is surer of itself. 9226105; `./run bench honesty`.
+  double min_p_wrong = 1e-9;
+  /// A pose whose log10 of the number of false alarms is not below this is no rival: chance always offers some.
+  /// 887cc41;
+  /// `./run bench honesty`.
+  double max_rival_log10_nfa = -1.0;
+  /// Exponent of the likelihood ratio of two poses by their numbers of inliers: inliers of one pose are not independent
+  /// (neighbouring keypoints share pixels). 887cc41; RegistrationTest.
+  double inlier_independence = 0.2;
   std::uint32_t seed = 1;
 
   void Check() const;

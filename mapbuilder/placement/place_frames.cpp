@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 
 #include "core/io/input_error.h"
 #include "core/registration/least_squares.h"
@@ -21,9 +22,6 @@ namespace {
 constexpr double kOdometrySigmaM = 0.02;
 constexpr double kOdometrySigmaShare = 0.1;
 constexpr double kOdometrySigmaRad = 0.05;
-
-// A map of which more overlaps than this do not match is folded onto itself.
-constexpr double kMaxUnmatchedShare = 0.15;
 
 // A part without a known place is put this far to the right of everything else.
 constexpr double kPartGapM = 1.0;
@@ -332,7 +330,7 @@ void Placer::CountUnmatchedOverlaps(Placement* placement) const {
     placement->unmatched_pairs += linked_.contains({pair.first, pair.second}) ? 0 : 1;
   }
   if (graph_.odometry.empty() && graph_.priors.empty() &&
-      placement->unmatched_pairs > kMaxUnmatchedShare * placement->overlapping_pairs) {
+      placement->unmatched_pairs > options_.max_unmatched_share * placement->overlapping_pairs) {
     throw InputError("the floor repeats itself too much to find the frames' order from the pictures alone (" +
                      std::to_string(placement->unmatched_pairs) + " of " +
                      std::to_string(placement->overlapping_pairs) +
@@ -411,8 +409,18 @@ Placement Placer::Finish() {
 
 }  // namespace
 
+void PlacementOptions::Check() const {
+  if (!(prior_sigma_m > 0.0 && prior_sigma_rad > 0.0)) {
+    throw std::invalid_argument("prior_sigma_m and prior_sigma_rad must be positive");
+  }
+  if (!(max_unmatched_share >= 0.0 && max_unmatched_share <= 1.0)) {
+    throw std::invalid_argument("max_unmatched_share must be 0 to 1");
+  }
+}
+
 Placement PlaceFrames(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
                       const PlacementOptions& options) {
+  options.Check();
   return Placer(frames, surveys, options).Run();
 }
 

@@ -16,6 +16,12 @@ struct PlacementOptions {
   bool keep_all = false;  ///< keep parts of the survey that pictures do not connect to the largest one
   double prior_sigma_m = 0.05;
   double prior_sigma_rad = 0.05;
+  /// A map without odometry or poses of which a larger share of the overlaps does not match is folded onto itself and
+  /// refused. ae7b5b9; the surveys without odometry of the mapbuilder's tests.
+  double max_unmatched_share = 0.15;
+
+  /// Throws std::invalid_argument with the field's name.
+  void Check() const;
 };
 
 /// Where the frames of a build are.

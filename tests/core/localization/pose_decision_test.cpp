@@ -69,7 +69,7 @@ class PoseDecisionTest : public ::testing::Test {
     for (int i = 0; i < kKeypoints; ++i) {
       evidence.cell_of_keypoint.push_back(i / 2);
     }
-    return DecidePose(poses, evidence, RegistrationOptions());
+    return DecidePose(poses, evidence, RegistrationOptions(), DecisionOptions());
   }
 
  private:

@@ -40,7 +40,7 @@ MapKeypoints MakeMap(double twin_share, float shift_m) {
 }
 
 bool Repeats(const MapKeypoints& map) {
-  return RepeatsItself(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), 1);
+  return RepeatsItself(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), {}, 1);
 }
 
 TEST(SelfSimilarityTest, AFloorOfOneOffPointsDoesNotRepeatItself) { EXPECT_FALSE(Repeats(MakeMap(0.0, 3.0F))); }
@@ -58,7 +58,7 @@ TEST(SelfSimilarityTest, OfFloatDescriptorsAndEmptyMapsNothingIsKnown) {
   EXPECT_FALSE(Repeats(map));
   map.keypoints.clear();
   map.descriptors = cv::Mat(0, kBytes, CV_8UC1);
-  EXPECT_FALSE(RepeatsItself(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), 1));
+  EXPECT_FALSE(RepeatsItself(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), {}, 1));
 }
 
 }  // namespace
