@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -106,10 +107,10 @@ double FisherP(std::span<const double> p_values) {
   return std::exp(-x) * sum;
 }
 
-// Probability that the second of two poses is the right one. A witness that can't tell them apart does not weaken
-// another that can; one that contradicts does.
-double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
-                        const DecisionOptions& options) {
+// Odds that the second of two poses is right rather than the first. A witness that can't tell them apart does not
+// weaken another that can; one that contradicts does.
+double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
+                    const DecisionOptions& options) {
   const CommonFloor common(first, second, evidence.cell_of_keypoint);
   std::vector<double> leads{LeadByKeypoints(first, second, common, evidence.max_distance),
                             LeadByVotes(first, second, common)};
@@ -122,9 +123,7 @@ double RivalProbability(const VerifiedPose& first, const VerifiedPose& second, c
     for_first.push_back(UpperTail(lead));
     for_second.push_back(UpperTail(-lead));
   }
-  const double against_first = FisherP(for_first) * second.prior_weight;
-  const double against_second = FisherP(for_second) * first.prior_weight;
-  return against_first / (against_first + against_second);
+  return FisherP(for_first) * second.prior_weight / (FisherP(for_second) * first.prior_weight);
 }
 
 // log10 of the chance that the frame agrees as well with the mosaic under a wrong pose.
@@ -152,19 +151,27 @@ double ChanceOfMissingTheRightPose(std::size_t inliers, const DecisionOptions& o
   return options.look_alike_taken * at_most_two;
 }
 
-std::size_t FindBest(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
-                     const DecisionOptions& options) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (RivalProbability(poses[best], poses[i], evidence, options) > 0.5) {
-      best = i;
+// odds[i][k]: that pose k is right rather than pose i.
+std::vector<std::vector<double>> OddsOfAll(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
+                                           const DecisionOptions& options) {
+  std::vector<std::vector<double>> odds(poses.size(), std::vector<double>(poses.size(), 1.0));
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t k = i + 1; k < poses.size(); ++k) {
+      odds[i][k] = OddsOfSecond(poses[i], poses[k], evidence, options);
+      odds[k][i] = 1.0 / odds[i][k];
     }
   }
-  return best;
+  return odds;
 }
 
-PoseHypothesis ToHypothesis(const VerifiedPose& pose, double weight) {
-  return {pose.candidate.target_from_source, static_cast<int>(pose.candidate.inliers.size()), weight};
+// The pose that has the largest weight when all are weighed against it. Comparisons of pairs need not be transitive:
+// each pose is weighed against all others, so that their order does not matter.
+std::size_t FindBest(const std::vector<std::vector<double>>& odds) {
+  std::vector<double> sums;
+  for (const std::vector<double>& against : odds) {
+    sums.push_back(std::accumulate(against.begin(), against.end(), 0.0));
+  }
+  return static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin());
 }
 
 }  // namespace
@@ -186,42 +193,24 @@ void DecisionOptions::Check() const {
 
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
                         const RegistrationOptions& registration, const DecisionOptions& options) {
-  PoseDecision decision;
   if (poses.empty()) {
-    return decision;
+    return {};
   }
-  const std::size_t best = FindBest(poses, evidence, options);
-  if (static_cast<int>(poses[best].candidate.inliers.size()) < registration.min_inliers) {
-    return decision;
-  }
-  decision.best = static_cast<int>(best);
-  std::vector<double> rival(poses.size(), 0.0);
-  double p_rival = 0.0;
+  const std::vector<std::vector<double>> odds = OddsOfAll(poses, evidence, options);
+  PoseContest contest;
+  contest.best = FindBest(odds);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i != best && poses[i].candidate.log10_nfa < registration.max_rival_log10_nfa) {
-      rival[i] = RivalProbability(poses[best], poses[i], evidence, options);
-      p_rival += rival[i];
-    }
+    const PoseCandidate& pose = poses[i].candidate;
+    const bool counts = i == contest.best || pose.log10_nfa < registration.max_rival_log10_nfa;
+    contest.hypotheses.push_back(
+        {pose.target_from_source, static_cast<int>(pose.inliers.size()), counts ? odds[contest.best][i] : 0.0});
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, Log10Chance(poses[best], evidence, options)));
-  const double p_missed =
-      evidence.floor_repeats ? ChanceOfMissingTheRightPose(poses[best].candidate.inliers.size(), options) : 0.0;
-  decision.p_wrong = std::clamp(p_chance + p_missed + p_rival / (1.0 + p_rival), registration.min_p_wrong, 1.0);
-  const double sum = 1.0 + p_rival;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (rival[i] / sum > registration.max_p_wrong) {
-      decision.alternatives.push_back(ToHypothesis(poses[i], rival[i] / sum));
-    }
+  const VerifiedPose& best = poses[contest.best];
+  contest.p_chance = std::min(1.0, std::pow(10.0, Log10Chance(best, evidence, options)));
+  if (evidence.floor_repeats) {
+    contest.p_missed = ChanceOfMissingTheRightPose(best.candidate.inliers.size(), options);
   }
-  if (p_chance > registration.max_p_wrong) {
-    decision.status = RegistrationStatus::kNotSignificant;
-  } else if (decision.p_wrong > registration.max_p_wrong) {
-    decision.status = RegistrationStatus::kAmbiguous;
-    decision.alternatives.insert(decision.alternatives.begin(), ToHypothesis(poses[best], 1.0 / sum));
-  } else {
-    decision.status = RegistrationStatus::kRegistered;
-  }
-  return decision;
+  return ChoosePose(contest, registration);
 }
 
 }  // namespace floorloc

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/registration/least_squares.h"
+#include "core/registration/pose_choice.h"
 #include "core/registration/significance.h"
 #include "core/registration/voting.h"
 
@@ -64,64 +65,24 @@ Pose2 SampleBestPose(const std::vector<OrientedMatch>& matches, const std::vecto
   return best;
 }
 
-// A rival that explains nearly as many matches is as probable as its significance says; rivals that chance alone
-// explains are no rivals.
-std::vector<double> PosteriorWeights(const std::vector<PoseCandidate>& candidates, std::size_t best,
-                                     const RegistrationOptions& options) {
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const bool counts = i == best || candidates[i].log10_nfa < options.max_rival_log10_nfa;
-    const double advantage = candidates[best].log10_nfa - candidates[i].log10_nfa;
-    weights.push_back(counts ? std::pow(10.0, options.inlier_independence * advantage) : 0.0);
-    sum += weights.back();
-  }
-  for (double& w : weights) {
-    w /= sum;
-  }
-  return weights;
-}
-
-struct PoseChoice {
-  RegistrationStatus status = RegistrationStatus::kTooFewInliers;
-  int best = -1;
-  double p_wrong = 1.0;
-  std::vector<PoseHypothesis> alternatives;
-};
-
-PoseChoice ChoosePose(const std::vector<PoseCandidate>& candidates, const RegistrationOptions& options) {
-  PoseChoice choice;
+// The most significant candidate is the best. A rival's odds follow from its significance; rivals that chance alone
+// explains are none.
+PoseContest MakeContest(const std::vector<PoseCandidate>& candidates, const RegistrationOptions& options) {
+  PoseContest contest;
   const auto best =
       std::min_element(candidates.begin(), candidates.end(),
                        [](const PoseCandidate& a, const PoseCandidate& b) { return a.log10_nfa < b.log10_nfa; });
-  if (best == candidates.end() || static_cast<int>(best->inliers.size()) < options.min_inliers) {
-    return choice;
+  if (best == candidates.end()) {
+    return contest;
   }
-  const auto index = static_cast<std::size_t>(best - candidates.begin());
-  const std::vector<double> weights = PosteriorWeights(candidates, index, options);
-  choice.best = static_cast<int>(index);
-  const auto hypothesis = [&](std::size_t i) {
-    return PoseHypothesis{candidates[i].target_from_source, static_cast<int>(candidates[i].inliers.size()), weights[i]};
-  };
-  bool rivalled = false;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (i != index && weights[i] > options.max_p_wrong) {
-      choice.alternatives.push_back(hypothesis(i));
-    }
-    rivalled = rivalled || (i != index && static_cast<double>(candidates[i].inliers.size()) >
-                                              options.max_rival_share * static_cast<double>(best->inliers.size()));
+  contest.best = static_cast<std::size_t>(best - candidates.begin());
+  contest.p_chance = std::min(1.0, std::pow(10.0, best->log10_nfa));
+  for (const PoseCandidate& c : candidates) {
+    const bool counts = &c == &*best || c.log10_nfa < options.max_rival_log10_nfa;
+    const double odds = counts ? std::pow(10.0, options.inlier_independence * (best->log10_nfa - c.log10_nfa)) : 0.0;
+    contest.hypotheses.push_back({c.target_from_source, static_cast<int>(c.inliers.size()), odds});
   }
-  const double p_chance = std::min(1.0, std::pow(10.0, best->log10_nfa));
-  choice.p_wrong = std::min(1.0, p_chance + (1.0 - weights[index]));
-  if (p_chance > options.max_p_wrong) {
-    choice.status = RegistrationStatus::kNotSignificant;
-  } else if (choice.p_wrong > options.max_p_wrong || rivalled) {
-    choice.status = RegistrationStatus::kAmbiguous;
-    choice.alternatives.insert(choice.alternatives.begin(), hypothesis(index));
-  } else {
-    choice.status = RegistrationStatus::kRegistered;
-  }
-  return choice;
+  return contest;
 }
 
 }  // namespace
@@ -155,7 +116,6 @@ void RegistrationOptions::Check() const {
   require(ransac_iterations >= 1 && ransac_iterations <= 1000000, "ransac_iterations must be 1 to 1000000");
   require(min_inliers >= 3, "min_inliers must be at least 3");
   require(max_p_wrong > 0 && max_p_wrong <= 1, "max_p_wrong must be above 0 and at most 1");
-  require(max_rival_share > 0 && max_rival_share <= 1, "max_rival_share must be above 0 and at most 1");
   require(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
   require(min_p_wrong >= 0 && min_p_wrong < 1, "min_p_wrong must be at least 0 and below 1");
   require(max_rival_log10_nfa <= 0, "max_rival_log10_nfa must not be positive");
@@ -243,7 +203,7 @@ RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const 
   for (PoseCandidate& c : candidates) {
     c.log10_nfa = Log10NfaOfPose(static_cast<int>(matches.size()), static_cast<int>(c.inliers.size()), region, options);
   }
-  PoseChoice choice = ChoosePose(candidates, options);
+  PoseDecision choice = ChoosePose(MakeContest(candidates, options), options);
   result.status = choice.status;
   if (choice.best < 0) {
     return result;

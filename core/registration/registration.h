@@ -30,7 +30,6 @@ struct RegistrationOptions {
   int ransac_iterations = 60;      ///< two-point samples per candidate
   int min_inliers = 8;
   double max_p_wrong = 1e-4;             ///< a pose that is wrong with a higher probability is not accepted
-  double max_rival_share = 1.0;          ///< a rival with a larger share of the best pose's inliers makes it ambiguous
   double position_noise_floor_m = 5e-5;  ///< lower bound of the keypoint noise in the covariance
   /// p_wrong is never below: no model of chance is surer of itself. 9226105; `./run bench honesty`.
   double min_p_wrong = 1e-9;

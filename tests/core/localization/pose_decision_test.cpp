@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -127,6 +128,52 @@ TEST_F(PoseDecisionTest, KeypointsThatChanceExplainsAreNotSignificant) {
 TEST_F(PoseDecisionTest, EqualPosesAreAmbiguous) {
   ExpectAmbiguous(Decide({MakePose(0.0), MakePose(1.0)}), 2);
   ExpectAmbiguous(Decide({MakePose(0.0), MakePose(1.0), MakePose(2.0)}), 3);
+}
+
+TEST_F(PoseDecisionTest, IdenticalPosesShareEvenly) {
+  const VerifiedPose pose = WithPicture(MakePose(0.0), 0.5F);
+  for (std::size_t k = 2; k <= 10; ++k) {
+    const PoseDecision decision = Decide(std::vector<VerifiedPose>(k, pose));
+    const double share = 1.0 / static_cast<double>(k);
+    ASSERT_EQ(decision.alternatives.size(), k);
+    for (const PoseHypothesis& hypothesis : decision.alternatives) {
+      EXPECT_NEAR(hypothesis.weight, share, 1e-9) << k;
+    }
+    EXPECT_NEAR(decision.p_wrong, 1.0 - share, 1e-4) << k;
+  }
+}
+
+// Poses of different merit, some hard to tell apart.
+TEST_F(PoseDecisionTest, TheOrderOfThePosesDoesNotMatter) {
+  std::vector<VerifiedPose> poses;
+  for (int i = 0; i < 6; ++i) {
+    const float merit = static_cast<float>(i % 3);
+    poses.push_back(WithPicture(WithNearerKeypoints(MakePose(i), 1.5F * merit), 0.3F + 0.02F * merit));
+  }
+  const PoseDecision first = Decide(poses);
+  const double best_x = poses[static_cast<std::size_t>(first.best)].candidate.target_from_source.x();
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 50; ++trial) {
+    std::shuffle(poses.begin(), poses.end(), random);
+    const PoseDecision again = Decide(poses);
+    EXPECT_EQ(again.status, first.status);
+    EXPECT_EQ(poses[static_cast<std::size_t>(again.best)].candidate.target_from_source.x(), best_x);
+    EXPECT_NEAR(again.p_wrong, first.p_wrong, 1e-9);
+    EXPECT_EQ(again.alternatives.size(), first.alternatives.size());
+  }
+}
+
+TEST_F(PoseDecisionTest, AHopelessRivalChangesNothing) {
+  const std::vector<VerifiedPose> poses{MakePose(0.0), MakePose(1.0)};
+  const PoseDecision without = Decide(poses);
+  VerifiedPose hopeless = WithoutVotes(MakePose(2.0));
+  hopeless.distance.assign(kKeypoints, std::numeric_limits<float>::infinity());
+  const PoseDecision with = Decide({poses[0], poses[1], hopeless});
+  EXPECT_EQ(with.best, without.best);
+  EXPECT_NEAR(with.p_wrong, without.p_wrong, 1e-6);
+  EXPECT_EQ(with.alternatives.size(), without.alternatives.size());
+  ExpectAccepted(Decide({poses[0], hopeless}), 0);
+  ExpectAccepted(Decide({hopeless, poses[0]}), 1);
 }
 
 TEST_F(PoseDecisionTest, APoseThatChanceOffersIsNoRival) {
