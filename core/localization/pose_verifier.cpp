@@ -15,9 +15,21 @@
 namespace floorloc {
 namespace {
 
+constexpr int kPairs = 20000;
+
 double DescriptorDistance(const cv::Mat& descriptors, int a, int b) {
   return cv::norm(descriptors.row(a), descriptors.row(b),
                   descriptors.depth() == CV_8U ? cv::NORM_HAMMING : cv::NORM_L2);
+}
+
+// The value that `rank` of the distances are below; 0 of too few.
+double OrderStatistic(std::vector<double> distances, double rank) {
+  if (rank < 1.0 || rank >= static_cast<double>(distances.size())) {
+    return 0.0;
+  }
+  const auto nth = distances.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(distances.begin(), nth, distances.end());
+  return *nth;
 }
 
 }  // namespace
@@ -31,6 +43,10 @@ void VerificationOptions::Check() const {
   require(search_radii >= 1 && search_radii < 100, "search_radii must be 1 to 100");
   require(yaw_radius_rad > 0 && yaw_radius_rad < 4, "yaw_radius_rad must be between 0 and 4");
   require(alike_share > 0 && alike_share < 1, "alike_share must be between 0 and 1");
+  require(min_neighbour_radii >= 1 && min_neighbour_radii < max_neighbour_radii,
+          "min_neighbour_radii must be at least 1 and below max_neighbour_radii");
+  require(max_neighbour_radii < 1000, "max_neighbour_radii must be below 1000");
+  require(copies_sigma >= 0, "copies_sigma must not be negative");
   require(min_chance > 0 && min_chance <= max_chance, "min_chance must be above 0 and at most max_chance");
   require(max_chance < 1, "max_chance must be below 1");
 }
@@ -41,28 +57,61 @@ PoseVerifier::PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, co
   MeasureChance(map.info.area_m2);
 }
 
-void PoseVerifier::MeasureChance(double area_m2) {
+std::vector<double> PoseVerifier::DistancesOfAnyPairs(std::mt19937* random) const {
   const auto count = static_cast<std::uint32_t>(map_.size());
-  if (count < 2) {
-    return;
-  }
-  constexpr int kPairs = 20000;
-  std::mt19937 random(registration_.seed);
   std::vector<double> distances;
   for (int i = 0; i < kPairs; ++i) {
-    const auto a = static_cast<int>(random() % count);
-    const auto b = static_cast<int>(random() % count);
+    const auto a = static_cast<int>((*random)() % count);
+    const auto b = static_cast<int>((*random)() % count);
     if (a != b) {
       distances.push_back(DescriptorDistance(map_.descriptors, a, b));
     }
   }
-  const auto quantile = distances.begin() + static_cast<std::ptrdiff_t>(options_.alike_share * kPairs);
-  std::nth_element(distances.begin(), quantile, distances.end());
-  max_distance_ = static_cast<float>(*quantile);
-  const double per_m2 = count / std::max(area_m2, 1e-3);
+  return distances;
+}
+
+std::vector<double> PoseVerifier::DistancesOfNeighbours(std::mt19937* random) const {
+  const double min_m = options_.min_neighbour_radii * registration_.inlier_radius_m;
+  const double max_m = options_.max_neighbour_radii * registration_.inlier_radius_m;
+  std::vector<double> distances;
+  for (int i = 0; i < kPairs; ++i) {
+    const std::size_t a = (*random)() % map_.size();
+    const Keypoint& keypoint = map_.keypoints[a];
+    std::vector<int> around = matcher_.FindWithin(keypoint, max_m);
+    std::erase_if(around, [&](int b) {
+      return (map_.keypoints[static_cast<std::size_t>(b)].Position() - keypoint.Position()).norm() < min_m;
+    });
+    if (!around.empty()) {
+      const int b = around[(*random)() % around.size()];
+      distances.push_back(DescriptorDistance(map_.descriptors, static_cast<int>(a), b));
+    }
+  }
+  return distances;
+}
+
+// Few different floor points are alike: an order statistic of the distances between any two keypoints of the map.
+// Copies of one point, a repetition of the floor apart, spoil it: of tiles with n keypoints every n-th pair is one.
+// Those of neighbours are not spoilt.
+void PoseVerifier::MeasureChance(double area_m2) {
+  if (map_.size() < 2) {
+    return;
+  }
+  std::mt19937 random(registration_.seed);
+  const std::vector<double> any = DistancesOfAnyPairs(&random);
+  const std::vector<double> neighbours = DistancesOfNeighbours(&random);
+  const double rank = options_.alike_share * kPairs;
+  const double by_neighbours =
+      OrderStatistic(neighbours, options_.alike_share * static_cast<double>(neighbours.size()));
+  const auto alike =
+      static_cast<double>(std::count_if(any.begin(), any.end(), [&](double d) { return d < by_neighbours; }));
+  const bool copies = alike > rank + options_.copies_sigma * std::sqrt(2.0 * rank);
+  max_distance_ = static_cast<float>(copies ? by_neighbours : OrderStatistic(any, rank));
+  // Copies count as chance: where one lies is where another is predicted.
+  const double alike_share = copies ? alike / kPairs : options_.alike_share;
+  const double per_m2 = static_cast<double>(map_.size()) / std::max(area_m2, 1e-3);
   const double disc_m2 = std::numbers::pi * registration_.inlier_radius_m * registration_.inlier_radius_m;
   const double angle_share = options_.yaw_radius_rad / std::numbers::pi;
-  chance_ = std::min(options_.max_chance, per_m2 * disc_m2 * angle_share * options_.alike_share);
+  chance_ = std::min(options_.max_chance, per_m2 * disc_m2 * angle_share * alike_share);
 }
 
 VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_from_base) const {

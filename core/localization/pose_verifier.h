@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "core/localization/photometric_aligner.h"
@@ -33,6 +34,13 @@ struct VerificationOptions {
   double yaw_radius_rad = 0.45;
   /// Share of the pairs of different floor points whose descriptors may count as alike (c76363b).
   double alike_share = 0.01;
+  /// Keypoints between so many inlier radii of each other are different floor points, also on a floor that repeats
+  /// itself.
+  double min_neighbour_radii = 5.0;
+  double max_neighbour_radii = 20.0;
+  /// By how many standard deviations more of any two keypoints than of neighbours must be alike for the floor to hold
+  /// copies of its points: fewer may be the sample's doing.
+  double copies_sigma = 3.0;
   /// Bounds of the chance that a keypoint has an inlier under a wrong pose, as measured on the map (c76363b).
   double min_chance = 1e-6;
   double max_chance = 0.5;
@@ -55,6 +63,8 @@ class PoseVerifier {
 
  private:
   void MeasureChance(double area_m2);
+  std::vector<double> DistancesOfAnyPairs(std::mt19937* random) const;
+  std::vector<double> DistancesOfNeighbours(std::mt19937* random) const;
 
   const MapKeypoints& map_;
   const GuidedMatcher& matcher_;

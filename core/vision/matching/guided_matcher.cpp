@@ -191,6 +191,13 @@ Match GuidedMatcher::FindAmong(const Features& query, const PackedDescriptors& p
   return {row, best.index, static_cast<float>(best.distance), second};
 }
 
+std::vector<int> GuidedMatcher::FindWithin(const Keypoint& keypoint, double radius_m) const {
+  constexpr float kAnyAngle = -2.0F;
+  std::vector<int> found;
+  Collect({keypoint.x_m, keypoint.y_m, static_cast<float>(radius_m), 1.0F, 0.0F, kAnyAngle, keypoint.size_m}, &found);
+  return found;
+}
+
 std::vector<Match> GuidedMatcher::FindNearest(const Features& query, const MatchGuide& guide) const {
   if (query.keypoints.empty() || descriptors_.rows == 0) {
     return {};

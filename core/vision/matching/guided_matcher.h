@@ -35,6 +35,9 @@ class GuidedMatcher {
   /// One match per query keypoint that has a candidate. Throws std::invalid_argument for descriptors unlike its own.
   std::vector<Match> FindNearest(const Features& query, const MatchGuide& guide) const;
 
+  /// Indices of the keypoints of like size within radius_m of a keypoint, whatever their angle; itself among them.
+  std::vector<int> FindWithin(const Keypoint& keypoint, double radius_m) const;
+
  private:
   // The keypoints in the order of the grid's cells, one array per field: many are tested at once.
   struct Entries {
