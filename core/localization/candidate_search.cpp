@@ -21,6 +21,8 @@ std::vector<int> SupportingKeypoints(const FrameMatches& matches, const Pose2& m
   for (const int i : FindInliers(matches.oriented, map_from_base, radius_m)) {
     keypoints.push_back(matches.matches[static_cast<std::size_t>(i)].query);
   }
+  std::sort(keypoints.begin(), keypoints.end());
+  keypoints.erase(std::unique(keypoints.begin(), keypoints.end()), keypoints.end());
   return keypoints;
 }
 

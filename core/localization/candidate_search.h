@@ -26,7 +26,7 @@ struct GlobalSearchCache {
   std::vector<VerifiedPose> poses;
 };
 
-/// Query keypoints whose match agrees with the pose within radius_m.
+/// Query keypoints of which a match agrees with the pose within radius_m, increasing and each once.
 std::vector<int> SupportingKeypoints(const FrameMatches& matches, const Pose2& map_from_base, double radius_m);
 
 /// Finds the poses of a frame that its keypoints vote for, each verified by all of them. Const and thread-safe.
