@@ -52,6 +52,12 @@ class ByteReader {
       at_ += sizeof(T);
     }
   }
+  void Read(bool* value) {
+    std::uint8_t byte = 0;
+    Read(&byte);
+    failed_ = failed_ || byte > 1;  // no other byte is a bool
+    *value = byte == 1;
+  }
   template <typename T>
   requires std::is_trivially_copyable_v<T>
   void Read(std::vector<T>* values) {
@@ -81,8 +87,7 @@ class ByteReader {
     Read(&cols);
     Read(&type);
     Read(&pixels);
-    const auto cells = static_cast<std::size_t>(std::max(rows, 0)) * static_cast<std::size_t>(std::max(cols, 0));
-    if (failed_ || cells * static_cast<std::size_t>(CV_ELEM_SIZE(type)) != pixels.size()) {
+    if (failed_ || !Fits(rows, cols, type, pixels.size())) {
       failed_ = true;
       return;
     }
@@ -97,6 +102,15 @@ class ByteReader {
   bool Complete() const { return !failed_ && at_ == bytes_.size(); }
 
  private:
+  // Divides: the product of numbers that anybody may have written can wrap.
+  static bool Fits(int rows, int cols, int type, std::size_t bytes) {
+    if (rows < 0 || cols < 0 || CV_MAT_TYPE(type) != type) {
+      return false;
+    }
+    const std::size_t row_bytes = static_cast<std::size_t>(cols) * static_cast<std::size_t>(CV_ELEM_SIZE(type));
+    return rows == 0 || row_bytes == 0 ? bytes == 0
+                                       : bytes / row_bytes == static_cast<std::size_t>(rows) && bytes % row_bytes == 0;
+  }
   bool Has(std::size_t count) {
     failed_ = failed_ || count > bytes_.size() - at_;
     return !failed_;

@@ -11,6 +11,7 @@
 #include <random>
 #include <sstream>
 #include <thread>
+#include <tuple>
 
 #include "mapbuilder/batch/journal_bytes.h"
 #include "tests/synthetic/temporary_folder.h"
@@ -230,6 +231,38 @@ TEST(JournalBytesTest, ValuesComeBack) {
       EXPECT_EQ(numbers, (std::vector<double>{1.5, -2.5}));
       EXPECT_EQ(cv::norm(mat, picture.colRange(1, 4), cv::NORM_INF), 0.0);
     }
+  }
+}
+
+TEST(JournalBytesTest, AMatrixWhoseSizeWrapsAroundIsRefused) {
+  const Bytes no_pixels;
+  // 2^30 x 2^30 cells of 16 bytes are 2^64 bytes, which count as none.
+  const Bytes bytes = ByteWriter().Add(1 << 30).Add(1 << 30).Add(CV_32FC4).Add(no_pixels).Take();
+  ByteReader reader(bytes);
+  cv::Mat mat;
+  reader.Read(&mat);
+  EXPECT_TRUE(reader.failed());
+  EXPECT_TRUE(mat.empty());
+}
+
+TEST(JournalBytesTest, NegativeSizesAndStrangeTypesAreRefused) {
+  for (const auto& [rows, cols, type] : {std::tuple{-1, 0, CV_8U}, {0, -1, CV_8U}, {0, 0, 1 << 20}, {0, 0, -1}}) {
+    const Bytes bytes = ByteWriter().Add(rows).Add(cols).Add(type).Add(Bytes()).Take();
+    ByteReader reader(bytes);
+    cv::Mat mat;
+    reader.Read(&mat);
+    EXPECT_TRUE(reader.failed()) << rows << " " << cols << " " << type;
+  }
+}
+
+TEST(JournalBytesTest, OnlyZeroAndOneAreTruthValues) {
+  for (const int byte : {0, 1, 2, 255}) {
+    const Bytes bytes = {static_cast<std::uint8_t>(byte)};
+    ByteReader reader(bytes);
+    bool value = false;
+    reader.Read(&value);
+    EXPECT_EQ(reader.Complete(), byte <= 1) << byte;
+    EXPECT_EQ(value, byte == 1) << byte;
   }
 }
 
