@@ -104,7 +104,7 @@ std::string KeyOf(const char* stage, const BuildOptions& options, const std::vec
 void TieToOldMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const BuildOptions& options,
                  BuildJournal* journal, std::vector<BuildFrame>* frames, BuildReport* report) {
   const std::string key = KeyOf("fixes", options, surveys);
-  auto fixes = RestoreFixes(key, journal);
+  auto fixes = RestoreFixes(key, frames->size(), journal);
   if (!fixes) {
     fixes = LocateInMap(old, surveys, *frames, {options.threads, options.seed, options.progress});
     StoreFixes(*fixes, key, journal);
@@ -118,7 +118,7 @@ void TieToOldMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys, co
 Placement PlaceFramesOnce(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
                           const BuildOptions& options, BuildJournal* journal) {
   const std::string key = KeyOf("placement", options, surveys);
-  if (std::optional<Placement> done = RestorePlacement(key, journal)) {
+  if (std::optional<Placement> done = RestorePlacement(key, frames.size(), journal)) {
     return std::move(*done);
   }
   Placement placement = PlaceFrames(frames, surveys, options.placement);

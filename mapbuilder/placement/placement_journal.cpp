@@ -56,6 +56,15 @@ Link ReadLink(ByteReader* reader) {
   return link;
 }
 
+bool IsFrame(int index, std::size_t frames) { return index >= 0 && static_cast<std::size_t>(index) < frames; }
+
+bool FitsFrames(const Placement& p, std::size_t frames) {
+  return p.map_from_base.size() == frames && p.drop_reason.size() == frames &&
+         std::all_of(p.links.begin(), p.links.end(), [frames](const Link& link) {
+           return IsFrame(link.first, frames) && IsFrame(link.second, frames);
+         });
+}
+
 // Everything in the folder itself: camera, odometry, control points, ...
 void AddFilesOf(const Survey& survey, ContentHash* hash) {
   std::vector<std::filesystem::path> files;
@@ -89,17 +98,17 @@ std::string PlacementKey(const std::vector<LoadedSurvey>& surveys, const std::st
   return hash.Hex();
 }
 
-std::optional<Placement> RestorePlacement(const std::string& key, BuildJournal* journal) {
+std::optional<Placement> RestorePlacement(const std::string& key, std::size_t frames, BuildJournal* journal) {
   const auto piece = journal->Get(key);
   if (!piece) {
     return std::nullopt;
   }
   Placement p;
   ByteReader reader(*piece);
-  std::uint64_t frames = 0;
+  std::uint64_t count = 0;
   std::uint64_t links = 0;
-  reader.Read(&frames);
-  for (std::uint64_t i = 0; i < frames && !reader.failed(); ++i) {
+  reader.Read(&count);
+  for (std::uint64_t i = 0; i < count && !reader.failed(); ++i) {
     p.map_from_base.push_back(ReadPose(&reader));
     reader.Read(&p.drop_reason.emplace_back());
   }
@@ -108,16 +117,17 @@ std::optional<Placement> RestorePlacement(const std::string& key, BuildJournal* 
     p.links.push_back(ReadLink(&reader));
   }
   reader.Read(&p.part_sizes);
-  for (int* count : {&p.rejected_links, &p.overlapping_pairs, &p.unmatched_pairs}) {
-    reader.Read(count);
+  for (int* number : {&p.rejected_links, &p.overlapping_pairs, &p.unmatched_pairs}) {
+    reader.Read(number);
   }
   for (double* number : {&p.rms_sigma, &p.rms_m, &p.drift_m, &p.drift_rad}) {
     reader.Read(number);
   }
-  return reader.Complete() ? std::optional(std::move(p)) : std::nullopt;
+  return reader.Complete() && FitsFrames(p, frames) ? std::optional(std::move(p)) : std::nullopt;
 }
 
-std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, BuildJournal* journal) {
+std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, std::size_t frames,
+                                                         BuildJournal* journal) {
   const auto piece = journal->Get(key);
   if (!piece) {
     return std::nullopt;
@@ -133,7 +143,9 @@ std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key,
     ReadMatrix(&reader, &fix.covariance);
     fixes.push_back(fix);
   }
-  return reader.Complete() ? std::optional(std::move(fixes)) : std::nullopt;
+  const bool fit = std::all_of(fixes.begin(), fixes.end(),
+                               [frames](const PosePriorFactor& fix) { return IsFrame(fix.frame, frames); });
+  return reader.Complete() && fit ? std::optional(std::move(fixes)) : std::nullopt;
 }
 
 void StoreFixes(const std::vector<PosePriorFactor>& fixes, const std::string& key, BuildJournal* journal) {

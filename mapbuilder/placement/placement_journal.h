@@ -13,10 +13,12 @@ namespace floorloc {
 std::string PlacementKey(const std::vector<LoadedSurvey>& surveys, const std::string& fingerprint,
                          const Trajectory& poses);
 
-/// The placement that an earlier run of the build finished under this key.
-std::optional<Placement> RestorePlacement(const std::string& key, BuildJournal* journal);
-/// The fixes of an earlier run.
-std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, BuildJournal* journal);
+/// The placement of so many frames that an earlier run of the build finished under this key. Empty when there is none,
+/// or what there is does not fit the frames.
+std::optional<Placement> RestorePlacement(const std::string& key, std::size_t frames, BuildJournal* journal);
+/// The fixes of an earlier run, likewise.
+std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, std::size_t frames,
+                                                         BuildJournal* journal);
 void StoreFixes(const std::vector<PosePriorFactor>& fixes, const std::string& key, BuildJournal* journal);
 
 /// Synced at once: it is much work in one piece.

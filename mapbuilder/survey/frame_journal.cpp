@@ -23,6 +23,14 @@ void AddCamera(const FloorCamera& c, ContentHash* hash) {
   hash->Add(c.floor.resolution_m);
 }
 
+// What extraction makes: a descriptor for each keypoint, bytes or numbers.
+bool IsWhole(const Features& features, const cv::Mat& brightness) {
+  const cv::Mat& descriptors = features.descriptors;
+  return static_cast<std::size_t>(descriptors.rows) == features.keypoints.size() &&
+         (descriptors.type() == CV_8UC1 || descriptors.type() == CV_32FC1) &&
+         (brightness.empty() || brightness.type() == CV_32FC1);
+}
+
 }  // namespace
 
 ContentHash& AddFile(const std::filesystem::path& file, ContentHash* hash) {
@@ -76,7 +84,7 @@ bool FrameJournal::Restore(BuildFrame* frame) {
   reader.Read(&brightness);
   PictureQuality quality;
   reader.Read(&quality);
-  if (!reader.Complete()) {
+  if (!reader.Complete() || !IsWhole(features, brightness)) {
     return false;
   }
   frame->features = std::move(features);
