@@ -47,7 +47,7 @@ std::string KeyOf(const char* stage, const BuildOptions& options, const FrameSet
 std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const OldMap& base, const BuildOptions& options,
                                              BuildJournal* journal) {
   const std::string key = KeyOf("fixes", options, set);
-  if (auto done = RestoreFixes(key, journal)) {
+  if (auto done = RestoreFixes(key, set.frames.size(), journal)) {
     return std::move(*done);
   }
   std::vector<PosePriorFactor> fixes =
@@ -59,7 +59,7 @@ std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const OldMap& 
 // As PlaceFrames, unless an earlier run of this build did it.
 Placement PlaceFramesOnce(const FrameSet& set, const BuildOptions& options, BuildJournal* journal) {
   const std::string key = KeyOf("placement", options, set);
-  if (std::optional<Placement> done = RestorePlacement(key, journal)) {
+  if (std::optional<Placement> done = RestorePlacement(key, set.frames.size(), journal)) {
     return std::move(*done);
   }
   Placement placement = PlaceFrames(set.frames, set.surveys, options.placement);

@@ -69,7 +69,7 @@ std::string PathsByError(const std::vector<SvgPath>& paths, const ColourScale& s
   return svg;
 }
 
-MapLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
+PageLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
   const ColourScale scale = ErrorScale();
   std::vector<SvgPath> paths(scale.colours.size());
   const std::size_t step = 1 + evidence.links.size() / kMostLinks;
@@ -90,7 +90,7 @@ MapLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
   return {"links", "Links", meaning, LegendOf(scale), PathsByError(paths, scale, "link"), false, false};
 }
 
-MapLayer PosesLayer(const MapEvidence& evidence, const MapQuality& quality) {
+PageLayer PosesLayer(const MapEvidence& evidence, const MapQuality& quality) {
   const ColourScale scale = ErrorScale();
   std::vector<SvgPath> paths(scale.colours.size());
   for (std::size_t i = 0; i < evidence.frames.size(); ++i) {
@@ -106,14 +106,14 @@ MapLayer PosesLayer(const MapEvidence& evidence, const MapQuality& quality) {
           false};
 }
 
-MapLayer DriftLayer(const MapEvidence& evidence) {
-  MapLayer layer{"drift",
-                 "Drift",
-                 "Where odometry alone would have put the frames (orange), and where they are in the map (blue).",
-                 {{"#2f6fb0", "in the map"}, {"#d9782d", "by odometry"}},
-                 "",
-                 false,
-                 false};
+PageLayer DriftLayer(const MapEvidence& evidence) {
+  PageLayer layer{"drift",
+                  "Drift",
+                  "Where odometry alone would have put the frames (orange), and where they are in the map (blue).",
+                  {{"#2f6fb0", "in the map"}, {"#d9782d", "by odometry"}},
+                  "",
+                  false,
+                  false};
   for (const OdometryDrift& drift : FollowOdometry(evidence)) {
     SvgPath by_odometry, in_map;
     for (std::size_t i = 0; i < drift.samples.size(); ++i) {
@@ -126,7 +126,7 @@ MapLayer DriftLayer(const MapEvidence& evidence) {
   return layer;
 }
 
-MapLayer HeldOutLayer(const MapEvidence& evidence, double arm_m) {
+PageLayer HeldOutLayer(const MapEvidence& evidence, double arm_m) {
   SvgPath right, unsure, wrong;
   for (const HeldOutFrame& frame : evidence.build.held_out) {
     const Eigen::Vector2d at = frame.map_from_base * evidence.map.info.camera().floor.roi.Center();
@@ -146,7 +146,7 @@ MapLayer HeldOutLayer(const MapEvidence& evidence, double arm_m) {
           false};
 }
 
-MapLayer LostLayer(const MapEvidence& evidence, double arm_m) {
+PageLayer LostLayer(const MapEvidence& evidence, double arm_m) {
   SvgPath lost;
   for (const DroppedFrame& frame : evidence.build.dropped) {
     if (frame.near) {
@@ -162,7 +162,7 @@ MapLayer LostLayer(const MapEvidence& evidence, double arm_m) {
           false};
 }
 
-MapLayer ControlPointsLayer(const MapEvidence& evidence, double arm_m) {
+PageLayer ControlPointsLayer(const MapEvidence& evidence, double arm_m) {
   constexpr double kExaggerated = 50.0;
   SvgPath places, errors;
   for (const ControlPointError& point : evidence.build.control_points) {
@@ -179,10 +179,10 @@ MapLayer ControlPointsLayer(const MapEvidence& evidence, double arm_m) {
           false};
 }
 
-MapLayer ZonesLayer(const MapQuality& quality) {
-  MapLayer layer{"zones", "Weak zones", "Floor where a robot may not find itself. The list above has the numbers.",
-                 {},      "",           false,
-                 true};
+PageLayer ZonesLayer(const MapQuality& quality) {
+  PageLayer layer{"zones", "Weak zones", "Floor where a robot may not find itself. The list above has the numbers.",
+                  {},      "",           false,
+                  true};
   for (const Weakness weakness : {Weakness::kNotSurveyed, Weakness::kFewKeypoints, Weakness::kSeenOnce,
                                   Weakness::kSelfSimilar, Weakness::kStrained, Weakness::kNotFound}) {
     SvgPath path;
@@ -199,8 +199,8 @@ MapLayer ZonesLayer(const MapQuality& quality) {
   return layer;
 }
 
-std::vector<MapLayer> FillingLayers(const MapQuality& quality, const QualityOptions& options) {
-  std::vector<MapLayer> layers;
+std::vector<PageLayer> FillingLayers(const MapQuality& quality, const QualityOptions& options) {
+  std::vector<PageLayer> layers;
   const ColourScale usable = UsableScale(options.needed_keypoints), density = DensityScale();
   const ColourScale coverage = CoverageScale(), distinct = DistinctivenessScale();
   layers.push_back({"usable", "Hold for robots",
@@ -251,16 +251,16 @@ std::string MosaicSvg(const MosaicPicture& mosaic, const MapQuality& quality) {
   return ImageSvg(mosaic.extent, JpegUri(picture, kQuality), "mosaic");
 }
 
-std::vector<MapLayer> MakeMapLayers(const MapEvidence& evidence, const MapQuality& quality,
-                                    const QualityOptions& options) {
+std::vector<PageLayer> MakePageLayers(const MapEvidence& evidence, const MapQuality& quality,
+                                      const QualityOptions& options) {
   const RectM drawn = DrawnRect(evidence);
   const double arm_m = 0.008 * std::max(drawn.width_m(), drawn.height_m());
-  std::vector<MapLayer> layers{ZonesLayer(quality)};
-  for (MapLayer& layer : FillingLayers(quality, options)) {
+  std::vector<PageLayer> layers{ZonesLayer(quality)};
+  for (PageLayer& layer : FillingLayers(quality, options)) {
     layers.push_back(std::move(layer));
   }
-  for (MapLayer layer : {LinksLayer(evidence, quality), PosesLayer(evidence, quality), DriftLayer(evidence),
-                         LostLayer(evidence, arm_m), ControlPointsLayer(evidence, arm_m)}) {
+  for (PageLayer layer : {LinksLayer(evidence, quality), PosesLayer(evidence, quality), DriftLayer(evidence),
+                          LostLayer(evidence, arm_m), ControlPointsLayer(evidence, arm_m)}) {
     if (!layer.svg.empty()) {
       layers.push_back(std::move(layer));
     }

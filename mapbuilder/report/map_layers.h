@@ -10,7 +10,7 @@
 namespace floorloc {
 
 /// Something that can be laid over the mosaic.
-struct MapLayer {
+struct PageLayer {
   std::string key;  ///< for ids, e.g. "coverage"
   std::string title;
   std::string meaning;                                      ///< one or two sentences
@@ -27,8 +27,8 @@ RectM DrawnRect(const MapEvidence& evidence);
 std::string MosaicSvg(const MosaicPicture& mosaic, const MapQuality& quality);
 
 /// Everything that the map file lets us draw; layers that would be empty are left out.
-std::vector<MapLayer> MakeMapLayers(const MapEvidence& evidence, const MapQuality& quality,
-                                    const QualityOptions& options);
+std::vector<PageLayer> MakePageLayers(const MapEvidence& evidence, const MapQuality& quality,
+                                      const QualityOptions& options);
 
 /// The numbered marks of the zones.
 std::string MarksSvg(const MapQuality& quality, const RectM& drawn);

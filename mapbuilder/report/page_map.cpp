@@ -19,7 +19,7 @@ std::string ViewBox(const RectM& drawn) {
          FixedText(drawn.height_m(), 4);
 }
 
-std::string Legend(const MapLayer& layer) {
+std::string Legend(const PageLayer& layer) {
   std::string html = "<ul class='legend'>";
   for (const auto& [colour, label] : layer.legend) {
     html += "<li><i style='background:" + colour + "'></i>" + EscapeHtml(label) + "</li>";
@@ -28,10 +28,10 @@ std::string Legend(const MapLayer& layer) {
 }
 
 // Drawn once, used by the map and by the pictures.
-std::string Definitions(const ReportPage& page, const std::vector<MapLayer>& layers) {
+std::string Definitions(const ReportPage& page, const std::vector<PageLayer>& layers) {
   std::string svg = "<svg width='0' height='0' style='position:absolute' aria-hidden='true'><defs><g id='mosaic'>" +
                     MosaicSvg(page.mosaic, page.quality) + "</g>";
-  for (const MapLayer& layer : layers) {
+  for (const PageLayer& layer : layers) {
     svg += "<g id='layer-" + layer.key + "'>" + layer.svg + "</g>";
   }
   return svg + "</defs></svg>\n";
@@ -42,10 +42,10 @@ std::string Switch(const char* type, const std::string& value, const std::string
          "' value='" + value + "'" + (checked ? " checked" : "") + "> " + EscapeHtml(title) + "</label>";
 }
 
-std::string Switches(const std::vector<MapLayer>& layers) {
+std::string Switches(const std::vector<PageLayer>& layers) {
   std::string fills = "<fieldset><legend>Colour the floor by</legend>" + Switch("radio", "plain", "nothing", true);
   std::string draws = "<fieldset><legend>Draw</legend>" + Switch("checkbox", "marks", "Numbers", true);
-  for (const MapLayer& layer : layers) {
+  for (const PageLayer& layer : layers) {
     (layer.fills ? fills : draws) += Switch(layer.fills ? "radio" : "checkbox", layer.key, layer.title, layer.shown);
   }
   return "<div id='layers'>" + draws + "</fieldset>" + fills + "</fieldset></div>\n";
@@ -69,7 +69,7 @@ std::string CellsJson(const MapQuality& quality) {
   return "<script type='application/json' id='cells'>" + json.dump() + "</script>\n";
 }
 
-std::string MainMap(const ReportPage& page, const std::vector<MapLayer>& layers) {
+std::string MainMap(const ReportPage& page, const std::vector<PageLayer>& layers) {
   const RectM drawn = DrawnRect(page.evidence);
   std::ostringstream html;
   html << "<section id='map-section'><h2>The floor</h2>\n<p>Switch layers on and off. Drag to move; click the map, "
@@ -78,7 +78,7 @@ std::string MainMap(const ReportPage& page, const std::vector<MapLayer>& layers)
        << "of the floor with layers' viewBox='" << ViewBox(drawn)
        << "' style='aspect-ratio:" << FixedText(drawn.width_m() / drawn.height_m(), 4) << "'><use href='#mosaic'/>";
   for (const bool fills : {true, false}) {
-    for (const MapLayer& layer : layers) {
+    for (const PageLayer& layer : layers) {
       if (layer.fills == fills) {
         html << "<use id='on-map-" << layer.key << "' href='#layer-" << layer.key << "'"
              << (layer.shown ? "" : " style='display:none'") << "/>";
@@ -91,7 +91,7 @@ std::string MainMap(const ReportPage& page, const std::vector<MapLayer>& layers)
           "aria-label='show all'>all</button></div><div id='readout'></div></div>\n"
        << "<p class='map-legend'>The picture is " << LengthText(drawn.width_m()) << " wide; x grows to the right, y "
        << "up.</p>\n";
-  for (const MapLayer& layer : layers) {
+  for (const PageLayer& layer : layers) {
     if (!layer.legend.empty()) {
       html << "<div class='map-legend' id='legend-" << layer.key << "'" << (layer.shown ? "" : " hidden") << "><b>"
            << EscapeHtml(layer.title) << ".</b> " << EscapeHtml(layer.meaning) << Legend(layer) << "</div>\n";
@@ -101,12 +101,12 @@ std::string MainMap(const ReportPage& page, const std::vector<MapLayer>& layers)
   return html.str();
 }
 
-std::string Gallery(const ReportPage& page, const std::vector<MapLayer>& layers) {
+std::string Gallery(const ReportPage& page, const std::vector<PageLayer>& layers) {
   const std::string view_box = ViewBox(DrawnRect(page.evidence));
   std::ostringstream html;
   html << "<section id='layers-section'><h2>Layer by layer</h2><p class='screen-only'>Click a picture to see it large "
           "above.</p><div class='gallery'>\n";
-  for (const MapLayer& layer : layers) {
+  for (const PageLayer& layer : layers) {
     html << "<figure><button data-show='" << layer.key << "' aria-label='Show " << EscapeHtml(layer.title)
          << " on the map'><svg viewBox='" << view_box << "' role='img' aria-label='" << EscapeHtml(layer.title)
          << "'><use href='#mosaic' opacity='0.55'/><use href='#layer-" << layer.key
@@ -120,7 +120,7 @@ std::string Gallery(const ReportPage& page, const std::vector<MapLayer>& layers)
 }  // namespace
 
 std::string MapSections(const ReportPage& page) {
-  const std::vector<MapLayer> layers = MakeMapLayers(page.evidence, page.quality, page.options);
+  const std::vector<PageLayer> layers = MakePageLayers(page.evidence, page.quality, page.options);
   return Definitions(page, layers) + MainMap(page, layers) + Gallery(page, layers);
 }
 
