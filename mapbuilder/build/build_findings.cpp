@@ -72,6 +72,7 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
   AddLinks(placement, report);
   report->extends = placed.base_file;
   report->frames_found = placed.found_in_base;
+  report->warnings.insert(report->warnings.end(), placed.warnings.begin(), placed.warnings.end());
   if (placed.markers) {
     report->markers = placed.markers->Fits(set.frames, placement);
     report->warnings.insert(report->warnings.end(), placed.markers->warnings().begin(),

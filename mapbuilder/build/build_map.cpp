@@ -11,6 +11,7 @@
 #include "mapbuilder/build/build_findings.h"
 #include "mapbuilder/build/map_frames.h"
 #include "mapbuilder/build/place_surveys.h"
+#include "mapbuilder/build/report_paths.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/extend/extend_map.h"
 #include "mapbuilder/finished_map/map_info.h"
@@ -88,11 +89,11 @@ void CountKeypoints(const MapKeypoints& keypoints, BuildReport* report) {
                               std::max<double>(1.0, static_cast<double>(keypoints.size()));
 }
 
-MapInfo Completed(MapInfo info, const ExtractorOptions& extractor, const BuildReport& report) {
-  info.extractor = extractor;
+MapInfo Completed(MapInfo info, const BuildOptions& options, const BuildReport& report) {
+  info.extractor = options.extractor;
   info.extent = report.extent;
   info.area_m2 = report.area_m2;
-  info.report_json = ToJson(report, false);
+  info.report_json = ToJson(WithoutFolders(report, options.surveys, options.markers.file), false);
   return info;
 }
 
@@ -160,7 +161,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("mosaic");
 
   const MapInfo info = MakeMapInfo(options.out.stem().string(), floor.frames.set.surveys, base.get());
-  report.content_version = writer.Commit(Completed(info, options.extractor, report), layout);
+  report.content_version = writer.Commit(Completed(info, options, report), layout);
   journal.Remove();
   clock.Finish("write");
   return report;

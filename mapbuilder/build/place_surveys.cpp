@@ -94,6 +94,7 @@ PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const OldM
     const std::vector<PosePriorFactor> fixes = LocateInMapOnce(placed.set, *base, options, journal);
     placed.base_file = base->file.filename().string();
     placed.found_in_base = static_cast<int>(fixes.size());
+    placed.warnings = base->LayersLeftBehind();
     placed.set = AlignToMap(*base, fixes, std::move(placed.set));
   }
   if (placed.markers) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build/build_options.h"
@@ -13,9 +14,10 @@ namespace floorloc {
 struct PlacedSurveys {
   FrameSet set;
   Placement placement;
-  std::optional<MarkerSurvey> markers;  ///< empty: none were sought
-  std::string base_file = {};           ///< name of the base map; empty: none
-  int found_in_base = 0;                ///< frames that show its floor
+  std::optional<MarkerSurvey> markers;     ///< empty: none were sought
+  std::string base_file = {};              ///< name of the base map; empty: none
+  int found_in_base = 0;                   ///< frames that show its floor
+  std::vector<std::string> warnings = {};  ///< about the base map, sentences
 };
 
 /// Screened frames -> poses, with everything that is known of them from outside: the poses of another system, markers,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/report_paths.h"
+#include "mapbuilder/build/report_paths.h"
 
 #include <string>
 
