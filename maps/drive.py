@@ -105,7 +105,7 @@ def parse_scalar(text):
 
 
 def read_frames(folder):
-    """(timestamp as written, picture) of every frame."""
+    """(timestamp as written, image) of every frame."""
     with open(folder / "frames.csv", newline="") as file:
         return [(row["timestamp"], folder / row["filename"]) for row in csv.DictReader(file)]
 
@@ -139,7 +139,7 @@ def wrap(angle):
 
 
 def align(pairs):
-    """Rotation (a unit complex number) and translation that carry map positions to true positions, by least squares
+    """Rotation (a unit complex number) and translation that transform map positions to true positions, by least squares
     over the best four fifths of the pairs, so that a wrong answer cannot bend them."""
     kept = pairs
     for _ in range(3):
@@ -180,8 +180,8 @@ def drive(client, map_name, folder):
     frames, truth = read_frames(folder), read_truth(folder / "groundtruth.tum")
     poses, latencies_ms = [], []
     client.register("demo", map_name, folder)
-    for number, (stamp, picture) in enumerate(frames, start=1):
-        image = picture.read_bytes()
+    for number, (stamp, image_file) in enumerate(frames, start=1):
+        image = image_file.read_bytes()
         start = time.perf_counter()
         answer = client.localize("demo", map_name, stamp, image)
         latencies_ms.append(1000 * (time.perf_counter() - start))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Drives a recorded vehicle over HTTP, as a robot would: what its wheels tell and what its camera sees are sent in
+"""Drives a recorded vehicle over HTTP, as a robot would: its odometry and its images are sent in
 the order in which they happened, and every answer says where the vehicle is and how sure that is.
 
 Needs a recording with odometry.tum, such as maps/sample/kidnap. Start it while a server runs:
@@ -30,12 +30,12 @@ STATES = ("localized", "tracking_odometry", "lost")
 
 @dataclasses.dataclass
 class Message:
-    """What the robot sends: a motion of its wheels since the message before, or a picture."""
+    """What the robot sends: a motion of its wheels since the message before, or an image."""
 
     time_s: float
     stamp: str  # as written
     motion: tuple = None  # dx, dy, dyaw in the base frame of its start
-    picture: pathlib.Path = None
+    image_file: pathlib.Path = None
 
 
 @dataclasses.dataclass
@@ -46,7 +46,7 @@ class Answer:
     status: str
     pose: tuple  # position as a complex number, yaw; None when lost from the start
     latency_ms: float
-    fix: dict  # of a picture, else None
+    fix: dict  # of an image, else None
 
 
 @dataclasses.dataclass
@@ -56,7 +56,7 @@ class Kidnap:
     time_s: float
     noticed_s: float = None
     found_s: float = None
-    frames: int = 0  # pictures until the vehicle was found again
+    frames: int = 0  # images until the vehicle was found again
 
 
 def motion_between(before, after):
@@ -66,15 +66,15 @@ def motion_between(before, after):
 
 
 def read_messages(folder):
-    """Odometry and pictures in the order of time. Each picture comes right after the odometry up to its time."""
-    frames = [Message(float(stamp), stamp, picture=picture) for stamp, picture in drive.read_frames(folder)]
+    """Odometry and images in order of time. Each image comes right after the odometry up to its time."""
+    frames = [Message(float(stamp), stamp, image_file=image_file) for stamp, image_file in drive.read_frames(folder)]
     odometry = drive.read_truth(folder / "odometry.tum")
     times = sorted({round(time_s, 6) for time_s in odometry[0] + [frame.time_s for frame in frames]})
     poses = [(time_s, drive.truth_at(odometry, time_s)) for time_s in times]
     poses = [(time_s, pose) for time_s, pose in poses if pose]
     motions = [Message(after[0], f"{after[0]:.6f}", motion=motion_between(before[1], after[1]))
                for before, after in zip(poses, poses[1:])]
-    return sorted(motions + frames, key=lambda message: (round(message.time_s, 6), message.picture is not None))
+    return sorted(motions + frames, key=lambda message: (round(message.time_s, 6), message.image_file is not None))
 
 
 def read_kidnaps(folder):
@@ -93,8 +93,8 @@ class Vehicle:
         self.path = f"/v1/vehicles/{name}"
 
     def send(self, message):
-        if message.picture:
-            image = message.picture.read_bytes()
+        if message.image_file:
+            image = message.image_file.read_bytes()
             content_type = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
             call = ("POST", f"{self.path}/frames?stamp={message.stamp}", image, content_type)
         else:
@@ -106,7 +106,7 @@ class Vehicle:
         latency_ms = 1000 * (time.perf_counter() - start)
         pose = said.get("pose")
         pose = (complex(pose["x"], pose["y"]), pose["yaw"]) if pose else None
-        return Answer(message.time_s, said["status"], pose, latency_ms, said.get("fix") if message.picture else None)
+        return Answer(message.time_s, said["status"], pose, latency_ms, said.get("fix") if message.image_file else None)
 
 
 def narrate(answer, previous, start_s, kidnaps):
@@ -148,7 +148,7 @@ def judge(answers, truth):
     posed = [(answer, true_pose) for answer, true_pose in posed if true_pose]
     fixes = [(answer.pose[0], true[0]) for answer, true in posed if (answer.fix or {}).get("accepted")]
     if len(fixes) < 2:
-        sys.exit("vehicle.py: fewer than two pictures were localized: nothing to compare with the truth")
+        sys.exit("vehicle.py: fewer than two images were localized: nothing to compare with the truth")
     rotation, translation = drive.align(fixes)
     turn = cmath.phase(rotation)
     return [(answer, abs(rotation * answer.pose[0] + translation - true[0]),
@@ -200,30 +200,30 @@ def print_errors(name, errors):
 
 
 def report(answers, judged, kidnaps):
-    """Prints the summary. Returns what speaks against the answers, as sentences."""
+    """Prints the summary. Returns the problems of the answers, as sentences."""
     good = [(answer.fix is not None, (position_m, yaw_rad))
             for answer, position_m, yaw_rad in judged if answer.status == "localized"]
     frames = [answer for answer in answers if answer.fix is not None]
     between = [answer for answer in answers if answer.fix is None]
     counts = ", ".join(f"{100 * sum(a.status == state for a in answers) / len(answers):.1f} % {state}"
                        for state in STATES)
-    print(f"   answers   {len(answers)} to {len(frames)} pictures and {len(between)} of odometry: {counts}")
-    wrong = print_errors("pictures", [errors for at_frame, errors in good if at_frame])
+    print(f"   answers   {len(answers)} to {len(frames)} images and {len(between)} of odometry: {counts}")
+    wrong = print_errors("images", [errors for at_frame, errors in good if at_frame])
     print_errors("between", [errors for at_frame, errors in good if not at_frame])
     print_kidnaps(kidnaps, answers[0].time_s)
-    for name, some in (("pictures", frames), ("odometry", between)):
+    for name, some in (("images", frames), ("odometry", between)):
         latencies_ms = [answer.latency_ms for answer in some]
         print(f"   latency   {name}: median {statistics.median(latencies_ms):.1f} ms,"
               f" 99 % {drive.percentile(latencies_ms, 0.99):.1f} ms")
-    print("   Errors are those of poses called localized; wrong: beyond 50 mm or 3 degrees. Between a kidnap, or wheels"
-          "\n   that slip, and the next picture nothing tells of it.")
-    return complaints(wrong, len(good) / len(answers), kidnaps)
+    print("   Errors are those of poses called localized; wrong: beyond 50 mm or 3 degrees. A kidnap, or wheels"
+          "\n   that slip, cannot be noticed before the next image.")
+    return problems(wrong, len(good) / len(answers), kidnaps)
 
 
-def complaints(wrong, localized, kidnaps):
+def problems(wrong, localized, kidnaps):
     found = []
     if wrong:
-        found.append(f"{wrong} poses were called localized right after a picture and are wrong")
+        found.append(f"{wrong} poses were called localized right after an image and are wrong")
     if localized < REQUIRED_LOCALIZED:
         found.append(f"only {100 * localized:.1f} % of the answers are localized,"
                      f" {100 * REQUIRED_LOCALIZED:.0f} % are expected")

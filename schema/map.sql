@@ -72,7 +72,7 @@ CREATE TABLE frame (
   odom_x REAL, odom_y REAL, odom_yaw REAL               -- odom_from_base of its survey; NULL without odometry
 );
 
--- Motions between frames that their pictures measured; the poses agree with them.
+-- Motions between frames that their images measured; the poses agree with them.
 CREATE TABLE link (
   first INTEGER NOT NULL, second INTEGER NOT NULL,      -- frame.id
   x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- first_from_second

@@ -12,7 +12,7 @@ const floor = new FloorView($("floor"), (x, y) => {
   $("position").textContent = x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`;
 });
 
-function say(text) {
+function showMessage(text) {
   $("message").textContent = text ?? "";
   $("message").hidden = !text;
 }
@@ -53,8 +53,8 @@ function fillList(element, items, emptyText) {
 function showVehicles(vehicles) {
   const now = Date.now() / 1000;
   const items = vehicles.map(({ id, pose, status, last_fix: fix }) => {
-    const heard = fix ? age(now - fix.received) : "no fix yet";
-    const text = pose ? `${status.replaceAll("_", " ")}, ${heard}` : heard;
+    const lastSeen = fix ? age(now - fix.received) : "no fix yet";
+    const text = pose ? `${status.replaceAll("_", " ")}, ${lastSeen}` : lastSeen;
     return listItem(id, text, pose ? status : fix?.status ?? "");
   });
   fillList($("vehicles"), items, "No vehicle is registered.");
@@ -90,10 +90,10 @@ function chooseMap(name) {
     const keypoints = state.map.layers.reduce((sum, layer) => sum + layer.keypoints, 0);
     $("map-facts").textContent = `${state.map.area_m2.toFixed(1)} m², ${keypoints.toLocaleString("en")} keypoints`;
     floor.show(state.map);
-    say(null);
+    showMessage(null);
   } else {
     floor.clear();
-    say(damaged ? `The map '${name}' cannot be shown: ${damaged.error}`
+    showMessage(damaged ? `The map '${name}' cannot be shown: ${damaged.error}`
       : "The server has no map. Build one with floorloc-mapbuilder, put it into the maps folder and restart the server.");
   }
 }
@@ -139,30 +139,30 @@ async function refresh() {
     await refreshFixes();
     showConnection(null);
     if (state.away) {
-      say(null);
+      showMessage(null);
     }
     state.away = false;
   } catch (error) {
     state.away = true;
     showConnection(error);
-    say(error.message);
+    showMessage(error.message);
   }
 }
 
-async function keepFresh() {
+async function poll() {
   await refresh();
-  setTimeout(keepFresh, POLL_MS);
+  setTimeout(poll, POLL_MS);
 }
 
-function takeFile(file) {
+function selectFile(file) {
   state.file = file ?? null;
-  $("image-name").textContent = file ? file.name : "Drop a camera picture here, or choose one";
+  $("image-name").textContent = file ? file.name : "Drop a camera image here, or choose one";
 }
 
-async function tryLocalize() {
+async function localizeFile() {
   const vehicle = $("vehicle").value.trim();
   if (!state.map || !state.file || !vehicle) {
-    $("answer").textContent = "Choose a map, a picture and a registered vehicle first.";
+    $("answer").textContent = "Choose a map, an image and a registered vehicle first.";
     return;
   }
   $("localize").disabled = true;
@@ -176,15 +176,15 @@ async function tryLocalize() {
 }
 
 $("map-choice").addEventListener("change", (event) => chooseMap(event.target.value));
-$("image").addEventListener("change", (event) => takeFile(event.target.files[0]));
-$("localize").addEventListener("click", tryLocalize);
+$("image").addEventListener("change", (event) => selectFile(event.target.files[0]));
+$("localize").addEventListener("click", localizeFile);
 for (const type of ["dragover", "dragleave", "drop"]) {
   $("drop").addEventListener(type, (event) => {
     event.preventDefault();
     $("drop").classList.toggle("over", type === "dragover");
     if (type === "drop") {
-      takeFile(event.dataTransfer.files[0]);
+      selectFile(event.dataTransfer.files[0]);
     }
   });
 }
-keepFresh();
+poll();

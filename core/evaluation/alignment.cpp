@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Positions that leave a line by less than about a millionth of its length are taken for a line: what is left of them
+// Positions that leave a line by less than about a millionth of its length count as a line: what is left of them
 // is rounding, and would turn the trajectory about the line at random.
 constexpr double kFlatness = 1e-12;
 
@@ -70,7 +70,7 @@ Similarity3 FromSpace(const SimilarityN<3>& spatial) {
   return {Eigen::Quaterniond(spatial.rotation), spatial.translation, spatial.scale};
 }
 
-Similarity3 OntoFirst(const PosePair& first) {
+Similarity3 AlignToFirst(const PosePair& first) {
   const Eigen::Quaterniond rotation = (first.reference.rotation * first.estimate.rotation.conjugate()).normalized();
   return {rotation, first.reference.translation_m - rotation * first.estimate.translation_m, 1.0};
 }
@@ -98,7 +98,7 @@ Similarity3 ComputeAlignment(const std::vector<PosePair>& pairs, AlignmentMode m
     case AlignmentMode::kScale:
       return {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), Umeyama<3>(pairs, true).scale};
     case AlignmentMode::kOrigin:
-      return OntoFirst(pairs.front());
+      return AlignToFirst(pairs.front());
   }
   assert(false);
   return {};

@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// How the estimate may be moved before it is compared.
+/// How the estimate is aligned before it is compared.
 enum class AlignmentMode {
   kNone,    ///< not at all: both trajectories live in the same frame
   kSe2,     ///< turned and shifted in the plane

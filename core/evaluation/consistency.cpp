@@ -75,7 +75,7 @@ std::vector<ReliabilityBin> BinByDecade(const std::vector<Forecast>& forecasts, 
   for (const Forecast& forecast : forecasts) {
     ReliabilityBin& bin = bins[static_cast<std::size_t>(DecadeOf(forecast.probability, decades))];
     ++bin.count;
-    bin.events += forecast.happened;
+    bin.events += forecast.occurred;
     bin.predicted += forecast.probability;
   }
   for (ReliabilityBin& bin : bins) {

@@ -30,7 +30,7 @@ NeesSummary SummarizeNees(const std::vector<double>& values, int degrees_of_free
 /// An event that was predicted with a probability, and whether it came true.
 struct Forecast {
   double probability = 0.0;
-  bool happened = false;
+  bool occurred = false;
 };
 
 /// A share with its 95 % interval (Wilson's).

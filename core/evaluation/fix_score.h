@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// What a method answered for one frame.
+/// Result of a method for one frame.
 struct Fix {
   std::optional<Pose2> map_from_base;  ///< empty: not localized
   double total_ms = 0.0;
@@ -29,7 +29,7 @@ struct Deviation {
   double position_m() const;
 };
 
-/// What all answers of a method are worth. Errors are of the localized frames, wrong ones included; NaN when none is.
+/// Accuracy of all results of a method. Errors are of the localized frames, wrong ones included; NaN when none is.
 struct Score {
   int frames = 0;
   int localized = 0;

@@ -47,13 +47,13 @@ double Repeatability(const std::vector<Keypoint>& query, const std::vector<Keypo
   return static_cast<double>(found) / static_cast<double>(query.size());
 }
 
-std::vector<bool> FindRightMatches(const std::vector<Match>& matches, const std::vector<Keypoint>& query,
-                                   const std::vector<Keypoint>& target, const Pose2& target_from_query,
-                                   double radius_m) {
+std::vector<bool> FindCorrectMatches(const std::vector<Match>& matches, const std::vector<Keypoint>& query,
+                                     const std::vector<Keypoint>& target, const Pose2& target_from_query,
+                                     double radius_m) {
   std::vector<bool> right;
   for (const Match& match : matches) {
-    const Eigen::Vector2d wanted = target_from_query * query[static_cast<std::size_t>(match.query)].Position();
-    right.push_back((target[static_cast<std::size_t>(match.train)].Position() - wanted).norm() <= radius_m);
+    const Eigen::Vector2d expected = target_from_query * query[static_cast<std::size_t>(match.query)].Position();
+    right.push_back((target[static_cast<std::size_t>(match.train)].Position() - expected).norm() <= radius_m);
   }
   return right;
 }

@@ -10,16 +10,16 @@
 namespace floorloc {
 
 /// Share of the query's keypoints that have one of the target's within radius_m of where the true pose puts them:
-/// what a detector finds again (Schmid, Mohr & Bauckhage 2000). 0 without keypoints. radius_m > 0.
+/// repeatability of a detector (Schmid, Mohr & Bauckhage 2000). 0 without keypoints. radius_m > 0.
 double Repeatability(const std::vector<Keypoint>& query, const std::vector<Keypoint>& target,
                      const Pose2& target_from_query, double radius_m);
 
 /// Which matches join keypoints that the true pose puts within radius_m of each other.
-std::vector<bool> FindRightMatches(const std::vector<Match>& matches, const std::vector<Keypoint>& query,
-                                   const std::vector<Keypoint>& target, const Pose2& target_from_query,
-                                   double radius_m);
+std::vector<bool> FindCorrectMatches(const std::vector<Match>& matches, const std::vector<Keypoint>& query,
+                                     const std::vector<Keypoint>& target, const Pose2& target_from_query,
+                                     double radius_m);
 
-/// Right matches per query keypoint: what detector and descriptor are worth together (Mikolajczyk & Schmid 2005).
+/// Right matches per query keypoint: quality of detector and descriptor together (Mikolajczyk & Schmid 2005).
 /// 0 without keypoints.
 double MatchingScore(const std::vector<bool>& right_matches, std::size_t query_keypoints);
 

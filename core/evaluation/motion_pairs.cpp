@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-std::vector<Motion> EveryFrames(std::size_t poses, const MotionOptions& options) {
+std::vector<Motion> MotionsByFrameCount(std::size_t poses, const MotionOptions& options) {
   const auto delta = static_cast<std::size_t>(options.delta);
   std::vector<Motion> motions;
   for (std::size_t i = 0; i + delta < poses; i += options.all_pairs ? 1 : delta) {
@@ -60,7 +60,7 @@ std::optional<std::size_t> NearestAhead(const std::vector<double>& progress, std
   return static_cast<std::size_t>(nearest - progress.begin());
 }
 
-std::vector<Motion> ByProgress(const std::vector<double>& progress, const MotionOptions& options) {
+std::vector<Motion> MotionsByProgress(const std::vector<double>& progress, const MotionOptions& options) {
   std::vector<Motion> motions;
   for (std::size_t i = 0; i < progress.size();) {
     const std::optional<std::size_t> end = NearestAhead(progress, i, options);
@@ -95,7 +95,7 @@ std::vector<Motion> Consecutive(const std::vector<std::size_t>& milestones) {
   return motions;
 }
 
-std::vector<Motion> AllTurns(const Trajectory& trajectory, const MotionOptions& options) {
+std::vector<Motion> RotationPairs(const Trajectory& trajectory, const MotionOptions& options) {
   std::vector<Motion> motions;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     for (std::size_t j = i + 1; j < trajectory.size(); ++j) {
@@ -108,7 +108,7 @@ std::vector<Motion> AllTurns(const Trajectory& trajectory, const MotionOptions& 
   return motions;
 }
 
-std::vector<Motion> ConsecutiveTurns(const Trajectory& trajectory, double delta_rad) {
+std::vector<Motion> ConsecutiveRotations(const Trajectory& trajectory, double delta_rad) {
   std::vector<std::size_t> milestones = Milestones(trajectory, delta_rad, AngleBetween);
   milestones.insert(milestones.begin(), 0);
   return Consecutive(milestones);
@@ -138,14 +138,14 @@ std::vector<Motion> SelectMotions(const Trajectory& trajectory, const MotionOpti
   }
   switch (options.unit) {
     case DeltaUnit::kFrames:
-      return EveryFrames(trajectory.size(), options);
+      return MotionsByFrameCount(trajectory.size(), options);
     case DeltaUnit::kSeconds:
-      return ByProgress(TimesSinceStart(trajectory), options);
+      return MotionsByProgress(TimesSinceStart(trajectory), options);
     case DeltaUnit::kMetres:
-      return options.all_pairs ? ByProgress(PathLengths(trajectory), options)
+      return options.all_pairs ? MotionsByProgress(PathLengths(trajectory), options)
                                : Consecutive(Milestones(trajectory, options.delta, DistanceBetween));
     case DeltaUnit::kRadians:
-      return options.all_pairs ? AllTurns(trajectory, options) : ConsecutiveTurns(trajectory, options.delta);
+      return options.all_pairs ? RotationPairs(trajectory, options) : ConsecutiveRotations(trajectory, options.delta);
   }
   assert(false);
   return {};

@@ -36,7 +36,7 @@ void CheckPairCount(const TrajectoryEvaluation& evaluation, const EvaluationOpti
   }
 }
 
-Trajectory OneSide(const std::vector<PosePair>& pairs, StampedPose3 PosePair::*side) {
+Trajectory SelectSide(const std::vector<PosePair>& pairs, StampedPose3 PosePair::*side) {
   Trajectory trajectory;
   for (const PosePair& pair : pairs) {
     trajectory.push_back(pair.*side);
@@ -46,7 +46,7 @@ Trajectory OneSide(const std::vector<PosePair>& pairs, StampedPose3 PosePair::*s
 
 void CompareMotions(const EvaluationOptions& options, TrajectoryEvaluation* evaluation) {
   const auto side = options.motions_of_reference ? &PosePair::reference : &PosePair::estimate;
-  const std::vector<Motion> motions = SelectMotions(OneSide(evaluation->pairs, side), options.motions);
+  const std::vector<Motion> motions = SelectMotions(SelectSide(evaluation->pairs, side), options.motions);
   if (motions.empty()) {
     throw std::invalid_argument("has no motion as long as delta; take a smaller one, or a larger tolerance");
   }

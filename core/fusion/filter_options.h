@@ -6,7 +6,7 @@
 namespace floorloc {
 
 /// Errors of wheel odometry. They are estimated as the fixes come in; here is how large the systematic ones may be, and
-/// what the noise is thought to be at first.
+/// the initial noise.
 struct OdometryNoise {
   double scale = 0.02;              ///< of distances, standard deviation
   double yaw_scale = 0.02;          ///< of turns
@@ -18,10 +18,10 @@ struct OdometryNoise {
   double still_rad = 2e-4;
 };
 
-/// Errors of visual odometry that its covariances do not tell.
+/// Errors of visual odometry that its covariances do not include.
 struct VisionNoise {
   double scale = 0.003;   ///< of distances: the camera's height over the floor, standard deviation
-  double frame_m = 2e-3;  ///< of each picture by itself, at first: the camera vibrates
+  double frame_m = 2e-3;  ///< of each image by itself, at first: the camera vibrates
   double frame_rad = 1.5e-3;
 };
 
@@ -36,7 +36,7 @@ struct ImuNoise {
   double accelerometer_walk = 2e-3;  ///< m/s^2 per root s; slopes of the floor included
 };
 
-/// How the noises of wheels and pictures are adapted to what is seen (covariance matching).
+/// How the noises of wheels and images are adapted to the residuals (covariance matching).
 struct NoiseAdaptation {
   double rate = 0.1;         ///< per measurement; 0: never
   double min_factor = 0.05;  ///< of the variance
@@ -51,17 +51,17 @@ struct SharedFixNoise {
   double correlation_m = 0.2;  ///< after this path the errors are others
 };
 
-/// What is assumed of a vehicle while nothing tells how it moves.
-struct UnknownMotion {
+/// Assumed motion of a vehicle while no sensor measures it (constant velocity, then a random walk).
+struct MotionPrior {
   double acceleration_m_s2 = 1.0;  ///< how fast its velocity changes
   double speed_m_s = 0.5;
   double yaw_rate_rad_s = 0.5;
-  double coast_s = 0.5;  ///< so long it is thought to keep its velocity
+  double coast_s = 0.5;  ///< its velocity is assumed constant for this long
 };
 
-/// Which fixes are believed.
+/// Which fixes are accepted.
 struct FixGates {
-  double max_distance_m = 0.20;                ///< jump from where the vehicle should be (thesis, 3.3.8)
+  double max_distance_m = 0.20;                ///< jump from the predicted pose (thesis, 3.3.8)
   double max_angle_rad = 0.17453292519943295;  ///< 10 degrees
   /// A prediction that is more uncertain than the two allow for this many standard deviations widens them.
   double sigmas = 4.0;
@@ -69,8 +69,8 @@ struct FixGates {
   double max_p_wrong = 1e-4;
 };
 
-/// When a vehicle is taken to have been carried away: so many fixes in a row contradict its pose and agree with each
-/// other as odometry has them.
+/// When a vehicle is taken to have been kidnapped: so many fixes in a row contradict its pose and agree with each
+/// other according to odometry.
 struct KidnapOptions {
   int fixes = 3;
   int near_fixes = 2;            ///< when the last one is within the distance and angle gates: wheels slip now and then
@@ -80,7 +80,7 @@ struct KidnapOptions {
   double max_age_s = 10.0;  ///< older contradictions are forgotten
 };
 
-/// Names for how good a pose is; standard deviations.
+/// Classes of accuracy of a pose; standard deviations.
 struct FilterLimits {
   double localized_m = 0.01;
   double localized_rad = 0.0175;
@@ -94,11 +94,11 @@ struct PoseFilterOptions {
   VisionNoise vision;
   ImuNoise imu;
   SharedFixNoise shared_fix;
-  UnknownMotion unknown;
+  MotionPrior motion_prior;
   FixGates gates;
   KidnapOptions kidnap;
   FilterLimits limits;
-  /// Where pictures or IMU contradict the wheels by more than this (Mahalanobis, squared), the wheels slip.
+  /// Where images or IMU contradict the wheels by more than this (Mahalanobis, squared), the wheels slip.
   double max_slip_mahalanobis_squared = 25.0;
   double history_s = 5.0;           ///< a message that is later than this is ignored
   std::size_t max_messages = 4096;  ///< remembered of each kind

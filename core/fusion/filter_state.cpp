@@ -36,9 +36,9 @@ Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise) {
   return Eigen::Vector3d(noise.sigma_m, noise.sigma_m, noise.sigma_rad).cwiseAbs2();
 }
 
-double AdaptedNoise(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation) {
+double AdaptNoiseFactor(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation) {
   constexpr double kExpected = 3.0;
-  constexpr double kMaxExcess = 4.0;  // a single measurement that is far off says little
+  constexpr double kMaxExcess = 4.0;  // limits the effect of a single outlier
   const double excess = std::min(mahalanobis_squared / kExpected, kMaxExcess) - 1.0;
   return std::clamp(factor * std::exp(adaptation.rate * excess), adaptation.min_factor, adaptation.max_factor);
 }

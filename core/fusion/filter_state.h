@@ -38,25 +38,26 @@ constexpr int kCount = 18;
 using ErrorVector = Eigen::Matrix<double, error_row::kCount, 1>;
 using ErrorCovariance = Eigen::Matrix<double, error_row::kCount, error_row::kCount>;
 
-/// What the filter knows at one time.
+/// State of the filter at one time.
 struct FilterState {
   std::int64_t stamp_ns = 0;
   Pose2 map_from_base;
   Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< base frame
   ImuBias imu_bias;
   OdometryBias odometry_bias;
-  double vision_scale = 0.0;  ///< true distance = (1 + vision_scale) * what pictures tell
-  /// Where visual odometry has the base at the last picture: drifts against map_from_base, but slowly, while each
-  /// picture by itself is a little off as the camera vibrates. Estimating both keeps what consecutive motions have in
+  double vision_scale = 0.0;  ///< true distance = (1 + vision_scale) * what the images measure
+  /// Pose of the base by visual odometry at the last image: drifts against map_from_base, but slowly, while each image
+  /// by itself has an error of its own, as the camera vibrates. Estimating both keeps what consecutive motions have in
   /// common.
   Pose2 visual_map_from_base;
-  std::optional<std::int64_t> visual_ns;               ///< time of that picture; empty: there was none
-  Eigen::Vector3d fix_bias = Eigen::Vector3d::Zero();  ///< what fixes nearby are off in common; tangent space
+  std::optional<std::int64_t> visual_ns;               ///< time of that image; empty: there was none
+  Eigen::Vector3d fix_bias = Eigen::Vector3d::Zero();  ///< common error of nearby fixes; tangent space
   ErrorCovariance covariance = ErrorCovariance::Zero();
-  /// Variance of the wheels' noise against what OdometryNoise says: how well fixes meet the predictions tells it.
+  /// Variance of the wheels' noise against what OdometryNoise says: estimated from the innovations of the fixes.
   double wheel_noise_factor = 1.0;
-  double vision_noise_factor = 1.0;  ///< likewise, of VisionNoise::frame_*: how well pictures meet the predictions
-  // Not estimated, but carried along:
+  double vision_noise_factor =
+      1.0;  ///< likewise, of VisionNoise::frame_*: estimated from the innovations of the images
+  // Not estimated, but propagated:
   Pose2 odom_from_base;
   double path_m = 0.0;    ///< since the last accepted fix
   double turn_rad = 0.0;  ///< likewise
@@ -73,9 +74,9 @@ Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose);
 /// Of x, y, yaw.
 Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise);
 
-/// The factor of a noise's variance after a measurement that depends on it: raised when it is farther off than
-/// expected, lowered when it is nearer (covariance matching). mahalanobis_squared: with 3 degrees of freedom.
-double AdaptedNoise(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation);
+/// The factor of a noise's variance after a measurement that depends on it: raised when the innovation is larger than
+/// expected, lowered when it is smaller (covariance matching). mahalanobis_squared: with 3 degrees of freedom.
+double AdaptNoiseFactor(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation);
 
 /// Standard deviation along the longer axis.
 double LargestSigma(const Eigen::Matrix2d& covariance);

@@ -10,10 +10,10 @@
 namespace floorloc {
 namespace {
 
-// After a shorter path since the last fix the wheels had no say in where the vehicle is.
+// After a shorter path since the last fix the wheels hardly affect the prediction.
 constexpr double kMinPathM = 0.005;
 
-FixRejection FirstClosedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,
+FixRejection FirstFailedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,
                              const FixGates& gates) {
   const double position_sigma_m = LargestSigma(predicted.covariance.topLeftCorner<2, 2>());
   const double yaw_sigma_rad = std::sqrt(predicted.covariance(2, 2));
@@ -36,7 +36,7 @@ struct FixInnovation {
   Eigen::Matrix3d noise;
 };
 
-FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
+FixInnovation ComputeInnovation(const PoseFix& fix, const FilterState& state) {
   FixInnovation innovation;
   innovation.residual = (state.map_from_base * Pose2::Exp(state.fix_bias)).Between(fix.map_from_base).Log();
   innovation.jacobian.block<3, 3>(0, error_row::kPose).setIdentity();
@@ -46,20 +46,20 @@ FixInnovation Compare(const PoseFix& fix, const FilterState& state) {
 }
 
 double MahalanobisOf(const PoseFix& fix, const FilterState& predicted) {
-  const FixInnovation innovation = Compare(fix, predicted);
+  const FixInnovation innovation = ComputeInnovation(fix, predicted);
   return MahalanobisSquared<3, error_row::kCount>(innovation.residual, innovation.jacobian, innovation.noise,
                                                   predicted.covariance);
 }
 
 }  // namespace
 
-FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates) {
+FixOutcome GateFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates) {
   const Pose2 jump = predicted.map_from_base.Between(fix.map_from_base);
   FixOutcome outcome;
   outcome.distance_m = jump.translation().norm();
   outcome.angle_rad = std::abs(jump.yaw());
   outcome.mahalanobis_squared = MahalanobisOf(fix, predicted);
-  outcome.reason = FirstClosedGate(outcome, fix.p_wrong, predicted, gates);
+  outcome.reason = FirstFailedGate(outcome, fix.p_wrong, predicted, gates);
   outcome.accepted = outcome.reason == FixRejection::kNone;
   return outcome;
 }
@@ -67,19 +67,19 @@ FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixG
 void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, FilterState* predicted) {
   if (predicted->path_m >= kMinPathM) {
     predicted->wheel_noise_factor =
-        AdaptedNoise(predicted->wheel_noise_factor, MahalanobisOf(fix, *predicted), adaptation);
+        AdaptNoiseFactor(predicted->wheel_noise_factor, MahalanobisOf(fix, *predicted), adaptation);
   }
 }
 
 void CorrectByFix(const PoseFix& fix, FilterState* state) {
-  const FixInnovation innovation = Compare(fix, *state);
+  const FixInnovation innovation = ComputeInnovation(fix, *state);
   state->Add(KalmanCorrection<3, error_row::kCount>(innovation.residual, innovation.jacobian, innovation.noise,
                                                     &state->covariance));
 }
 
-void PlaceAtFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state) {
+void ResetToFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state) {
   const Eigen::Matrix3d bias = FixBiasVariance(shared).asDiagonal();
-  PlaceAt(fix.map_from_base, ToBaseFrame(fix.covariance, fix.map_from_base) + bias, state);
+  ResetPose(fix.map_from_base, ToBaseFrame(fix.covariance, fix.map_from_base) + bias, state);
   state->fix_bias.setZero();
   state->covariance.middleRows<3>(error_row::kFixBias).setZero();
   state->covariance.middleCols<3>(error_row::kFixBias).setZero();
@@ -88,7 +88,7 @@ void PlaceAtFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* s
   state->covariance.block<3, 3>(error_row::kPose, error_row::kFixBias) = -bias;
 }
 
-void PlaceAt(const Pose2& map_from_base, const Eigen::Matrix3d& covariance, FilterState* state) {
+void ResetPose(const Pose2& map_from_base, const Eigen::Matrix3d& covariance, FilterState* state) {
   state->map_from_base = map_from_base;
   state->covariance.topRows<3>().setZero();
   state->covariance.leftCols<3>().setZero();

@@ -10,21 +10,21 @@ namespace floorloc {
 
 /// Compares a fix with the state of its time: risk, distance, angle and Mahalanobis gates, in this order. The first
 /// that does not pass is the reason.
-FixOutcome JudgeFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates);
+FixOutcome GateFix(const PoseFix& fix, const FilterState& predicted, const FixGates& gates);
 
-/// Adapts the noise of the wheels by how well a fix meets what they predicted.
+/// Adapts the noise of the wheels to the innovation of a fix.
 void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, FilterState* predicted);
 
-/// Kalman's correction of the state by a fix of its time.
+/// Kalman correction of the state by a fix of its time.
 void CorrectByFix(const PoseFix& fix, FilterState* state);
 
-/// Puts the state where a fix is, without correlation to what was before. All else stays.
-void PlaceAtFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state);
+/// Resets the pose to that of a fix, without correlation to the state before. All else stays.
+void ResetToFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state);
 
 /// The same for a pose that is no fix. covariance: in the base frame.
-void PlaceAt(const Pose2& map_from_base, const Eigen::Matrix3d& covariance, FilterState* state);
+void ResetPose(const Pose2& map_from_base, const Eigen::Matrix3d& covariance, FilterState* state);
 
-/// True when the numbers of a fix can be worked with.
+/// True when the numbers of a fix are finite and its covariance is positive definite.
 bool IsValid(const PoseFix& fix);
 
 }  // namespace floorloc

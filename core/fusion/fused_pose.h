@@ -9,11 +9,11 @@
 
 namespace floorloc {
 
-/// How much a fused pose is worth.
+/// Quality of a fused pose.
 enum class TrackingState {
-  kLocalized,         ///< the last picture agreed, and the pose is good to FilterLimits::localized_*
-  kTrackingOdometry,  ///< carried on by odometry since the last fix
-  kLost,              ///< uncertain by more than FilterLimits::lost_*, or contradicted by several pictures that agree
+  kLocalized,         ///< the last image agreed, and the pose is good to FilterLimits::localized_*
+  kTrackingOdometry,  ///< propagated by odometry since the last fix
+  kLost,              ///< uncertain by more than FilterLimits::lost_*, or contradicted by several images that agree
 };
 /// "localized", "tracking_odometry", "lost"
 const char* ToString(TrackingState state);
@@ -33,7 +33,7 @@ struct FusedPose {
   Pose2 map_from_odom;
   Pose2 odom_from_base;  ///< sum of the increments; the identity at the first message
   TrackingState state = TrackingState::kLost;
-  bool in_doubt = false;              ///< the last fix contradicts it
+  bool contradicted = false;          ///< the last fix contradicts it
   std::optional<SinceFix> since_fix;  ///< empty before the first fix
 };
 
@@ -41,23 +41,23 @@ struct FusedPose {
 enum class FixRejection {
   kNone,
   kWrongFixRisk,  ///< its probability to be wrong is too high
-  kJumpDistance,  ///< too far from where the vehicle should be
-  kJumpAngle,     ///< turned too far from it
+  kJumpDistance,  ///< too far from the predicted pose
+  kJumpAngle,     ///< turned too far from the predicted heading
   kMahalanobis,   ///< near, but not within what both covariances allow
-  kTooOld,        ///< from before what is remembered
+  kTooOld,        ///< older than the history
   kDuplicate,     ///< there is a fix of this time already
   kInvalid,       ///< not finite, or its covariance is none
 };
 /// "", "wrong_fix_risk", "jump_distance", "jump_angle", "mahalanobis", "too_old", "duplicate", "invalid"
 const char* ToString(FixRejection reason);
 
-/// What became of a fix.
+/// Outcome of a fix.
 struct FixOutcome {
   bool accepted = false;
   FixRejection reason = FixRejection::kNone;
-  bool reanchored = false;           ///< the vehicle was found again elsewhere: the pose was replaced, not corrected
+  bool reanchored = false;           ///< the vehicle was relocalized: the pose was replaced, not corrected
   bool first = false;                ///< there was no pose before it
-  double distance_m = 0.0;           ///< from where the vehicle should have been
+  double distance_m = 0.0;           ///< from the predicted pose
   double angle_rad = 0.0;            ///< likewise, absolute
   double mahalanobis_squared = 0.0;  ///< innovation against both covariances; chi-square with 3 degrees of freedom
 };

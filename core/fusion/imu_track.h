@@ -9,13 +9,13 @@
 
 namespace floorloc {
 
-/// Biases of an IMU: what it reads too much.
+/// Biases of an IMU: constant offset of its readings.
 struct ImuBias {
   double yaw_rate_rad_s = 0.0;
   Eigen::Vector2d acceleration_m_s2 = Eigen::Vector2d::Zero();
 };
 
-/// Readings summed up over a stretch of time (preintegration), in the base frame at its beginning.
+/// Readings summed up over an interval of time (preintegration), in the base frame at its beginning.
 struct ImuMotion {
   double yaw_rad = 0.0;
   Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< that was gained
@@ -41,7 +41,7 @@ class ImuTrack {
   std::int64_t CoveredUntil(std::int64_t from_ns, std::int64_t limit_ns) const;
   /// The first reading at or after from_ns; limit_ns when there is none before it.
   std::int64_t NextStart(std::int64_t from_ns, std::int64_t limit_ns) const;
-  /// Of a covered stretch: trapezoids between the readings.
+  /// Of a covered interval: trapezoids between the readings.
   ImuMotion Between(std::int64_t from_ns, std::int64_t to_ns, const ImuBias& bias) const;
 
  private:

@@ -18,7 +18,7 @@ class JumpFilter {
  public:
   explicit JumpFilter(const JumpFilterOptions& options) : options_(options) {}
 
-  /// With odometry, what counts is the jump from where odometry carries the last accepted pose.
+  /// With odometry, what counts is the jump from the last accepted pose propagated by odometry.
   bool Accept(const Pose2& map_from_base, const std::optional<Pose2>& odom_from_base);
   const JumpFilterOptions& options() const { return options_; }
 

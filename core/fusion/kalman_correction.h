@@ -25,11 +25,11 @@ Eigen::Matrix<double, kState, 1> KalmanCorrection(const Eigen::Matrix<double, kR
                                                   const Eigen::Matrix<double, kRows, kRows>& noise,
                                                   Eigen::Matrix<double, kState, kState>* covariance) {
   using Covariance = Eigen::Matrix<double, kState, kState>;
-  const Eigen::Matrix<double, kRows, kState> seen = jacobian * *covariance;
-  const Eigen::Matrix<double, kRows, kRows> innovation = seen * jacobian.transpose() + noise;
-  const Eigen::Matrix<double, kState, kRows> gain = innovation.ldlt().solve(seen).transpose();
-  const Covariance kept = Covariance::Identity() - gain * jacobian;
-  *covariance = (kept * *covariance * kept.transpose() + gain * noise * gain.transpose()).eval();
+  const Eigen::Matrix<double, kRows, kState> jacobian_covariance = jacobian * *covariance;
+  const Eigen::Matrix<double, kRows, kRows> innovation = jacobian_covariance * jacobian.transpose() + noise;
+  const Eigen::Matrix<double, kState, kRows> gain = innovation.ldlt().solve(jacobian_covariance).transpose();
+  const Covariance i_minus_kh = Covariance::Identity() - gain * jacobian;
+  *covariance = (i_minus_kh * *covariance * i_minus_kh.transpose() + gain * noise * gain.transpose()).eval();
   return gain * residual;
 }
 

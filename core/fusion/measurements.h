@@ -9,12 +9,12 @@
 
 namespace floorloc {
 
-/// A motion of the robot that wheels or pictures tell.
+/// A motion of the robot, measured by wheels or images.
 struct MotionIncrement {
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;  ///< later than from_ns
   Pose2 motion;            ///< base at from_ns from base at to_ns
-  /// Of (x, y, yaw), additive, in the frame of the base at from_ns; empty: as OdometryNoise has it.
+  /// Of (x, y, yaw), additive, in the frame of the base at from_ns; empty: as in OdometryNoise.
   std::optional<Eigen::Matrix3d> covariance;
 };
 
@@ -27,19 +27,19 @@ struct ImuReading {
 
 /// A pose that was measured in the map.
 struct PoseFix {
-  std::int64_t stamp_ns = 0;  ///< when the picture was taken, not when it was understood
+  std::int64_t stamp_ns = 0;  ///< when the image was taken, not when it was processed
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame
   double p_wrong = 0.0;                                  ///< probability that it is a wrong place
 };
 
-/// What became of a message.
+/// Outcome of a message.
 enum class MessageOutcome {
   kUsed,
-  kUsedLate,   ///< out of order; sorted in where it belongs
-  kDuplicate,  ///< its time is taken already; ignored
-  kTooOld,     ///< from before what is remembered; ignored
-  kClockJump,  ///< the sender's clock was set: all memory of the motion begins anew with this message
+  kUsedLate,   ///< out of order; inserted at its time
+  kDuplicate,  ///< there is a message of this time already; ignored
+  kTooOld,     ///< older than the history; ignored
+  kClockJump,  ///< the sender's clock was set: the history restarts with this message
   kInvalid,    ///< not finite, or ends before it begins; ignored
 };
 /// "used", "used_late", "duplicate", "too_old", "clock_jump", "invalid"

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// What a track tells of the time between two moments.
+/// Motion of a track between two times.
 struct TrackMotion {
   Pose2 motion;                                          ///< base at the first from base at the second
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of a motion xi in the last base frame: motion * Exp(xi)
@@ -18,9 +18,9 @@ struct TrackMotion {
   double turn_rad = 0.0;
 };
 
-/// The increments of one source in the order of their times, which may have holes. An increment that arrives late takes
-/// its place, and the one after it then begins where the late one ends: "since the previous message" is meant in the
-/// order of sending.
+/// The increments of one source in the order of their times, which may have holes. An increment that arrives late is
+/// inserted at its time, and the one after it then begins where the late one ends: "since the previous message" is
+/// meant in the order of sending.
 class MotionTrack {
  public:
   MessageOutcome Add(const MotionIncrement& increment);
@@ -34,12 +34,12 @@ class MotionTrack {
   /// End of the newest increment. Not of an empty track.
   std::int64_t newest_ns() const { return increments_.back().to_ns; }
 
-  /// How far, at most to limit_ns, the increments tell the motion from a time on without a hole; the time itself when
-  /// they tell nothing.
+  /// How far, at most to limit_ns, the increments cover the motion from a time on without a gap; the time itself when
+  /// they do not.
   std::int64_t CoveredUntil(std::int64_t from_ns, std::int64_t limit_ns) const;
   /// The first time from from_ns on at which an increment begins; limit_ns when there is none before it.
   std::int64_t NextStart(std::int64_t from_ns, std::int64_t limit_ns) const;
-  /// Of a covered stretch. Increments are cut as motions of constant twist.
+  /// Of a covered interval. Increments are cut as motions of constant twist.
   TrackMotion Between(std::int64_t from_ns, std::int64_t to_ns) const;
 
  private:

@@ -11,10 +11,10 @@
 namespace floorloc {
 namespace {
 
-// States are remembered at least so far apart, or nothing but the newest would be done again after a late message.
+// States are remembered at least so far apart, to bound the recomputation after a late message.
 constexpr std::int64_t kCheckpointNs = 200'000'000;
 
-// When the clock was set, nobody knows how far the vehicle went meanwhile.
+// The motion while the clock was set is unknown.
 constexpr double kClockJumpSigmaM = 0.3;
 constexpr double kClockJumpSigmaRad = 0.3;
 
@@ -27,12 +27,12 @@ const PoseFilterOptions& Checked(const PoseFilterOptions& options) {
   return options;
 }
 
-FilterState FirstState(std::int64_t stamp_ns, const PoseFilterOptions& options) {
+FilterState InitialState(std::int64_t stamp_ns, const PoseFilterOptions& options) {
   using namespace error_row;  // NOLINT: rows are named all over this function
   FilterState state;
   state.stamp_ns = stamp_ns;
   auto variance = state.covariance.diagonal();
-  variance.segment<2>(kVelocity).setConstant(Square(options.unknown.speed_m_s));
+  variance.segment<2>(kVelocity).setConstant(Square(options.motion_prior.speed_m_s));
   variance(kGyroBias) = Square(options.imu.gyro_bias);
   variance.segment<2>(kAccelerationBias).setConstant(Square(options.imu.accelerometer_bias));
   variance(kOdometryScale) = Square(options.odometry.scale);
@@ -57,42 +57,42 @@ void PoseFilter::Advance(std::int64_t stamp_ns) {
   if (!checkpoints_.empty() && *newest_ns_ - checkpoints_.back().state.stamp_ns >= 2 * kCheckpointNs) {
     checkpoints_.push_back({StateAt(*newest_ns_ - kCheckpointNs)});
   }
-  ForgetOld();
+  TrimHistory();
 }
 
-void PoseFilter::ForgetOld() {
+void PoseFilter::TrimHistory() {
   const std::int64_t horizon_ns = *newest_ns_ - ToNs(options_.history_s);
   while (checkpoints_.size() > 1 && checkpoints_[1].state.stamp_ns <= horizon_ns) {
     checkpoints_.pop_front();
   }
   const std::int64_t needed_ns =
       checkpoints_.empty() ? horizon_ns : std::min(horizon_ns, checkpoints_.front().state.stamp_ns);
-  const auto forget = [&](auto* track) {
+  const auto trim = [&](auto* track) {
     track->DropBefore(needed_ns);
     while (track->size() > options_.max_messages) {
       track->DropOldest();
     }
   };
-  forget(&record_.wheels);
-  forget(&record_.vision);
-  forget(&record_.imu);
+  trim(&record_.wheels);
+  trim(&record_.vision);
+  trim(&record_.imu);
 }
 
-// What happens before there is a pose is remembered, too: it moves the odom frame.
+// Messages before the first pose are kept, too: they move the odom frame.
 void PoseFilter::Start(std::int64_t stamp_ns) {
   if (checkpoints_.empty()) {
-    checkpoints_.push_back({FirstState(stamp_ns, options_)});
+    checkpoints_.push_back({InitialState(stamp_ns, options_)});
   }
 }
 
-// The sender lives in another time now: what is known of the pose goes on there.
-void PoseFilter::BeginAnew(std::int64_t stamp_ns) {
+// The sender's clock was set: keeps the estimate, at the new time.
+void PoseFilter::RestartAt(std::int64_t stamp_ns) {
   FilterState state = StateAt(*newest_ns_);
   record_ = {};
   checkpoints_.clear();
   kidnap_.Clear();
   last_fix_ns_.reset();
-  last_picture_agreed_ = false;
+  last_frame_agreed_ = false;
   newest_ns_ = stamp_ns;
   state.stamp_ns = stamp_ns;
   state.velocity_m_s.setZero();
@@ -107,7 +107,7 @@ MessageOutcome PoseFilter::AddTo(Track* track, const Message& message, std::int6
     if (++messages_before_history_ < options_.clock_jump_messages) {
       return MessageOutcome::kTooOld;
     }
-    BeginAnew(begin_ns);
+    RestartAt(begin_ns);
     track->Add(message);
     Advance(end_ns);
     return MessageOutcome::kClockJump;
@@ -117,7 +117,7 @@ MessageOutcome PoseFilter::AddTo(Track* track, const Message& message, std::int6
   if (outcome == MessageOutcome::kUsed || outcome == MessageOutcome::kUsedLate) {
     Start(begin_ns);
     if (past) {
-      RedoSince(begin_ns);
+      RepropagateSince(begin_ns);
     }
     Advance(end_ns);
   }
@@ -134,14 +134,14 @@ MessageOutcome PoseFilter::AddIncrement(MotionSource source, const MotionIncreme
   return outcome;
 }
 
-// The state of the picture's time is corrected, and what came after is done again.
+// Corrects the state of the image's time and repropagates what came after.
 void PoseFilter::AddVision(const MotionIncrement& increment) {
   if (increment.to_ns < checkpoints_.front().state.stamp_ns) {
     return;
   }
-  const std::size_t place = CheckpointAt(increment.to_ns);
-  checkpoints_[place].vision = increment;
-  RedoFrom(place);
+  const std::size_t index = CheckpointAt(increment.to_ns);
+  checkpoints_[index].vision = increment;
+  RepropagateFrom(index);
 }
 
 MessageOutcome PoseFilter::AddImu(const ImuReading& reading) {
@@ -157,7 +157,7 @@ std::size_t PoseFilter::LastCheckpointBefore(std::int64_t stamp_ns) const {
 
 FilterState PoseFilter::StateAt(std::int64_t stamp_ns) const {
   FilterState state = checkpoints_[LastCheckpointBefore(stamp_ns)].state;
-  CarryOn(record_, options_, stamp_ns, &state);
+  Propagate(record_, options_, stamp_ns, &state);
   return state;
 }
 
@@ -172,23 +172,23 @@ std::size_t PoseFilter::CheckpointAt(std::int64_t stamp_ns) {
 }
 
 // Fixes that were accepted stay accepted.
-void PoseFilter::RedoSince(std::int64_t stamp_ns) {
+void PoseFilter::RepropagateSince(std::int64_t stamp_ns) {
   if (!checkpoints_.empty() && checkpoints_.back().state.stamp_ns > stamp_ns) {
-    RedoFrom(stamp_ns < checkpoints_.front().state.stamp_ns ? 0 : LastCheckpointBefore(stamp_ns) + 1);
+    RepropagateFrom(stamp_ns < checkpoints_.front().state.stamp_ns ? 0 : LastCheckpointBefore(stamp_ns) + 1);
   }
 }
 
 // The first state has none before it to be predicted from: it stays as it is.
-void PoseFilter::RedoFrom(std::size_t place) {
-  for (std::size_t i = std::max<std::size_t>(place, 1); i < checkpoints_.size(); ++i) {
+void PoseFilter::RepropagateFrom(std::size_t index) {
+  for (std::size_t i = std::max<std::size_t>(index, 1); i < checkpoints_.size(); ++i) {
     const std::int64_t stamp = checkpoints_[i].state.stamp_ns;
     checkpoints_[i].state = checkpoints_[i - 1].state;
-    CarryOn(record_, options_, stamp, &checkpoints_[i].state);
+    Propagate(record_, options_, stamp, &checkpoints_[i].state);
     Apply(&checkpoints_[i]);
   }
 }
 
-// What was measured at the checkpoint's time, on the predicted state.
+// Applies the measurements of the checkpoint's time to the predicted state.
 void PoseFilter::Apply(Checkpoint* checkpoint) const {
   FilterState* state = &checkpoint->state;
   if (checkpoint->fix) {
@@ -220,7 +220,7 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
     return outcome;
   }
   const FilterState predicted = StateAt(fix.stamp_ns);
-  outcome = JudgeFix(fix, predicted, options_.gates);
+  outcome = GateFix(fix, predicted, options_.gates);
   Advance(fix.stamp_ns);
   if (outcome.reason != FixRejection::kWrongFixRisk && (!has_pose_ || IsLost(predicted))) {
     return Anchor(fix);
@@ -231,26 +231,26 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
   return outcome.accepted ? Accept(fix, outcome) : Reject(fix, outcome);
 }
 
-// A fix that is near takes its place among the states, and what came after it is done again.
+// Inserts a fix at its time and repropagates the states after it.
 void PoseFilter::Insert(const PoseFix& fix, const FixOutcome& outcome) {
-  const std::size_t place = CheckpointAt(fix.stamp_ns);
-  checkpoints_[place].fix = fix;
-  checkpoints_[place].fix_accepted = outcome.accepted;
-  if (place == 0 && outcome.accepted) {
+  const std::size_t index = CheckpointAt(fix.stamp_ns);
+  checkpoints_[index].fix = fix;
+  checkpoints_[index].fix_accepted = outcome.accepted;
+  if (index == 0 && outcome.accepted) {
     CorrectByFix(fix, &checkpoints_[0].state);
   }
-  RedoFrom(place);
+  RepropagateFrom(index);
 }
 
 FixOutcome PoseFilter::Accept(const PoseFix& fix, const FixOutcome& outcome) {
   kidnap_.Clear();
   last_fix_ns_ = std::max(last_fix_ns_.value_or(fix.stamp_ns), fix.stamp_ns);
-  last_picture_agreed_ = true;
+  last_frame_agreed_ = true;
   return outcome;
 }
 
 FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
-  last_picture_agreed_ = false;
+  last_frame_agreed_ = false;
   if (outcome.reason == FixRejection::kWrongFixRisk) {
     return outcome;
   }
@@ -258,8 +258,8 @@ FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
   const auto motion = [&](std::int64_t from_ns, std::int64_t to_ns) {
     FilterState moved = sensors;
     moved.stamp_ns = from_ns;
-    PlaceAt(Pose2(), Eigen::Matrix3d::Zero(), &moved);
-    CarryOn(record_, options_, to_ns, &moved);
+    ResetPose(Pose2(), Eigen::Matrix3d::Zero(), &moved);
+    Propagate(record_, options_, to_ns, &moved);
     return MotionEstimate{moved.map_from_base, LargestSigma(moved.covariance.topLeftCorner<2, 2>()),
                           std::sqrt(moved.covariance(2, 2))};
   };
@@ -268,27 +268,27 @@ FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
   return kidnap_.AddContradiction(fix, motion) >= needed ? Anchor(fix) : outcome;
 }
 
-// The vehicle is where the fix has it. What is known of its sensors stays; the pose begins anew.
+// Resets the pose to the fix; sensor biases are kept.
 FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
   FixOutcome outcome;
   outcome.accepted = true;
   outcome.first = !has_pose_;
   outcome.reanchored = has_pose_;
   FilterState state = StateAt(fix.stamp_ns);
-  PlaceAtFix(fix, options_.shared_fix, &state);
+  ResetToFix(fix, options_.shared_fix, &state);
   state.path_m = state.turn_rad = 0.0;
   checkpoints_.clear();
   checkpoints_.push_back({state, {}, fix, true});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_ = fix.stamp_ns;
-  last_picture_agreed_ = true;
+  last_frame_agreed_ = true;
   return outcome;
 }
 
-void PoseFilter::AddMiss(std::int64_t stamp_ns) {
+void PoseFilter::AddUnlocalizedFrame(std::int64_t stamp_ns) {
   if (!last_fix_ns_ || stamp_ns > *last_fix_ns_) {
-    last_picture_agreed_ = false;
+    last_frame_agreed_ = false;
   }
 }
 
@@ -301,13 +301,13 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   }
   state.stamp_ns = pose.stamp_ns;
   state.path_m = state.turn_rad = 0.0;
-  PlaceAt(pose.map_from_base, ToBaseFrame(pose.covariance, pose.map_from_base), &state);
+  ResetPose(pose.map_from_base, ToBaseFrame(pose.covariance, pose.map_from_base), &state);
   checkpoints_.clear();
   checkpoints_.push_back({state});
   kidnap_.Clear();
   has_pose_ = true;
   last_fix_ns_.reset();
-  last_picture_agreed_ = false;
+  last_frame_agreed_ = false;
   Advance(pose.stamp_ns);
 }
 
@@ -336,7 +336,7 @@ std::optional<Pose2> PoseFilter::MotionBetween(std::int64_t from_ns, std::int64_
   }
   FilterState state = StateAt(from_ns);
   const Pose2 map_from_start = state.map_from_base;
-  CarryOn(record_, options_, to_ns, &state);
+  Propagate(record_, options_, to_ns, &state);
   return map_from_start.Between(state.map_from_base);
 }
 
@@ -355,11 +355,11 @@ FusedPose PoseFilter::ToFusedPose(const FilterState& state) const {
   const FilterLimits& limits = options_.limits;
   const bool fine = LargestSigma(pose.covariance.topLeftCorner<2, 2>()) <= limits.localized_m &&
                     std::sqrt(pose.covariance(2, 2)) <= limits.localized_rad;
-  pose.in_doubt = kidnap_.InDoubt();
-  if (IsLost(state) || kidnap_.InSeriousDoubt()) {
+  pose.contradicted = kidnap_.HasContradictions();
+  if (IsLost(state) || kidnap_.HasConsistentContradictions()) {
     pose.state = TrackingState::kLost;
   } else {
-    pose.state = last_picture_agreed_ && fine ? TrackingState::kLocalized : TrackingState::kTrackingOdometry;
+    pose.state = last_frame_agreed_ && fine ? TrackingState::kLocalized : TrackingState::kTrackingOdometry;
   }
   if (last_fix_ns_) {
     pose.since_fix = {1e-9 * static_cast<double>(state.stamp_ns - *last_fix_ns_), state.path_m, state.turn_rad};

@@ -6,14 +6,14 @@
 #include <optional>
 
 #include "core/fusion/dead_reckoning.h"
-#include "core/fusion/kidnap_watch.h"
+#include "core/fusion/kidnap_detector.h"
 #include "core/fusion/pose_fuser.h"
 
 namespace floorloc {
 
 /// Extended Kalman filter on SE(2) with its error state in the tangent space (Sola, Deray & Atchuthan 2018): pose,
 /// velocity, biases of the IMU and of the wheels. Fixes are applied at their own time: the states of the last seconds
-/// are remembered, and what came after a late message is done again. Bounded in memory.
+/// are remembered, and the filter is run again after a late message. Bounded in memory.
 class PoseFilter : public PoseFuser {
  public:
   /// Throws std::invalid_argument when the options do not pass Check().
@@ -22,7 +22,7 @@ class PoseFilter : public PoseFuser {
   MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) override;
   MessageOutcome AddImu(const ImuReading& reading) override;
   FixOutcome AddFix(const PoseFix& fix) override;
-  void AddMiss(std::int64_t stamp_ns) override;
+  void AddUnlocalizedFrame(std::int64_t stamp_ns) override;
   void SetPose(const PoseFix& pose) override;
   std::optional<FusedPose> Estimate() const override;
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
@@ -37,22 +37,22 @@ class PoseFilter : public PoseFuser {
     FilterState state;  // after both
     std::optional<MotionIncrement> vision = std::nullopt;
     std::optional<PoseFix> fix = std::nullopt;
-    bool fix_accepted = false;  ///< else it only tells of the noise
+    bool fix_accepted = false;  ///< else it only adapts the noise
   };
 
   template <typename Track, typename Message>
   MessageOutcome AddTo(Track* track, const Message& message, std::int64_t begin_ns, std::int64_t end_ns);
   bool IsBeforeHistory(std::int64_t stamp_ns) const;
   void Start(std::int64_t stamp_ns);
-  void BeginAnew(std::int64_t stamp_ns);
+  void RestartAt(std::int64_t stamp_ns);
   void Advance(std::int64_t stamp_ns);
   void AddVision(const MotionIncrement& increment);
   std::size_t CheckpointAt(std::int64_t stamp_ns);
   void Apply(Checkpoint* checkpoint) const;
   void Insert(const PoseFix& fix, const FixOutcome& outcome);
-  void RedoSince(std::int64_t stamp_ns);
-  void RedoFrom(std::size_t place);
-  void ForgetOld();
+  void RepropagateSince(std::int64_t stamp_ns);
+  void RepropagateFrom(std::size_t index);
+  void TrimHistory();
   FilterState StateAt(std::int64_t stamp_ns) const;
   std::size_t LastCheckpointBefore(std::int64_t stamp_ns) const;
   bool IsLost(const FilterState& state) const;
@@ -64,11 +64,11 @@ class PoseFilter : public PoseFuser {
   const PoseFilterOptions options_;
   MotionRecord record_;
   std::deque<Checkpoint> checkpoints_;  // by time; empty before the first message
-  KidnapWatch kidnap_;
+  KidnapDetector kidnap_;
   std::optional<std::int64_t> newest_ns_;
   std::optional<std::int64_t> last_fix_ns_;  // accepted
   bool has_pose_ = false;
-  bool last_picture_agreed_ = false;
+  bool last_frame_agreed_ = false;
   int messages_before_history_ = 0;
 };
 

@@ -14,8 +14,8 @@ namespace floorloc {
 /// Ways to make one pose of increments and fixes.
 enum class FusionMethod {
   kEkf,         ///< PoseFilter
-  kIncrements,  ///< the first fix, carried on by increments alone
-  kFixes,       ///< the last fix, whatever came between
+  kIncrements,  ///< the first fix, propagated by increments alone
+  kFixes,       ///< the last fix alone
   kReplace,     ///< increments are added, a fix replaces the pose: the fuser of the thesis (3.3.8)
   kJumpFilter,  ///< the same, but fixes that jump by more than the distance and angle gates are dropped
 };
@@ -34,9 +34,9 @@ class PoseFuser {
   virtual MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) = 0;
   virtual MessageOutcome AddImu(const ImuReading& reading) = 0;
   virtual FixOutcome AddFix(const PoseFix& fix) = 0;
-  /// A picture of this time told nothing.
-  virtual void AddMiss(std::int64_t stamp_ns) = 0;
-  /// Sets the pose by hand; the next fixes are judged against it.
+  /// The image of this time was not localized.
+  virtual void AddUnlocalizedFrame(std::int64_t stamp_ns) = 0;
+  /// Sets the pose by hand; the next fixes are gated against it.
   virtual void SetPose(const PoseFix& pose) = 0;
 
   /// At the time of the newest message; empty before there was a fix or a pose by hand.

@@ -37,7 +37,7 @@ MessageOutcome SimpleFuser::AddImu(const ImuReading& reading) {
   return MessageOutcome::kUsed;
 }
 
-bool SimpleFuser::Believes(const PoseFix& fix) {
+bool SimpleFuser::ShouldAccept(const PoseFix& fix) {
   switch (method_) {
     case FusionMethod::kIncrements:
       return !last_fix_;
@@ -56,30 +56,30 @@ FixOutcome SimpleFuser::AddFix(const PoseFix& fix) {
   }
   const Pose2 jump = map_from_base_.Between(fix.map_from_base);
   outcome.first = !last_fix_;
-  outcome.accepted = Believes(fix);
+  outcome.accepted = ShouldAccept(fix);
   outcome.distance_m = outcome.first ? 0.0 : jump.translation().norm();
   outcome.angle_rad = outcome.first ? 0.0 : std::abs(jump.yaw());
   outcome.reason = outcome.accepted ? FixRejection::kNone : FixRejection::kJumpDistance;
   newest_ns_ = std::max(newest_ns_.value_or(fix.stamp_ns), fix.stamp_ns);
   if (outcome.accepted) {
-    PlaceAt(fix);
+    ResetPose(fix);
   }
   return outcome;
 }
 
-void SimpleFuser::PlaceAt(const PoseFix& fix) {
+void SimpleFuser::ResetPose(const PoseFix& fix) {
   map_from_base_ = fix.map_from_base;
   last_fix_ = fix;
   since_fix_ = {};
 }
 
-void SimpleFuser::AddMiss(std::int64_t) {}
+void SimpleFuser::AddUnlocalizedFrame(std::int64_t) {}
 
 void SimpleFuser::SetPose(const PoseFix& pose) {
   newest_ns_ = pose.stamp_ns;
   jump_filter_ = JumpFilter(jump_filter_.options());
   jump_filter_.Accept(pose.map_from_base, odom_from_base_);
-  PlaceAt(pose);
+  ResetPose(pose);
 }
 
 std::optional<FusedPose> SimpleFuser::Estimate() const {

@@ -10,7 +10,7 @@
 namespace floorloc {
 
 /// The ways to fuse that need no covariance, to compare with: see FusionMethod. Messages count in the order of their
-/// arrival, whatever their times; every pose claims to be good, with the covariance of the last fix.
+/// arrival, whatever their times; every pose is reported as localized, with the covariance of the last fix.
 class SimpleFuser : public PoseFuser {
  public:
   /// Any method but kEkf.
@@ -19,15 +19,15 @@ class SimpleFuser : public PoseFuser {
   MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) override;
   MessageOutcome AddImu(const ImuReading& reading) override;
   FixOutcome AddFix(const PoseFix& fix) override;
-  void AddMiss(std::int64_t stamp_ns) override;
+  void AddUnlocalizedFrame(std::int64_t stamp_ns) override;
   void SetPose(const PoseFix& pose) override;
   std::optional<FusedPose> Estimate() const override;
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
   std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override;
 
  private:
-  bool Believes(const PoseFix& fix);
-  void PlaceAt(const PoseFix& fix);
+  bool ShouldAccept(const PoseFix& fix);
+  void ResetPose(const PoseFix& fix);
 
   const FusionMethod method_;
   JumpFilter jump_filter_;

@@ -13,8 +13,8 @@ Eigen::Matrix3d FrameNoise(const VisionNoise& noise) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-// The visual pose begins where the base is, but for what is off in this picture.
-void BeginVisualPose(const Eigen::Matrix3d& frame_noise, FilterState* state) {
+// Initializes the visual pose with that of the base, plus the noise of this image.
+void InitializeVisualPose(const Eigen::Matrix3d& frame_noise, FilterState* state) {
   ErrorCovariance jacobian = ErrorCovariance::Identity();
   jacobian.block<3, 3>(kVisual, kVisual).setZero();
   jacobian.block<3, 3>(kVisual, kPose).setIdentity();
@@ -23,9 +23,9 @@ void BeginVisualPose(const Eigen::Matrix3d& frame_noise, FilterState* state) {
   state->visual_map_from_base = state->map_from_base;
 }
 
-void MoveVisualPose(const MotionIncrement& increment, FilterState* state) {
-  const Eigen::Vector2d way = (1.0 + state->vision_scale) * increment.motion.translation();
-  const Pose2 motion(way.x(), way.y(), increment.motion.yaw());
+void PropagateVisualPose(const MotionIncrement& increment, FilterState* state) {
+  const Eigen::Vector2d translation = (1.0 + state->vision_scale) * increment.motion.translation();
+  const Pose2 motion(translation.x(), translation.y(), increment.motion.yaw());
   ErrorCovariance jacobian = ErrorCovariance::Identity();
   jacobian.block<3, 3>(kVisual, kVisual) = motion.Inverse().Adjoint();
   jacobian.block<2, 1>(kVisual, kVisionScale) = motion.rotation().transpose() * increment.motion.translation();
@@ -40,13 +40,13 @@ void MoveVisualPose(const MotionIncrement& increment, FilterState* state) {
 
 void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& options, FilterState* state) {
   const Eigen::Matrix3d frame_noise = state->vision_noise_factor * FrameNoise(options.vision);
-  const bool goes_on = state->visual_ns == motion.from_ns;
+  const bool continues = state->visual_ns == motion.from_ns;
   state->visual_ns = motion.to_ns;
-  if (!goes_on) {
-    BeginVisualPose(frame_noise, state);
+  if (!continues) {
+    InitializeVisualPose(frame_noise, state);
     return;
   }
-  MoveVisualPose(motion, state);
+  PropagateVisualPose(motion, state);
   Eigen::Matrix<double, 3, kCount> jacobian = Eigen::Matrix<double, 3, kCount>::Zero();
   jacobian.block<3, 3>(0, kPose).setIdentity();
   jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
@@ -55,7 +55,7 @@ void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& opt
   if (mahalanobis_squared > options.max_slip_mahalanobis_squared) {
     state->covariance.diagonal().segment<3>(kPose) += residual.cwiseAbs2();
   }
-  state->vision_noise_factor = AdaptedNoise(state->vision_noise_factor, mahalanobis_squared, options.adaptation);
+  state->vision_noise_factor = AdaptNoiseFactor(state->vision_noise_factor, mahalanobis_squared, options.adaptation);
   state->Add(KalmanCorrection<3, kCount>(residual, jacobian, frame_noise, &state->covariance));
 }
 

@@ -7,9 +7,9 @@
 
 namespace floorloc {
 
-/// Kalman's correction of the state, which is that of the picture's time, by the motion that visual odometry has up to
-/// it. A motion that does not begin at the last picture begins a new visual pose. Where the pictures contradict the
-/// prediction, they are believed: wheels slip.
+/// Kalman correction of the state, which is that of the image's time, by the motion of visual odometry up to it. A
+/// motion that does not begin at the last image begins a new visual pose. Where the images contradict the prediction,
+/// the images are used: wheels slip.
 void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& options, FilterState* state);
 
 }  // namespace floorloc

@@ -44,7 +44,7 @@ Eigen::Vector2d DistortNormalized(const CameraModel& camera, const Eigen::Vector
 }
 
 // A polynomial lens model can fold: beyond some radius, farther points come nearer again. An undistorted point is only
-// believed when its image moves outward all the way from the centre to it.
+// valid when its image moves outward all the way from the centre to it.
 bool IsBeforeFold(const CameraModel& camera, const Eigen::Vector2d& p) {
   constexpr int kSamples = 32;
   double previous = DistortNormalized(camera, Eigen::Vector2d::Zero()).norm();
@@ -64,7 +64,7 @@ void Require(bool ok, const char* message) {
   }
 }
 
-bool HasRightCount(DistortionModel model, std::size_t count) {
+bool HasValidCount(DistortionModel model, std::size_t count) {
   switch (model) {
     case DistortionModel::kPlumbBob:
       return count == 4 || count == 5;
@@ -96,7 +96,7 @@ void CameraModel::Check() const {
   Require(std::isfinite(fx) && fx > 0 && std::isfinite(fy) && fy > 0,
           "camera_matrix: the focal lengths (numbers 1 and 5) must be positive");
   Require(std::isfinite(cx) && std::isfinite(cy), "camera_matrix: the principal point must be finite");
-  Require(HasRightCount(distortion_model, distortion.size()),
+  Require(HasValidCount(distortion_model, distortion.size()),
           "distortion_coefficients: plumb_bob takes 4 or 5 numbers, rational_polynomial 8, equidistant 4");
   for (const double k : distortion) {
     Require(std::isfinite(k), "distortion_coefficients must be finite");

@@ -34,7 +34,7 @@ RoiGrid SpreadOver(const RectM& r) {
   return points;
 }
 
-// Sign of the homography's local area change at a pixel: a camera above the floor turns the picture over
+// Sign of the homography's local area change at a pixel: a camera above the floor turns the image over
 // (v runs down, y runs left and x forward), so the determinant is negative in front of the horizon.
 double LocalOrientation(const Eigen::Matrix3d& base_from_pixel, const Eigen::Vector2d& pixel) {
   const double w = base_from_pixel.row(2) * pixel.homogeneous();
@@ -52,9 +52,9 @@ void FloorPlane::Check() const {
   Require(roi.width_m() > 0 && roi.height_m() > 0, "roi: x_min < x_max and y_min < y_max must hold");
   Require(std::isfinite(resolution_m) && resolution_m > 0, "resolution must be a positive number of metres per pixel");
   Require(roi.width_m() / resolution_m <= kMaxRectifiedSidePx && roi.height_m() / resolution_m <= kMaxRectifiedSidePx,
-          "roi / resolution gives a picture of more than 16384 pixels: is the resolution in metres per pixel?");
+          "roi / resolution gives an image of more than 16384 pixels: is the resolution in metres per pixel?");
   Require(roi.width_m() / resolution_m >= 16 && roi.height_m() / resolution_m >= 16,
-          "roi / resolution gives a picture of less than 16 pixels: is the resolution in metres per pixel?");
+          "roi / resolution gives an image of less than 16 pixels: is the resolution in metres per pixel?");
 }
 
 void FloorCamera::Check() const {
@@ -71,10 +71,10 @@ void FloorCamera::Check() const {
       any_visible = true;
       Require((FloorFromRawPixel(raw_px) - p).norm() < 0.5 * floor.resolution_m,
               "roi reaches beyond the range of the lens model: make the roi smaller, or calibrate with a board that "
-              "fills the picture");
+              "fills the image");
     }
   }
-  Require(any_visible, "roi lies outside the picture: homography, roi and camera_matrix do not belong together");
+  Require(any_visible, "roi lies outside the image: homography, roi and camera_matrix do not belong together");
   const Eigen::Vector2d center_px = (pixel_from_base * floor.roi.Center().homogeneous()).hnormalized();
   Require(LocalOrientation(floor.base_from_pixel, center_px) < 0,
           "homography is mirrored: the base frame has x forward, y left, z up (are the axes swapped?)");

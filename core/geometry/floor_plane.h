@@ -37,10 +37,10 @@ struct FloorCamera {
   FloorPlane floor;
 
   /// Checks both parts, and together: the homography is not mirrored, the region of interest lies in front of the
-  /// horizon and at least partly inside the picture. Throws std::invalid_argument.
+  /// horizon and at least partly inside the image. Throws std::invalid_argument.
   void Check() const;
 
-  /// The same camera, rectified to another resolution: a map's keypoints only fit pictures of its own.
+  /// The same camera, rectified to another resolution: a map's keypoints only fit images of its own.
   FloorCamera AtResolution(double resolution_m) const;
 
   /// Where the camera is, base frame, from the homography's decomposition (Zhang 2000): z is its height.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
 
-// A YAML document whose complaints name the file, and the line where there is one.
+// A YAML document whose errors name the file, and the line where there is one.
 class YamlDocument {
  public:
   YamlDocument(const std::string& text, const std::filesystem::path& source) : source_(source) {
@@ -32,7 +32,7 @@ class YamlDocument {
       Fail(error.mark, "is not valid YAML (" + error.msg + "); correct the line");
     }
     if (!root_.IsMap()) {
-      throw InputError(source_, "holds no YAML keys; write lines of the form 'key: value'");
+      throw InputError(source_, "has no YAML keys; write lines of the form 'key: value'");
     }
   }
 
@@ -72,7 +72,7 @@ class YamlDocument {
 
   std::string Text(const YAML::Node& value, const std::string& key) const {
     if (!value.IsScalar()) {
-      Fail(value.Mark(), key + " must be a text; correct it");
+      Fail(value.Mark(), key + " must be a string; correct it");
     }
     return value.Scalar();
   }
@@ -120,7 +120,7 @@ class YamlDocument {
   YAML::Node root_;
 };
 
-// yaml-cpp throws its own exceptions from the most innocent accessors; all of them mean a malformed file.
+// yaml-cpp throws its own exceptions from any accessor; all of them mean a malformed file.
 template <typename Parse>
 auto ParseYaml(const std::string& text, const std::filesystem::path& source, Parse parse) {
   const YamlDocument document(text, source);

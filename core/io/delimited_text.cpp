@@ -20,15 +20,15 @@ std::string_view Trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-// from_chars knows no leading plus sign.
-std::string_view WithoutPlus(std::string_view text) {
+// from_chars does not accept a leading plus sign.
+std::string_view StripPlus(std::string_view text) {
   const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
   return has_plus ? text.substr(1) : text;
 }
 
 template <typename Number>
 std::optional<Number> ParseWhole(std::string_view text) {
-  const std::string_view digits = WithoutPlus(text);
+  const std::string_view digits = StripPlus(text);
   Number value{};
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size()) {

@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// One line of a text file that has something to say.
+/// One line of a text file with content.
 struct TextLine {
   int number = 0;         ///< counted from 1, as editors do
   std::string_view text;  ///< without blanks at the ends; points into the text it was cut from

@@ -28,10 +28,10 @@ struct Segment {
   Bytes payload;
 };
 
-// Takes segments off the front of the bytes.
-class JpegWalker {
+// Reads the segments one after the other.
+class JpegParser {
  public:
-  explicit JpegWalker(Bytes bytes) : rest_(bytes) {}
+  explicit JpegParser(Bytes bytes) : rest_(bytes) {}
 
   bool StartsAsJpeg() {
     const bool ok = rest_.size() >= 3 && rest_[0] == 0xFF && rest_[1] == kStartOfImage && rest_[2] == 0xFF;
@@ -88,11 +88,11 @@ class JpegWalker {
 };
 
 std::optional<ImageHeader> ProbeJpeg(Bytes bytes) {
-  JpegWalker walker(bytes);
-  if (!walker.StartsAsJpeg()) {
+  JpegParser parser(bytes);
+  if (!parser.StartsAsJpeg()) {
     return std::nullopt;
   }
-  while (const std::optional<Segment> segment = walker.Next()) {
+  while (const std::optional<Segment> segment = parser.Next()) {
     const Bytes data = segment->payload;
     if (segment->marker == kStartOfScan || segment->marker == kEndOfImage) {
       return std::nullopt;
@@ -139,18 +139,18 @@ std::optional<ImageHeader> ProbeImage(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<int> CountJpegScans(std::span<const std::uint8_t> bytes) {
-  JpegWalker walker(bytes);
-  if (!walker.StartsAsJpeg()) {
+  JpegParser parser(bytes);
+  if (!parser.StartsAsJpeg()) {
     return std::nullopt;
   }
   int scans = 0;
-  while (const std::optional<Segment> segment = walker.Next()) {
+  while (const std::optional<Segment> segment = parser.Next()) {
     if (segment->marker == kEndOfImage) {
       return scans;
     }
     if (segment->marker == kStartOfScan) {
       ++scans;
-      walker.SkipCompressedData();
+      parser.SkipCompressedData();
     }
   }
   return std::nullopt;

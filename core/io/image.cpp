@@ -24,23 +24,23 @@ void CheckBeforeDecoding(std::span<const std::uint8_t> bytes, const cv::Size& ex
                          const std::filesystem::path& source) {
   const std::optional<ImageHeader> header = ProbeImage(bytes);
   if (!header) {
-    throw InputError(source, "is no JPEG or PNG picture, or its header is damaged; use an intact JPEG or PNG");
+    throw InputError(source, "is not a JPEG or PNG image, or its header is damaged; use an intact JPEG or PNG");
   }
   if (header->width_px != expected.width || header->height_px != expected.height) {
-    throw InputError(source, "the picture is " + SizeText(header->width_px, header->height_px) +
+    throw InputError(source, "the image is " + SizeText(header->width_px, header->height_px) +
                                  " but camera.yaml says " + SizeText(expected.width, expected.height) +
-                                 "; use pictures of the calibrated camera");
+                                 "; use images of the calibrated camera");
   }
   if (std::max(expected.width, expected.height) > kMaxSidePx) {
-    throw InputError(source, "the picture is larger than 16384 pixels a side; use a smaller one");
+    throw InputError(source, "the image is larger than 16384 pixels a side; use a smaller one");
   }
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-    throw InputError(source, "the file is larger than 2 GiB; use a smaller picture");
+    throw InputError(source, "the file is larger than 2 GiB; use a smaller image");
   }
   const bool is_jpeg = header->format == ImageFormat::kJpeg;
   const std::optional<int> scans = is_jpeg ? CountJpegScans(bytes) : std::nullopt;
   if (is_jpeg ? !scans : !HasPngEnd(bytes)) {
-    throw InputError(source, "the picture is cut off or damaged; copy it again or remove it");
+    throw InputError(source, "the image is cut off or damaged; copy it again or remove it");
   }
   if (is_jpeg && *scans > kMaxJpegScans) {
     throw InputError(source, "the JPEG has more than 100 scans; save it again as an ordinary JPEG");
@@ -53,18 +53,18 @@ cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& e
   CheckBeforeDecoding(bytes, expected, source);
   // imdecode only reads the buffer, but a cv::Mat header cannot say so.
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
-  cv::Mat picture;
+  cv::Mat decoded;
   try {
-    picture = cv::imdecode(buffer, flags | cv::IMREAD_IGNORE_ORIENTATION);
+    decoded = cv::imdecode(buffer, flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
-    picture.release();
+    decoded.release();
   }
   // Some decoders round shrunken sizes up, others down.
-  if (std::abs(picture.cols * shrink - expected.width) >= shrink ||
-      std::abs(picture.rows * shrink - expected.height) >= shrink) {
-    throw InputError(source, "the picture is damaged; copy it again or remove it");
+  if (std::abs(decoded.cols * shrink - expected.width) >= shrink ||
+      std::abs(decoded.rows * shrink - expected.height) >= shrink) {
+    throw InputError(source, "the image is damaged; copy it again or remove it");
   }
-  return picture;
+  return decoded;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace floorloc {
 
 enum class ImageFormat { kJpeg, kPng };
 
-/// What the header of an encoded picture says; nothing has been decoded yet.
+/// What the header of an encoded image says; nothing has been decoded yet.
 struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   int width_px = 0;
@@ -22,7 +22,7 @@ struct ImageHeader {
 std::optional<ImageHeader> ProbeImage(std::span<const std::uint8_t> bytes);
 
 /// Decodes a JPEG or PNG to 8-bit grey, ignoring EXIF orientation. The header must announce exactly
-/// width_px x height_px, which is checked before any pixel is decoded. `source` names the picture in errors.
+/// width_px x height_px, which is checked before any pixel is decoded. `source` names the image in errors.
 /// Throws InputError.
 cv::Mat DecodeGray(std::span<const std::uint8_t> bytes, int width_px, int height_px,
                    const std::filesystem::path& source);
@@ -30,10 +30,10 @@ cv::Mat DecodeGray(std::span<const std::uint8_t> bytes, int width_px, int height
 cv::Mat DecodeColor(std::span<const std::uint8_t> bytes, int width_px, int height_px,
                     const std::filesystem::path& source);
 
-/// Reads and decodes a picture of the given size from a file. Throws InputError.
+/// Reads and decodes an image of the given size from a file. Throws InputError.
 cv::Mat ReadGrayImage(const std::filesystem::path& file, int width_px, int height_px);
 cv::Mat ReadColorImage(const std::filesystem::path& file, int width_px, int height_px);
-/// An eighth as wide and high, rounded up or down; from a JPEG several times faster than the whole picture.
+/// An eighth as wide and high, rounded up or down; from a JPEG several times faster than the whole image.
 cv::Mat ReadSmallColorImage(const std::filesystem::path& file, int width_px, int height_px);
 
 }  // namespace floorloc

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// Something from outside is wrong. what() is one sentence: "FILE[:LINE]: what is wrong; what to do".
+/// Invalid external input. what() is one sentence: "FILE[:LINE]: what is wrong; what to do".
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -27,19 +27,19 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-bool HasPictureName(const fs::path& path) {
+bool HasImageExtension(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
 }
 
-std::vector<SurveyFrame> ListPictures(const fs::path& folder) {
+std::vector<SurveyFrame> ListImages(const fs::path& folder) {
   const fs::path images = folder / "images";
   std::error_code error;
   std::vector<std::string> names;
   for (fs::directory_iterator it(images, error), end; !error && it != end; it.increment(error)) {
-    if (IsFile(it->path()) && HasPictureName(it->path())) {
+    if (IsFile(it->path()) && HasImageExtension(it->path())) {
       names.push_back("images/" + it->path().filename().string());
     }
   }
@@ -47,7 +47,7 @@ std::vector<SurveyFrame> ListPictures(const fs::path& folder) {
     throw InputError(folder, "has neither frames.csv nor a readable folder images; add one of them");
   }
   if (names.empty()) {
-    throw InputError(images, "has no frames; put JPEG or PNG pictures there");
+    throw InputError(images, "has no frames; put JPEG or PNG images there");
   }
   std::sort(names.begin(), names.end());
   std::vector<SurveyFrame> frames;
@@ -57,7 +57,7 @@ std::vector<SurveyFrame> ListPictures(const fs::path& folder) {
   return frames;
 }
 
-// The line of frames.csv that lists a picture, for messages only: frames do not carry their lines.
+// The line of frames.csv that lists an image, for messages only: frames do not carry their lines.
 int LineOf(const std::string& filename, const std::string& frames_csv) {
   for (const TextLine& line : ContentLines(frames_csv)) {
     if (SplitFields(line.text, ',').back() == filename) {
@@ -75,15 +75,15 @@ void SortByTime(Survey* survey) {
   std::stable_sort(survey->frames.begin(), survey->frames.end(), earlier);
 }
 
-// Keeps the rows that can be used; the reasons of the others go to left_out.
-void LeaveOutBadFrames(Survey* survey) {
+// Keeps the rows that can be used; the reasons of the others go to skipped_frames.
+void SkipBadFrames(Survey* survey) {
   SortByTime(survey);
   std::vector<SurveyFrame> kept;
   for (SurveyFrame& frame : survey->frames) {
     if (!IsFile(survey->ImagePath(frame))) {
-      survey->left_out.push_back({frame.filename, "picture is missing"});
+      survey->skipped_frames.push_back({frame.filename, "image is missing"});
     } else if (!kept.empty() && kept.back().stamp_ns == frame.stamp_ns) {
-      survey->left_out.push_back({frame.filename, "time stamp is that of another frame"});
+      survey->skipped_frames.push_back({frame.filename, "time stamp is that of another frame"});
     } else {
       kept.push_back(std::move(frame));
     }
@@ -91,38 +91,38 @@ void LeaveOutBadFrames(Survey* survey) {
   survey->frames = std::move(kept);
 }
 
-void ReadFrames(BadFrames bad_frames, Survey* survey) {
+void ReadFrames(BadFramePolicy bad_frames, Survey* survey) {
   const fs::path file = survey->folder / "frames.csv";
   if (!Exists(file)) {
-    survey->frames = ListPictures(survey->folder);
+    survey->frames = ListImages(survey->folder);
     return;
   }
   const std::string text = ReadTextFile(file);
   survey->frames = ParseFramesCsv(text, file, bad_frames);
-  if (bad_frames == BadFrames::kLeaveOut) {
-    LeaveOutBadFrames(survey);
+  if (bad_frames == BadFramePolicy::kSkip) {
+    SkipBadFrames(survey);
     if (survey->frames.empty()) {
-      throw InputError(file, "none of the listed pictures is there; copy them to " + survey->folder.string());
+      throw InputError(file, "none of the listed images exists; copy them to " + survey->folder.string());
     }
     return;
   }
   for (const SurveyFrame& frame : survey->frames) {
-    const fs::path picture = survey->ImagePath(frame);
-    if (!IsFile(picture)) {
+    const fs::path image_file = survey->ImagePath(frame);
+    if (!IsFile(image_file)) {
       throw InputError(file, LineOf(frame.filename, text),
-                       "the picture " + picture.string() + " is missing; add it or delete the row");
+                       "the image " + image_file.string() + " is missing; add it or delete the row");
     }
   }
 }
 
-// Refuses rows of a table that name a picture which is none of the survey's frames.
+// Rejects rows of a table that name an image which is not a frame of the survey.
 class FrameNames {
  public:
   explicit FrameNames(const Survey& survey) {
     for (const SurveyFrame& frame : survey.frames) {
       known_.insert(frame.filename);
     }
-    for (const LeftOutFrame& frame : survey.left_out) {
+    for (const SkippedFrame& frame : survey.skipped_frames) {
       known_.insert(frame.filename);
     }
   }
@@ -130,7 +130,7 @@ class FrameNames {
   void Require(const std::string& filename, std::size_t row, const fs::path& file, const std::string& text) const {
     if (!known_.contains(filename)) {
       throw InputError(file, ContentLines(text)[row + 1].number,
-                       "the picture " + filename + " is none of the survey's frames; correct or delete the row");
+                       "the image " + filename + " is not a frame of the survey; correct or delete the row");
     }
   }
 
@@ -159,10 +159,10 @@ std::vector<KnownDistance> ReadKnownDistances(const fs::path& file, const FrameN
 
 }  // namespace
 
-Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames) {
+Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {
-    throw InputError(folder, "is no folder; name a folder with camera.yaml, floor.yaml and frames.csv");
+    throw InputError(folder, "is not a folder; name a folder with camera.yaml, floor.yaml and frames.csv");
   }
   Survey survey;
   survey.folder = folder;
@@ -189,11 +189,11 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames) {
 CameraRecording ReadCameraRecording(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {
-    throw InputError(folder, "is no folder; name a folder with camera.yaml and frames.csv");
+    throw InputError(folder, "is not a folder; name a folder with camera.yaml and frames.csv");
   }
   Survey survey;
   survey.folder = folder;
-  ReadFrames(BadFrames::kRefuse, &survey);
+  ReadFrames(BadFramePolicy::kThrow, &survey);
   const fs::path file = folder / "camera.yaml";
   return {folder, ParseCameraYaml(ReadTextFile(file), file), std::move(survey.frames)};
 }

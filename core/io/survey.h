@@ -40,15 +40,15 @@ struct KnownDistance {
   double distance_m = 0.0;
 };
 
-/// What to do about rows of frames.csv that can't be used as they are: disordered or repeated time stamps, pictures
+/// Policy for rows of frames.csv that can't be used as they are: disordered or repeated time stamps, images
 /// that are missing.
-enum class BadFrames {
-  kRefuse,    ///< InputError names the first one
-  kLeaveOut,  ///< rows are sorted by time, what can't be used is listed in Survey::left_out
+enum class BadFramePolicy {
+  kThrow,  ///< InputError names the first one
+  kSkip,   ///< rows are sorted by time, what can't be used is listed in Survey::skipped_frames
 };
 
 /// A row of frames.csv that is not used.
-struct LeftOutFrame {
+struct SkippedFrame {
   std::string filename;
   std::string reason;
 };
@@ -57,16 +57,16 @@ struct LeftOutFrame {
 struct KnownMarker {
   int id = 0;
   Eigen::Vector2d center_in_map_m = Eigen::Vector2d::Zero();
-  std::optional<double> yaw_rad;  ///< of its x axis: to the right when its picture is upright; empty: not measured
+  std::optional<double> yaw_rad;  ///< of its x axis: to the right when its image is upright; empty: not measured
   int line = 0;                   ///< of the file
 };
 
-/// A survey folder, parsed and checked (images are only looked for, not read).
+/// A survey folder, parsed and checked (images must exist, but are not read).
 struct Survey {
   std::filesystem::path folder;
   FloorCamera camera;
   std::vector<SurveyFrame> frames;  ///< strictly increasing in time
-  std::vector<LeftOutFrame> left_out;
+  std::vector<SkippedFrame> skipped_frames;
   int rows_out_of_order = 0;  ///< rows of frames.csv that are earlier than the one before
   Trajectory odometry;        ///< odom_from_base; empty when the folder has none
   Trajectory ground_truth;    ///< map_from_base; empty when the folder has none
@@ -78,10 +78,10 @@ struct Survey {
 };
 
 /// Reads a folder in the survey format. A folder without frames.csv but with images/ is read too: the frames are the
-/// pictures in alphabetical order, one second apart. Throws InputError that names file, line and reason.
-Survey ReadSurvey(const std::filesystem::path& folder, BadFrames bad_frames = BadFrames::kRefuse);
+/// images in alphabetical order, one second apart. Throws InputError that names file, line and reason.
+Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames = BadFramePolicy::kThrow);
 
-/// Pictures of a calibrated camera that need not look at a floor: a folder like a survey's, but floor.yaml is not asked
+/// Images of a calibrated camera that need not look at a floor: a folder like a survey's, but floor.yaml is not asked
 /// for.
 struct CameraRecording {
   std::filesystem::path folder;
@@ -94,9 +94,9 @@ struct CameraRecording {
 /// Throws InputError that names file, line and reason.
 CameraRecording ReadCameraRecording(const std::filesystem::path& folder);
 
-/// The rows in the order of the file. kLeaveOut: time stamps need not increase.
+/// The rows in the order of the file. kSkip: time stamps need not increase.
 std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
-                                        BadFrames bad_frames = BadFrames::kRefuse);
+                                        BadFramePolicy bad_frames = BadFramePolicy::kThrow);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
 std::string FormatImuCsv(const std::vector<ImuSample>& samples);
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);

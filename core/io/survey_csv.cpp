@@ -56,7 +56,7 @@ std::array<double, kCount> Numbers(std::span<const std::string_view> fields, int
   return numbers;
 }
 
-void CheckLater(std::int64_t stamp_ns, std::int64_t previous_ns, int line, const std::filesystem::path& source) {
+void CheckIncreasing(std::int64_t stamp_ns, std::int64_t previous_ns, int line, const std::filesystem::path& source) {
   if (stamp_ns <= previous_ns) {
     throw InputError(source, line,
                      "the time stamp " + FormatSeconds(stamp_ns) +
@@ -65,7 +65,7 @@ void CheckLater(std::int64_t stamp_ns, std::int64_t previous_ns, int line, const
   }
 }
 
-// A survey's pictures lie in its folder: a name that leads out of it is a mistake or an attack.
+// A survey's images lie in its folder: a name that leads out of it is a mistake or an attack.
 void CheckInsideFolder(const std::string& filename, int line, const std::filesystem::path& source) {
   const std::filesystem::path path(filename);
   bool inside = !filename.empty() && path.is_relative() && filename.find('\0') == std::string::npos;
@@ -75,7 +75,7 @@ void CheckInsideFolder(const std::string& filename, int line, const std::filesys
   if (!inside) {
     throw InputError(source, line,
                      "the file name '" + filename +
-                         "' does not lie inside the folder; write it relative "
+                         "' is not inside the folder; write it relative "
                          "to the folder, as images/000000.jpg");
   }
 }
@@ -83,7 +83,7 @@ void CheckInsideFolder(const std::string& filename, int line, const std::filesys
 }  // namespace
 
 std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
-                                        BadFrames bad_frames) {
+                                        BadFramePolicy bad_frames) {
   const std::string columns = "timestamp,filename";
   std::vector<SurveyFrame> frames;
   std::unordered_set<std::string> seen;
@@ -97,12 +97,12 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
     }
     SurveyFrame frame{*stamp_ns, std::string(fields[1])};
     CheckInsideFolder(frame.filename, line.number, source);
-    if (!frames.empty() && bad_frames == BadFrames::kRefuse) {
-      CheckLater(frame.stamp_ns, frames.back().stamp_ns, line.number, source);
+    if (!frames.empty() && bad_frames == BadFramePolicy::kThrow) {
+      CheckIncreasing(frame.stamp_ns, frames.back().stamp_ns, line.number, source);
     }
     if (!seen.insert(frame.filename).second) {
       throw InputError(source, line.number,
-                       "the picture " + frame.filename +
+                       "the image " + frame.filename +
                            " is listed twice; delete one of the "
                            "rows");
     }
@@ -126,7 +126,7 @@ std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesyste
     }
     const auto n = Numbers<6>(std::span(fields).subspan(1), line.number, source);
     if (!samples.empty()) {
-      CheckLater(*stamp_ns, samples.back().stamp_ns, line.number, source);
+      CheckIncreasing(*stamp_ns, samples.back().stamp_ns, line.number, source);
     }
     samples.push_back({*stamp_ns, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
   }

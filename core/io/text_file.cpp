@@ -18,7 +18,7 @@ namespace {
 
 std::string Reason(int error_number) { return std::generic_category().message(error_number); }
 
-// Reads in pieces and never trusts the size that the file system tells: pipes have none, and files grow.
+// Reads in pieces and ignores the size that the file system reports: pipes have none, and files grow.
 template <typename Bytes>
 Bytes ReadWhole(const std::filesystem::path& file, std::uint64_t max_bytes) {
   std::error_code ignored;

@@ -33,7 +33,7 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
       index_(CreateDescriptorIndex(map.keypoints.descriptors, options.index)),
       guided_(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m),
       verifier_(map, guided_, options.registration, options.verification),
-      floor_repeats_(RepeatsItself(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {}
+      floor_repeats_(IsSelfSimilar(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {}
 
 FrameMatches CandidateSearch::FindMatches(const Features& features, const SearchScope& scope) const {
   FrameMatches found;

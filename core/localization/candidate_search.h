@@ -35,7 +35,7 @@ class CandidateSearch {
   /// Builds the search structures. Refers to the map, which must outlive it. options: scaled to the map's resolution.
   CandidateSearch(const FloorMap& map, DescriptorType descriptors, const LocalizerOptions& options);
 
-  /// First look: distinctive matches; with a guide a part of the keypoints is enough.
+  /// First search: distinctive matches; with a guide a part of the keypoints is enough.
   FrameMatches FindMatches(const Features& features, const SearchScope& scope) const;
 
   /// Second look: all keypoints where each pose that the matches vote for predicts them. On a floor that repeats itself

@@ -160,7 +160,7 @@ struct Localizer::Impl {
       result->covariance = best.photo->covariance;
       systematic_m = options.systematic_m;
     }
-    // What a frame alone does not show: errors of the map turn and shift the floor in view.
+    // Errors that a frame alone does not show: those of the map turn and shift the floor in view.
     result->covariance += SystematicCovariance(result->map_from_base, result->map_from_base * center_in_base,
                                                {systematic_m, systematic_m / options.systematic_lever_m});
   }

@@ -25,7 +25,7 @@ namespace floorloc {
 /// same answer for the same input.
 class Localizer {
  public:
-  /// Builds the search structures. tiles: the map's mosaic; without it keypoints alone decide, less finely. Throws
+  /// Builds the search structures. tiles: the map's mosaic; without it keypoints alone decide, less accurately. Throws
   /// std::invalid_argument on bad options.
   Localizer(FloorMap map, const LocalizerOptions& options, MosaicTileSource tiles = nullptr);
   ~Localizer();
@@ -34,9 +34,9 @@ class Localizer {
 
   /// What is sought of a frame. raw: CV_8UC1 image of the rectifier's camera.
   FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw) const;
-  /// With a prior that finds nothing there is no global search: the caller decides.
+  /// There is no global search when the prior fails: the caller decides.
   LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
-  /// Looks where the prior says, and on the whole map when nothing is there; result.used_prior tells which found it.
+  /// Searches about the prior, and the whole map when that fails; result.used_prior says which succeeded.
   LocalizationResult LocalizeWithGlobalFallback(const FrameObservation& frame,
                                                 const std::optional<PosePrior>& prior) const;
   /// Observes and localizes.

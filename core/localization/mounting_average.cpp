@@ -13,8 +13,8 @@ namespace {
 // Standard deviations of vibration: radians of each rotation, and share of the camera's height.
 constexpr std::array<double, 6> kLevels{2e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3};
 
-// The pose that a fit starts from is at least this good. Far looser than any picture, but for directions of which the
-// picture shows nothing, as along stripes: there rounding alone would decide.
+// The pose that a fit starts from is at least this good. Far looser than any image, but for directions of which the
+// image shows nothing, as along stripes: there rounding alone would decide.
 constexpr double kLoosePositionM = 0.01;
 constexpr double kLooseYawRad = 0.1;
 

@@ -27,9 +27,9 @@ struct MountingEstimate {
 /// One Gauss-Newton step, the mounting held by its loosest prior.
 MountingVector MountingStep(const MountingProblem& problem, const MountingVector& unknowns);
 
-/// Posterior of the unknowns. How much a camera shakes is not known: levels of vibration are averaged by how well each
-/// explains the frame (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line can't be told
-/// from a turn of the robot; its uncertainty follows the level.
+/// Posterior of the unknowns. The level of vibration is unknown: levels are averaged, weighted by their evidence
+/// (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is indistinguishable from a turn of
+/// the robot; its uncertainty follows the level.
 MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns);
 
 }  // namespace floorloc

@@ -14,7 +14,7 @@
 namespace floorloc {
 namespace {
 
-// Of a normalised picture.
+// Of a normalised image.
 constexpr float kMiddle = 128.0F;
 
 constexpr int kSampleStridePx = 6;
@@ -58,7 +58,7 @@ struct CellSums {
   }
 };
 
-// The motion that is sought, as numbers for the inner loop: a pixel of the frame -> a pixel of the mosaic.
+// The estimated motion, as numbers for the inner loop: a pixel of the frame -> a pixel of the mosaic.
 struct Warp {
   float cos_yaw, sin_yaw;
   float camera_x, camera_y, height;  // base frame
@@ -182,8 +182,8 @@ class Fit {
     return {n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), n(11), n(12), n(13)};
   }
 
-  // Correlations and normal equations under the present unknowns, residuals frame - gain * mosaic. A cell weighs what
-  // it correlates: changed floor says nothing.
+  // Correlations and normal equations under the present unknowns, residuals frame - gain * mosaic. A cell is weighted
+  // by its correlation: changed floor has no weight.
   void Compare() {
     const Warp warp = MakeWarp();
     sums_.assign(static_cast<std::size_t>(frame_.cells()), CellSums());

@@ -32,8 +32,8 @@ struct PhotometricOptions {
 struct PhotometricFit {
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
-  MountingError mounting;                                ///< what the camera deviates from its calibration
-  double moved_m = 0.0;                                  ///< how far the middle of the picture moved over the mosaic
+  MountingError mounting;                                ///< deviation of the camera from its calibration
+  double moved_m = 0.0;                                  ///< how far the middle of the image moved over the mosaic
   std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0 where nothing compares
   std::vector<int> cell_samples;                         ///< pixels compared per cell
 
@@ -43,7 +43,7 @@ struct PhotometricFit {
   double TrimmedCorrelation(double share) const;
 };
 
-/// The pixels of a frame that are compared, its picture contrast-normalised as the mosaic's. The picture is laid out in
+/// The pixels of a frame that are compared, its image contrast-normalised as the mosaic's. The image is divided into
 /// square cells, so that changed floor spoils its cells only.
 class FrameSamples {
  public:
@@ -59,7 +59,7 @@ class FrameSamples {
     const auto i = static_cast<std::size_t>(c);
     return {samples_.data() + cell_start_[i], samples_.data() + cell_start_[i + 1]};
   }
-  /// Cell of a point of the base frame; -1 outside the picture.
+  /// Cell of a point of the base frame; -1 outside the image.
   int CellAt(const Eigen::Vector2d& point_in_base) const;
   /// Middle of what the camera sees, base frame.
   const Eigen::Vector2d& center() const { return center_; }
@@ -74,7 +74,7 @@ class FrameSamples {
 };
 
 /// Aligns frames to the mosaic by their grey levels (Lucas & Kanade 1981, forward additive), with the camera's mounting
-/// among the unknowns: its deviation is told from a motion by how it bends the picture.
+/// among the unknowns: its deviation is separable from a motion by the perspective distortion of the image.
 class PhotometricAligner {
  public:
   /// Refers to the raster, which must outlive it.

@@ -13,10 +13,10 @@
 namespace floorloc {
 namespace {
 
-// How well a keypoint fits a pose: 0 where the pose has nothing alike for it.
+// How well a keypoint fits a pose: 0 where the pose has no match for it.
 double Score(float distance, float max_distance) { return std::max(0.0, static_cast<double>(max_distance - distance)); }
 
-// Were two poses equally right, the differences of what they explain, witness by witness, would be as often negative as
+// Were two poses equally right, the differences of what they explain, test by test, would be as often negative as
 // positive (paired z test).
 class PairedTest {
  public:
@@ -31,7 +31,7 @@ class PairedTest {
   double squares_ = 0.0;
 };
 
-// The part of the picture by which two poses can be compared.
+// The part of the image by which two poses can be compared.
 class CommonFloor {
  public:
   CommonFloor(const VerifiedPose& first, const VerifiedPose& second, const std::vector<int>& cell_of_keypoint)
@@ -107,8 +107,8 @@ double FisherP(std::span<const double> p_values) {
   return std::exp(-x) * sum;
 }
 
-// Odds that the second of two poses is right rather than the first. A witness that can't tell them apart does not
-// weaken another that can; one that contradicts does.
+// Odds that the second of two poses is right rather than the first. A test without discrimination does not weaken
+// another one that has it; one that contradicts does.
 double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
                     const DecisionOptions& options) {
   const CommonFloor common(first, second, evidence.cell_of_keypoint);
@@ -143,7 +143,7 @@ double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const
   return std::max(pose.candidate.log10_nfa, options.structure_exponent * distinctive);
 }
 
-// On a floor that repeats itself: that the right pose was not among the candidates, and a look-alike is taken for it. A
+// On a floor that repeats itself: that the right pose was not among the candidates, and a similar place is accepted. A
 // pose becomes a candidate by a few distinctive matches, whose number is Poisson distributed.
 double ChanceOfMissingTheRightPose(std::size_t inliers, const DecisionOptions& options) {
   const double expected = options.distinctive_share * static_cast<double>(inliers);

@@ -35,17 +35,17 @@ struct DecisionOptions {
   void Check() const;
 };
 
-/// What poses are compared by.
+/// Evidence by which poses are compared.
 struct PoseEvidence {
-  float max_distance = 0.0F;          ///< at which descriptors still count as alike
+  float max_distance = 0.0F;          ///< at which descriptors still count as similar
   std::vector<int> cell_of_keypoint;  ///< cell of the frame in which a keypoint of the frame lies; -1: none
-  bool floor_repeats = false;         ///< the floor looks alike in several places
+  bool floor_repeats = false;         ///< the floor is self-similar
 };
 
-/// A pose must be beyond chance by all its keypoints, and by the distinctive matches that went there and nowhere else;
-/// on a floor that does not repeat itself a frame that agrees all over with the mosaic is as good.
+/// A pose must be beyond chance by all its keypoints, and by the distinctive matches that support this pose alone; on a
+/// floor that does not repeat itself a frame that agrees all over with the mosaic is as good.
 /// Every two poses are compared keypoint by keypoint and cell by cell of the frame: on self-similar floors much fits
-/// several places, and only by how much better it fits one of them says which. Where both were aligned to the mosaic,
+/// several places, and only the difference of fit discriminates between them. Where both were aligned to the mosaic,
 /// only the part of the frame counts that shows surveyed floor under both poses: beyond the map's edge nothing can be
 /// compared.
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,

@@ -126,7 +126,7 @@ VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_fro
     const Match& match = alike[static_cast<std::size_t>(i)];
     verified.distance[static_cast<std::size_t>(match.query)] = match.distance;
   }
-  // The hypothesis came from pairs of keypoints, so as many were tried; two inliers are its own doing.
+  // The hypothesis came from pairs of keypoints, so as many were tried; two inliers fit by construction.
   const auto keypoints = static_cast<double>(features.keypoints.size());
   verified.candidate.log10_nfa =
       Log10Nfa(static_cast<int>(keypoints) - 2, static_cast<int>(verified.candidate.inliers.size()) - 2,

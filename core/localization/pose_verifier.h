@@ -13,16 +13,16 @@
 
 namespace floorloc {
 
-/// A pose hypothesis after all keypoints of the frame were looked for where it predicts them.
+/// A pose hypothesis after all keypoints of the frame were matched where it predicts them.
 struct VerifiedPose {
-  PoseCandidate candidate;                ///< refined; its inliers index `matches`; its chance is that of all keypoints
-  std::vector<OrientedMatch> matches;     ///< one per keypoint that resembles a map point near its predicted place
-  std::vector<int> supporting_keypoints;  ///< whose distinctive match of the first look agrees with the pose
+  PoseCandidate candidate;  ///< refined; its inliers index `matches`; its significance is that of all keypoints
+  std::vector<OrientedMatch> matches;     ///< one per keypoint that matches a map point near its predicted position
+  std::vector<int> supporting_keypoints;  ///< whose distinctive match of the first search agrees with the pose
   double support_log10_nfa = 0.0;         ///< log10 of the number of false alarms, by the supporting keypoints
   std::vector<float> distance;            ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
   std::optional<PhotometricFit> photo;    ///< where the frame was aligned to the mosaic
   bool outside_prior = false;             ///< outside the prior: a rival only
-  double prior_weight = 1.0;              ///< how probable the place was before the frame, relative to the others
+  double prior_weight = 1.0;              ///< prior probability of the pose, relative to the others
 };
 
 /// What counts as a keypoint found again under a pose. Each number names the commit that chose it; whether it still
@@ -49,7 +49,7 @@ struct VerificationOptions {
   void Check() const;
 };
 
-/// Verifies poses against a map: what a wrong pose would find by chance is measured on the map itself.
+/// Verifies poses against a map: the probability of a match under a wrong pose is measured on the map itself.
 class PoseVerifier {
  public:
   /// Refers to the map's keypoints and their matcher, which must outlive it.
@@ -58,7 +58,7 @@ class PoseVerifier {
 
   VerifiedPose Verify(const Features& features, const Pose2& map_from_base) const;
 
-  /// Largest descriptor distance at which two keypoints count as alike: few pairs of different floor points are.
+  /// Largest descriptor distance at which two keypoints count as similar: few pairs of different floor points are.
   float max_distance() const { return max_distance_; }
 
  private:

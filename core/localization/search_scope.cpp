@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// With a prior, every eighth keypoint usually finds the pose (all of them verify it); more look when it does not.
+// With a prior, every eighth keypoint usually finds the pose (all of them verify it); more are used when it does not.
 constexpr std::array<int, 3> kStrides{8, 3, 1};
 
 // Without, few buckets of the index usually hold enough of the true neighbours.

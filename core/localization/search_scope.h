@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// What is searched, and how hard.
+/// Region and effort of a search.
 struct SearchScope {
   std::optional<PosePrior> prior;
   std::optional<MatchGuide> guide;  ///< follows from the prior
@@ -20,8 +20,8 @@ struct SearchScope {
   bool Contains(const Pose2& map_from_base) const;
 };
 
-/// What is tried in turn until a pose is accepted: little effort finds most. A floor that repeats itself is searched
-/// with all effort at once, for the rivals. roi: base frame.
+/// Searches to try in turn until a pose is accepted: the first one mostly suffices. A floor that repeats itself is
+/// searched with all effort at once, for the rivals. roi: base frame.
 std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, bool floor_repeats);
 
 }  // namespace floorloc

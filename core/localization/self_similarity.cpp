@@ -21,7 +21,7 @@ void SelfSimilarityOptions::Check() const {
   require(min_twin_share > 0 && min_twin_share < 1, "min_twin_share must be between 0 and 1");
 }
 
-bool RepeatsItself(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
+bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
                    std::uint32_t seed) {
   if (map.size() < 2 || map.descriptors.depth() != CV_8U) {
     return false;
@@ -35,14 +35,14 @@ bool RepeatsItself(const MapKeypoints& map, const DescriptorIndex& index, const 
   }
   const auto max_distance = static_cast<float>(options.max_bit_share * 8.0 * map.descriptors.cols);
   const auto neighbours = index.Search(descriptors, {.count = options.neighbours, .max_distance = max_distance});
-  int twins = 0;
+  int duplicates = 0;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Eigen::Vector2d here = map.keypoints[sampled[i]].Position();
-    twins += std::any_of(neighbours[i].begin(), neighbours[i].end(), [&](const Neighbour& n) {
+    duplicates += std::any_of(neighbours[i].begin(), neighbours[i].end(), [&](const Neighbour& n) {
       return (map.keypoints[static_cast<std::size_t>(n.index)].Position() - here).norm() > options.min_distance_m;
     });
   }
-  return twins > options.min_twin_share * options.sample;
+  return duplicates > options.min_twin_share * options.sample;
 }
 
 }  // namespace floorloc

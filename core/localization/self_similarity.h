@@ -22,9 +22,9 @@ struct SelfSimilarityOptions {
   void Check() const;
 };
 
-/// True when the floor repeats itself, as tiles do: half of its keypoints, by a sample, have a twin elsewhere whose
-/// descriptor is as near as another view of the same point. Binary descriptors; of float ones nothing is known: false.
-bool RepeatsItself(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
+/// True when the floor repeats itself, as tiles do: half of its keypoints, by a sample, have a match at another place
+/// whose descriptor is as near as another view of the same point. Binary descriptors; float ones are not tested: false.
+bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
                    std::uint32_t seed);
 
 }  // namespace floorloc

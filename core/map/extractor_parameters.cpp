@@ -61,7 +61,7 @@ ExtractorOptions FromParameters(const std::map<std::string, std::string>& parame
     value = FromText<std::remove_reference_t<decltype(value)>>(name, text(name));
   });
   if (used != parameters.size()) {
-    throw std::invalid_argument("the map has extractor parameters that this version does not know");
+    throw std::invalid_argument("the map has extractor parameters unknown to this version");
   }
   options.Check();
   return options;

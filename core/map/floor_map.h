@@ -31,7 +31,7 @@ struct MapLayer {
   bool known = true;         ///< false: this program does not read it
 };
 
-/// What a map says about itself; written once, when the map is built.
+/// Metadata of a map; written once, when the map is built.
 struct MapInfo {
   int format_version = 0;
   std::string builder_version;
@@ -63,7 +63,7 @@ struct MapFrame {
   std::optional<Pose2> odom_from_base = std::nullopt;  ///< where its survey's odometry put it
 };
 
-/// A motion between two frames of a map that their pictures measured.
+/// A motion between two frames of a map, measured by registering their images.
 struct MapLink {
   int first = 0;  ///< indices of the frames
   int second = 0;
@@ -71,7 +71,7 @@ struct MapLink {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive in the first's frame
   int inliers = 0;
   double rms_m = 0.0;           ///< keypoint residual
-  double residual_sigma = 0.0;  ///< how far the frames' poses disagree with it, standard deviations
+  double residual_sigma = 0.0;  ///< residual of the frames' poses against it, standard deviations
 };
 
 /// All keypoints of a map, in memory, in the map frame.
@@ -79,8 +79,8 @@ struct MapKeypoints {
   std::vector<Keypoint> keypoints;
   std::vector<std::uint16_t> observations;  ///< number of frames that saw the point
   cv::Mat descriptors;
-  /// 0: the descriptor has a twin elsewhere in the map, 255: it is as far from its nearest other as chance alone puts
-  /// it.
+  /// 0: the map has an equal descriptor at another place, 255: the nearest one is as far as expected of a random
+  /// one.
   std::vector<std::uint8_t> distinctiveness;
   std::vector<std::uint16_t> last_survey;  ///< index of the newest survey that saw the point
 

@@ -25,7 +25,7 @@ T Get(const Blob& blob, std::size_t index) {
   return value;
 }
 
-bool HasRightLengths(const KeypointBlobs& blobs, std::size_t row_bytes) {
+bool HasValidLengths(const KeypointBlobs& blobs, std::size_t row_bytes) {
   const auto n = static_cast<std::size_t>(blobs.count);
   return blobs.position.size() == n * 8 && blobs.angle.size() == n * 4 && blobs.size.size() == n * 4 &&
          blobs.response.size() == n * 4 && blobs.observations.size() == n * 2 && blobs.distinctiveness.size() == n &&
@@ -86,7 +86,7 @@ KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> 
 
 bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::size_t row_bytes,
                      MapKeypoints* keypoints) {
-  if (blobs.count < 0 || !HasRightLengths(blobs, row_bytes) ||
+  if (blobs.count < 0 || !HasValidLengths(blobs, row_bytes) ||
       (keypoints->descriptors.depth() == CV_32F && !AreFinite(blobs.descriptor))) {
     return false;
   }

@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-// What reader and writer must agree on.
+// Constants and encodings shared by reader and writer.
 constexpr std::int64_t kMapApplicationId = 0x464C4F43;  // "FLOC"
 constexpr int kMapFormatVersion = 3;                    // what is written
 constexpr int kOldestMapFormatVersion = 2;

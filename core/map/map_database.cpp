@@ -20,7 +20,7 @@ constexpr int kMaxBlobBytes = 512 << 20;
 
 SqliteConnection OpenChecked(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) {
-    throw MapError(file.string() + " does not exist or is no file; give the path of a .floormap file");
+    throw MapError(file.string() + " does not exist or is not a file; give the path of a .floormap file");
   }
   SqliteConnection connection(file, SqliteConnection::Mode::kReadOnly);
   // A map comes from outside: nothing in it may run code or exceed its limits (SQLite, "Defense Against The Dark

@@ -13,14 +13,14 @@ namespace floorloc {
 namespace {
 
 // JPEG leaves traces of the floor's edge where there is none.
-constexpr double kMinSeenGray = 6.0;
+constexpr double kMinFloorGray = 6.0;
 constexpr int kEdgePx = 5;
 
 std::uint64_t KeyOf(int x, int y) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(y);
 }
 
-// Empty when the bytes are no picture.
+// Empty when the bytes are no image.
 cv::Mat DecodeGray(const std::vector<std::uint8_t>& bytes) {
   try {
     return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
@@ -29,12 +29,12 @@ cv::Mat DecodeGray(const std::vector<std::uint8_t>& bytes) {
   }
 }
 
-cv::Mat SeenMask(const cv::Mat& gray) {
-  cv::Mat seen = gray >= kMinSeenGray;
-  if (cv::countNonZero(seen) < gray.rows * gray.cols) {
-    cv::erode(seen, seen, cv::Mat::ones(kEdgePx, kEdgePx, CV_8U));
+cv::Mat FloorMask(const cv::Mat& gray) {
+  cv::Mat mask = gray >= kMinFloorGray;
+  if (cv::countNonZero(mask) < gray.rows * gray.cols) {
+    cv::erode(mask, mask, cv::Mat::ones(kEdgePx, kEdgePx, CV_8U));
   }
-  return seen;
+  return mask;
 }
 
 }  // namespace
@@ -52,13 +52,13 @@ cv::Mat MosaicRaster::Load(int x, int y) const {
   if (gray.rows != layout_.tile_px || gray.cols != layout_.tile_px) {
     return {};
   }
-  const cv::Mat seen = SeenMask(gray);
-  cv::Mat normalized = cv::max(NormalizeContrast(gray, seen, contrast_), 1);
-  normalized.setTo(0, seen == 0);
+  const cv::Mat mask = FloorMask(gray);
+  cv::Mat normalized = cv::max(NormalizeContrast(gray, mask, contrast_), 1);
+  normalized.setTo(0, mask == 0);
   return normalized;
 }
 
-// A damaged tile is no floor: keypoints still answer there.
+// A damaged tile counts as not surveyed: the keypoints there are still used.
 cv::Mat MosaicRaster::ReadGray(const TileId& tile) const {
   try {
     const auto jpeg = source_(tile);
@@ -94,7 +94,7 @@ MosaicRaster::Tile MosaicRaster::Get(int x, int y) const {
 RasterPatch MosaicRaster::Cut(const RectM& rect) const {
   const double resolution = layout_.resolution_m;
   const double side = layout_.tile_px;
-  // A wild pose sees no floor; pixels are counted in ints.
+  // An extreme pose sees no floor; pixels are counted in ints.
   constexpr double kMaxPx = 1e9;
   if (!(std::abs(rect.x_min) < kMaxPx * resolution && std::abs(rect.x_max) < kMaxPx * resolution &&
         std::abs(rect.y_min) < kMaxPx * resolution && std::abs(rect.y_max) < kMaxPx * resolution)) {

@@ -17,7 +17,7 @@
 
 namespace floorloc {
 
-/// Gives the encoded picture of a mosaic tile; empty where the map has none; throws MapError when it is damaged. Must
+/// Gives the encoded image of a mosaic tile; empty where the map has none; throws MapError when it is damaged. Must
 /// be callable from many threads.
 using MosaicTileSource = std::function<std::optional<std::vector<std::uint8_t>>(const TileId&)>;
 
@@ -48,7 +48,7 @@ class MosaicRaster {
   double resolution_m() const { return layout_.resolution_m; }
 
  private:
-  using Tile = std::shared_ptr<const cv::Mat>;  // empty picture: no floor there
+  using Tile = std::shared_ptr<const cv::Mat>;  // empty image: no floor there
   struct Cached {
     Tile tile;
     std::list<std::uint64_t>::iterator place;

@@ -14,7 +14,7 @@
 namespace floorloc {
 namespace {
 
-bool IsNamed(int descriptor, const std::filesystem::path& path) {
+bool IsSameFile(int descriptor, const std::filesystem::path& path) {
   struct stat opened {};
   struct stat named {};
   return fstat(descriptor, &opened) == 0 && stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
@@ -35,7 +35,7 @@ void SyncPath(const std::filesystem::path& path) {
 }  // namespace
 
 PartFile::PartFile(std::filesystem::path path) : path_(std::move(path)) {
-  while (!Claim()) {
+  while (!Lock()) {
     // Its owner renamed or removed the file between our opening and our locking it: there is a new one to claim.
   }
   std::error_code ignored;
@@ -52,7 +52,7 @@ PartFile::~PartFile() {
   close(descriptor_);
 }
 
-bool PartFile::Claim() {
+bool PartFile::Lock() {
   const int descriptor = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     throw MapError(path_.string() + " cannot be opened; check the path and its permissions");
@@ -61,7 +61,7 @@ bool PartFile::Claim() {
     close(descriptor);
     throw MapError(path_.string() + " is being written by another build; wait for it or choose another name");
   }
-  if (!IsNamed(descriptor, path_)) {
+  if (!IsSameFile(descriptor, path_)) {
     close(descriptor);
     return false;
   }

@@ -6,7 +6,7 @@
 namespace floorloc {
 
 /// The unfinished file of one build: empty at first, locked against other builds (also those of other processes) and
-/// removed at the end, unless it was renamed into place. What a killed build left behind is overwritten.
+/// removed at the end, unless it was renamed to its final name. Remains of a killed build are overwritten.
 class PartFile {
  public:
   /// Throws MapError when another build holds the file or it can't be made.
@@ -20,7 +20,7 @@ class PartFile {
   void MoveTo(const std::filesystem::path& file);
 
  private:
-  bool Claim();
+  bool Lock();
 
   std::filesystem::path path_;
   int descriptor_ = -1;

@@ -4,7 +4,7 @@
 namespace floorloc {
 namespace {
 
-std::string Advice(int code) {
+std::string ErrorHint(int code) {
   switch (code & 0xFF) {
     case SQLITE_FULL:
       return "the disk is full; free some space and run again";
@@ -49,14 +49,14 @@ SqliteConnection::SqliteConnection(const std::filesystem::path& file, Mode mode)
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   handle_.reset(handle);
   if (code != SQLITE_OK) {
-    throw MapError(file.string() + " " + Advice(code), KindOf(code));
+    throw MapError(file.string() + " " + ErrorHint(code), KindOf(code));
   }
   sqlite3_extended_result_codes(handle, 1);
 }
 
 void SqliteConnection::Fail() const {
   const int code = sqlite3_errcode(get());
-  throw MapError(file_.string() + " " + Advice(code) + " (" + sqlite3_errmsg(get()) + ")", KindOf(code));
+  throw MapError(file_.string() + " " + ErrorHint(code) + " (" + sqlite3_errmsg(get()) + ")", KindOf(code));
 }
 
 void SqliteConnection::Execute(const std::string& sql) const {

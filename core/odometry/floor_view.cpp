@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kGridCellPx = 40.0;
 
-// Keypoints are looked for again within this many inlier radii of where the motion predicts them.
+// Keypoints are matched again within this many inlier radii of where the motion predicts them.
 constexpr double kRefineRadii = 1.5;
 
 Features Copy(const Features& features) { return {features.keypoints, features.descriptors.clone()}; }

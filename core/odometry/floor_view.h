@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// Where a frame is thought to be in the frame of another one, and how far off that may be.
+/// Predicted pose of a frame in the frame of another one, and the search radius about it.
 struct ViewGuess {
   Pose2 view_from_base;
   double radius_m = 0.0;
@@ -21,7 +21,7 @@ struct ViewGuess {
 };
 
 struct ViewRegistrationOptions {
-  RegistrationOptions registration;  ///< scaled to the pictures' resolution
+  RegistrationOptions registration;  ///< scaled to the images' resolution
   double resolution_m = 7e-4;
   float max_ratio_binary = 0.9F;
   float max_ratio_float = 0.85F;
@@ -46,11 +46,11 @@ struct ViewRegistration {
 /// A frame of the floor that others are registered to. Immutable after construction.
 class FloorView {
  public:
-  /// Copies the features; keypoints in the base frame. resolution_m: of the rectified picture.
+  /// Copies the features; keypoints in the base frame. resolution_m: of the rectified image.
   FloorView(std::int64_t stamp_ns, const Features& features, double resolution_m);
 
-  /// Matches near the guess, votes, RANSAC; then looks again for every keypoint where the pose found predicts it. Not
-  /// significant when fewer than a share of the keypoints of the common floor agree.
+  /// Matches near the guess, votes, RANSAC; then matches every keypoint again near where the pose found predicts it.
+  /// Not significant when fewer than a share of the keypoints of the common floor agree.
   ViewRegistration Register(const Features& frame, const ViewGuess& guess,
                             const ViewRegistrationOptions& options) const;
 

@@ -11,14 +11,14 @@
 namespace floorloc {
 namespace {
 
-// Landmarks that tell a scale, or a pose.
+// Least number of landmarks for a scale, and for a pose.
 constexpr std::size_t kMinScaleLandmarks = 8;
 constexpr std::size_t kMinPoseLandmarks = 20;
 
 // Rays must meet at this angle for a depth; a finer angle's depth would be noise.
 constexpr double kMinAngleRad = 0.01;
 
-// Positions from elsewhere that differ by less tell no length.
+// External positions that differ by less give no length.
 constexpr double kMinLengthM = 1e-3;
 
 // A tracked point.
@@ -33,12 +33,12 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// What a frame saw of the camera's motion since the keyframe.
+// The camera's motion since the keyframe, as a frame measured it.
 struct MeasuredMotion {
   MonocularStatus status = MonocularStatus::kLost;
   Eigen::Isometry3d camera_from_keyframe = Eigen::Isometry3d::Identity();
   std::vector<bool> inliers;  // per track; empty: all
-  bool has_length = true;     // false: the length of the translation is a stopgap
+  bool has_length = true;     // false: the length of the translation is assumed
 };
 
 }  // namespace
@@ -79,8 +79,8 @@ struct MonocularOdometry::State {
   MonocularOdometryOptions options;
   PointTracker tracker;
   double focal_px;
-  std::vector<TrackedPoint> tracks;  // one per point of the tracker
-  std::size_t begun = 0;             // points that the keyframe began with
+  std::vector<TrackedPoint> tracks;     // one per point of the tracker
+  std::size_t initial_track_count = 0;  // points that the keyframe began with
   Eigen::Isometry3d world_from_keyframe = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d camera_from_keyframe = Eigen::Isometry3d::Identity();  // of the newest frame
   std::optional<Eigen::Vector3d> keyframe_position_m;
@@ -113,8 +113,8 @@ struct MonocularOdometry::State {
     tracks = std::move(kept);
   }
 
-  std::vector<SeenLandmark> Landmarks(const std::vector<PointPair>& pairs) const {
-    std::vector<SeenLandmark> landmarks;
+  std::vector<LandmarkObservation> Landmarks(const std::vector<PointPair>& pairs) const {
+    std::vector<LandmarkObservation> landmarks;
     for (std::size_t i = 0; i < tracks.size(); ++i) {
       if (tracks[i].depth) {
         landmarks.push_back({*tracks[i].depth * pairs[i].first.homogeneous(), pairs[i].second});
@@ -123,10 +123,10 @@ struct MonocularOdometry::State {
     return landmarks;
   }
 
-  // How long the way since the keyframe is: by positions from elsewhere, or by landmarks of the keyframe. Empty when
-  // nothing tells.
-  std::optional<double> LengthOf(const TwoViewMotion& motion, const std::vector<PointPair>& pairs,
-                                 const std::optional<Eigen::Vector3d>& position_m) const {
+  // Length of the translation since the keyframe: by external positions, or by landmarks of the keyframe. Empty without
+  // either.
+  std::optional<double> TranslationLength(const TwoViewMotion& motion, const std::vector<PointPair>& pairs,
+                                          const std::optional<Eigen::Vector3d>& position_m) const {
     if (position_m && keyframe_position_m) {
       return (*position_m - *keyframe_position_m).norm();
     }
@@ -147,10 +147,10 @@ struct MonocularOdometry::State {
     return std::nullopt;
   }
 
-  // Few pixels of parallax: landmarks may still tell the pose, the essential matrix does not.
-  MeasuredMotion MeasureSmall(const std::vector<PointPair>& pairs, const RotationFit& rotation) const {
+  // Little parallax: landmarks may still determine the pose, the essential matrix does not.
+  MeasuredMotion MeasureWithSmallParallax(const std::vector<PointPair>& pairs, const RotationFit& rotation) const {
     MeasuredMotion measured;
-    const std::vector<SeenLandmark> landmarks = Landmarks(pairs);
+    const std::vector<LandmarkObservation> landmarks = Landmarks(pairs);
     if (landmarks.size() >= kMinPoseLandmarks) {
       const auto pose =
           RefinePoseByLandmarks(landmarks, camera_from_keyframe, options.noise_px / focal_px, options.min_inlier_share);
@@ -168,14 +168,14 @@ struct MonocularOdometry::State {
     return measured;
   }
 
-  MeasuredMotion MeasureLarge(const std::vector<PointPair>& pairs,
-                              const std::optional<Eigen::Vector3d>& position_m) const {
+  MeasuredMotion MeasureWithLargeParallax(const std::vector<PointPair>& pairs,
+                                          const std::optional<Eigen::Vector3d>& position_m) const {
     MeasuredMotion measured;
     const auto motion = EstimateMotion(pairs, options.noise_px / focal_px);
     if (!motion || motion->inlier_count < options.min_inlier_share * static_cast<double>(pairs.size())) {
       return measured;
     }
-    const std::optional<double> length = LengthOf(*motion, pairs, position_m);
+    const std::optional<double> length = TranslationLength(*motion, pairs, position_m);
     measured.status = MonocularStatus::kTracked;
     measured.has_length = length.has_value();
     measured.inliers = motion->inliers;
@@ -184,7 +184,7 @@ struct MonocularOdometry::State {
     return measured;
   }
 
-  MonocularOdometryResult Begin(const std::optional<Eigen::Vector3d>& position_m, MonocularStatus status) {
+  MonocularOdometryResult StartKeyframe(const std::optional<Eigen::Vector3d>& position_m, MonocularStatus status) {
     world_from_keyframe = world_from_keyframe * camera_from_keyframe.inverse();
     camera_from_keyframe = Eigen::Isometry3d::Identity();
     tracks.clear();
@@ -200,11 +200,11 @@ struct MonocularOdometry::State {
     for (std::size_t i = tracks.size(); i < tracker.points().size(); ++i) {
       tracks.push_back({OnPlane(tracker.points()[i]), std::nullopt});
     }
-    begun = tracks.size();
+    initial_track_count = tracks.size();
     keyframe_position_m = position_m;
   }
 
-  // The newest frame is the keyframe from now on; what both have seen gets its depth there.
+  // The newest frame becomes the keyframe; points seen by both get their depth there.
   void MakeKeyframe(const MeasuredMotion& measured, const std::vector<PointPair>& pairs,
                     const std::optional<Eigen::Vector3d>& position_m) {
     for (std::size_t i = 0; i < tracks.size(); ++i) {
@@ -227,8 +227,8 @@ struct MonocularOdometry::State {
     AddTracks(position_m);
   }
 
-  // As far as positions from elsewhere tell.
-  bool Stands(const std::optional<Eigen::Vector3d>& position_m) const {
+  // By external positions.
+  bool IsStationary(const std::optional<Eigen::Vector3d>& position_m) const {
     return position_m && keyframe_position_m && (*position_m - *keyframe_position_m).norm() < kMinLengthM;
   }
 
@@ -242,19 +242,19 @@ struct MonocularOdometry::State {
     return result;
   }
 
-  MonocularOdometryResult Follow(const std::optional<Eigen::Vector3d>& position_m) {
+  MonocularOdometryResult TrackFrame(const std::optional<Eigen::Vector3d>& position_m) {
     const std::vector<PointPair> pairs = Pairs();
     const RotationFit rotation = FitRotation(pairs);
     const double parallax_px = rotation.parallax_rad * focal_px;
-    const bool far = parallax_px >= options.keyframe_parallax_px || 2 * tracks.size() < begun;
-    MeasuredMotion measured = parallax_px < options.min_parallax_px || Stands(position_m)
-                                  ? MeasureSmall(pairs, rotation)
-                                  : MeasureLarge(pairs, position_m);
+    const bool far = parallax_px >= options.keyframe_parallax_px || 2 * tracks.size() < initial_track_count;
+    MeasuredMotion measured = parallax_px < options.min_parallax_px || IsStationary(position_m)
+                                  ? MeasureWithSmallParallax(pairs, rotation)
+                                  : MeasureWithLargeParallax(pairs, position_m);
     if (measured.status == MonocularStatus::kTracked && !measured.has_length && !far) {
-      measured = MeasureSmall(pairs, rotation);
+      measured = MeasureWithSmallParallax(pairs, rotation);
     }
     if (measured.status == MonocularStatus::kLost) {
-      return Begin(position_m, MonocularStatus::kLost);
+      return StartKeyframe(position_m, MonocularStatus::kLost);
     }
     camera_from_keyframe = measured.camera_from_keyframe;
     MonocularOdometryResult result = ResultOf(measured.status);
@@ -287,22 +287,22 @@ MonocularOdometryResult MonocularOdometry::Track(std::int64_t stamp_ns, const cv
   if (s.newest_ns && stamp_ns <= *s.newest_ns) {
     throw std::invalid_argument("the time stamp " + std::to_string(stamp_ns) +
                                 " ns is not after the previous frame's, " + std::to_string(*s.newest_ns) +
-                                " ns; give frames in the order of time");
+                                " ns; give frames in order of time");
   }
   if (raw.type() != CV_8UC1 || raw.cols != s.camera.width_px || raw.rows != s.camera.height_px) {
-    throw std::invalid_argument("the picture must be grey (8 bit) and of the camera's size, " +
+    throw std::invalid_argument("the image must be grey (8 bit) and of the camera's size, " +
                                 std::to_string(s.camera.width_px) + "x" + std::to_string(s.camera.height_px));
   }
   const bool first = !s.newest_ns;
   s.newest_ns = stamp_ns;
   s.Advance(raw);
   if (first) {
-    return s.Begin(position_m, MonocularStatus::kFirstFrame);
+    return s.StartKeyframe(position_m, MonocularStatus::kFirstFrame);
   }
   if (static_cast<int>(s.tracks.size()) < s.options.min_points) {
-    return s.Begin(position_m, MonocularStatus::kLost);
+    return s.StartKeyframe(position_m, MonocularStatus::kLost);
   }
-  return s.Follow(position_m);
+  return s.TrackFrame(position_m);
 }
 
 }  // namespace floorloc

@@ -15,7 +15,7 @@ namespace floorloc {
 struct MonocularOdometryOptions {
   PointTrackerOptions tracker;
   double noise_px = 0.5;               ///< of a tracked point
-  double min_parallax_px = 3.0;        ///< less displacement beyond a rotation tells no translation
+  double min_parallax_px = 3.0;        ///< with less displacement beyond a rotation the translation is unobservable
   double keyframe_parallax_px = 12.0;  ///< more of it: next keyframe
   int min_points = 30;                 ///< fewer tracked points: lost
   double min_inlier_share = 0.5;       ///< of the tracked points that agree with a motion; fewer: lost
@@ -28,7 +28,7 @@ enum class MonocularStatus {
   kFirstFrame,
   kTracked,
   kRotated,  ///< no translation was seen yet, so none is reported: standing still, turning on the spot, or just begun
-  kLost,     ///< too few points were found again or agree; the frame begins anew where the camera was last
+  kLost,     ///< too few points were found again or agree; tracking restarts with this frame at the last pose
 };
 
 const char* ToString(MonocularStatus status);
@@ -39,17 +39,16 @@ struct MonocularOdometryResult {
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   int tracked = 0;           ///< points found again since the keyframe
   int inliers = 0;           ///< of them, those that agree with the motion
-  double parallax_px = 0.0;  ///< median displacement since the keyframe that no rotation explains
+  double parallax_px = 0.0;  ///< median displacement since the keyframe, less that of the best rotation
   bool new_keyframe = false;
-  int scale_breaks = 0;  ///< how often so far the scale could not be handed on from one keyframe to the next
+  int scale_breaks = 0;  ///< how often so far the scale could not be propagated from one keyframe to the next
 };
 
-/// Monocular visual odometry for cameras that look anywhere: points of ORB, BRISK or AKAZE, carried by Lucas-Kanade;
-/// the essential matrix between a keyframe and the frame by the five-point algorithm in RANSAC. One camera does not see
-/// how long its way is: the first way between keyframes is one unit long, and the points that were triangulated in one
-/// pair of keyframes tell the length of the next. With positions from elsewhere (wheels, GNSS) those tell the length.
-/// Scenes need depth: a single plane, such as a floor, leaves the essential matrix ambiguous. Deterministic, bounded
-/// state.
+/// Monocular visual odometry for cameras in any orientation: points of ORB, BRISK or AKAZE, tracked by Lucas-Kanade;
+/// the essential matrix between a keyframe and the frame by the five-point algorithm in RANSAC. The scale is not
+/// observable: the first translation between keyframes has length one, and the points that were triangulated in one
+/// pair of keyframes give the length of the next. External positions (wheels, GNSS) give the length. Scenes need depth:
+/// a single plane, such as a floor, leaves the essential matrix ambiguous. Deterministic, bounded state.
 class MonocularOdometry {
  public:
   /// Throws std::invalid_argument on a bad camera or bad options.
@@ -60,7 +59,7 @@ class MonocularOdometry {
 
   /// raw: CV_8UC1 of the camera's size. position_m: of the camera at that time in any fixed frame; only distances
   /// between keyframes are used. Throws std::invalid_argument when the stamp is not after the previous one or the
-  /// picture's size is wrong.
+  /// image's size is wrong.
   MonocularOdometryResult Track(std::int64_t stamp_ns, const cv::Mat& raw,
                                 const std::optional<Eigen::Vector3d>& position_m = std::nullopt);
 

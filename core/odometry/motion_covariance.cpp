@@ -16,14 +16,14 @@ Eigen::Matrix3d RotationOf(const Pose2& pose) {
 }
 
 // How an error of a pose shows in the pose after a motion: its yaw swings the shift (in the pose's target frame).
-Eigen::Matrix3d CarryJacobian(const Eigen::Vector2d& shift) {
+Eigen::Matrix3d PropagationJacobian(const Eigen::Vector2d& shift) {
   Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
   jacobian(0, 2) = -shift.y();
   jacobian(1, 2) = shift.x();
   return jacobian;
 }
 
-Eigen::Matrix3d WithoutNegativeParts(const Eigen::Matrix3d& symmetric) {
+Eigen::Matrix3d ClampToPositiveSemidefinite(const Eigen::Matrix3d& symmetric) {
   const Eigen::Vector3d scale(1.0, 1.0, kLeverM);
   const Eigen::Matrix3d balanced = scale.asDiagonal() * symmetric * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(balanced);
@@ -38,25 +38,27 @@ Eigen::Vector2d Shift(const Pose2& from, const Pose2& to) { return to.translatio
 }  // namespace
 
 Eigen::Matrix3d MotionCovariance(const AnchoredPose& from, const AnchoredPose& to) {
-  const Eigen::Matrix3d carry = CarryJacobian(Shift(from.anchor_from_base, to.anchor_from_base));
+  const Eigen::Matrix3d propagation = PropagationJacobian(Shift(from.anchor_from_base, to.anchor_from_base));
   const double own_share = from.covariance.isZero(0.0) ? 1.0 : 0.5;
-  const Eigen::Matrix3d in_anchor = own_share * (to.covariance + carry * from.covariance * carry.transpose());
+  const Eigen::Matrix3d in_anchor =
+      own_share * (to.covariance + propagation * from.covariance * propagation.transpose());
   const Eigen::Matrix3d rotation = RotationOf(from.anchor_from_base);
   return rotation.transpose() * in_anchor * rotation;
 }
 
-Eigen::Matrix3d AddedCovariance(const AnchoredPose& from, const AnchoredPose& to) {
-  const Eigen::Matrix3d carry = CarryJacobian(Shift(from.anchor_from_base, to.anchor_from_base));
-  const Eigen::Matrix3d added = WithoutNegativeParts(to.covariance - carry * from.covariance * carry.transpose());
+Eigen::Matrix3d IncrementalCovariance(const AnchoredPose& from, const AnchoredPose& to) {
+  const Eigen::Matrix3d propagation = PropagationJacobian(Shift(from.anchor_from_base, to.anchor_from_base));
+  const Eigen::Matrix3d added =
+      ClampToPositiveSemidefinite(to.covariance - propagation * from.covariance * propagation.transpose());
   const Eigen::Matrix3d rotation = RotationOf(from.anchor_from_base);
   return rotation.transpose() * added * rotation;
 }
 
-Eigen::Matrix3d CarriedCovariance(const AnchoredPose& from, const Pose2& motion,
-                                  const Eigen::Matrix3d& motion_covariance) {
+Eigen::Matrix3d PropagatedCovariance(const AnchoredPose& from, const Pose2& motion,
+                                     const Eigen::Matrix3d& motion_covariance) {
   const Eigen::Matrix3d rotation = RotationOf(from.anchor_from_base);
-  const Eigen::Matrix3d carry = CarryJacobian(from.anchor_from_base.rotation() * motion.translation());
-  return carry * from.covariance * carry.transpose() + rotation * motion_covariance * rotation.transpose();
+  const Eigen::Matrix3d propagation = PropagationJacobian(from.anchor_from_base.rotation() * motion.translation());
+  return propagation * from.covariance * propagation.transpose() + rotation * motion_covariance * rotation.transpose();
 }
 
 }  // namespace floorloc

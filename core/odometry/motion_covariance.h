@@ -21,10 +21,10 @@ Eigen::Matrix3d MotionCovariance(const AnchoredPose& from, const AnchoredPose& t
 
 /// Covariance of the motion alike, such that motions that are taken as independent add up to `to`'s covariance:
 /// what `to` is less certain than `from`, moved there; zero in directions in which it is not.
-Eigen::Matrix3d AddedCovariance(const AnchoredPose& from, const AnchoredPose& to);
+Eigen::Matrix3d IncrementalCovariance(const AnchoredPose& from, const AnchoredPose& to);
 
-/// The covariance of `from` carried on by an independent motion with that covariance, as a filter would do.
-Eigen::Matrix3d CarriedCovariance(const AnchoredPose& from, const Pose2& motion,
-                                  const Eigen::Matrix3d& motion_covariance);
+/// The covariance of `from` propagated by an independent motion with that covariance, as a filter would do.
+Eigen::Matrix3d PropagatedCovariance(const AnchoredPose& from, const Pose2& motion,
+                                     const Eigen::Matrix3d& motion_covariance);
 
 }  // namespace floorloc

@@ -12,13 +12,13 @@
 namespace floorloc {
 namespace {
 
-// How far from the prediction a frame is sought at first: so many pixels, and a share of the motion.
+// First search radius about the prediction: so many pixels, and a share of the motion.
 constexpr double kNearPx = 20.0;
 constexpr double kNearRad = 0.1;
 constexpr double kMotionShare = 0.3;
 
-// The second search is so many times as wide.
-constexpr double kWiden = 4.0;
+// Factor of the second search radius.
+constexpr double kWideningFactor = 4.0;
 
 // Slack of the speed limits: time stamps are not exact.
 constexpr double kSlackM = 0.03;
@@ -27,7 +27,7 @@ constexpr double kSlackRad = 0.1;
 // A guess may be wrong by this share of itself: wheels slip.
 constexpr double kGuessShare = 0.5;
 
-TrackingLoss LossOf(RegistrationStatus status) {
+TrackingLoss ToTrackingLoss(RegistrationStatus status) {
   switch (status) {
     case RegistrationStatus::kRegistered:
       return TrackingLoss::kNone;
@@ -60,18 +60,18 @@ struct TrackedFrame {
   AnchoredPose accumulated;  ///< with the sum of what the motions since the keyframe added
 };
 
-// Where a frame may be found, and the frame that its motion then starts from.
-struct Attempt {
+// A reference that a frame is registered to, and the frame that its motion then starts from.
+struct SearchTarget {
   std::unique_ptr<Anchor>* anchor;
   TrackedFrame from;
 };
 
-// Where the next frame is thought to be.
+// Predicted pose of the next frame.
 struct Prediction {
   Pose2 odom_from_base;
-  Pose2 step;              ///< predicted motion since the last tracked frame
-  double reach_m = 0.0;    ///< the farthest it may be from the prediction
-  double reach_rad = 0.0;  ///< the same for the heading
+  Pose2 step;                      ///< predicted motion since the last tracked frame
+  double search_radius_m = 0.0;    ///< largest distance from the prediction
+  double search_radius_rad = 0.0;  ///< the same for the heading
 };
 
 ViewRegistrationOptions RegistrationOf(const PlanarOdometryOptions& o) {
@@ -172,30 +172,31 @@ struct PlanarOdometry::State {
     Prediction prediction;
     prediction.odom_from_base = newest_odom_from_base * step;
     prediction.step = step;
-    prediction.reach_m = step.translation().norm() + options.max_speed_m_s * unknown_s + kSlackM;
-    prediction.reach_rad = std::abs(step.yaw()) + options.max_yaw_rate_rad_s * unknown_s + kSlackRad;
+    prediction.search_radius_m = step.translation().norm() + options.max_speed_m_s * unknown_s + kSlackM;
+    prediction.search_radius_rad = std::abs(step.yaw()) + options.max_yaw_rate_rad_s * unknown_s + kSlackRad;
     return prediction;
   }
 
-  // Near the prediction, then wider, then wherever the base can have come to.
+  // Near the prediction, then wider, then within the speed limits.
   ViewRegistration Search(const Anchor& anchor, const Features& features, const Prediction& prediction) const {
     const Pose2 expected = anchor.odom_from_base.Between(prediction.odom_from_base);
     const double near_m = kNearPx * options.resolution_m + kMotionShare * prediction.step.translation().norm();
     const double near_rad = kNearRad + kMotionShare * std::abs(prediction.step.yaw());
     ViewRegistration found;
-    for (const auto& [radius_m, yaw_rad] : {std::pair(near_m, near_rad), std::pair(kWiden * near_m, kWiden * near_rad),
-                                            std::pair(prediction.reach_m, prediction.reach_rad)}) {
+    for (const auto& [radius_m, yaw_rad] :
+         {std::pair(near_m, near_rad), std::pair(kWideningFactor * near_m, kWideningFactor * near_rad),
+          std::pair(prediction.search_radius_m, prediction.search_radius_rad)}) {
       const ViewGuess guess{expected, radius_m, std::min(yaw_rad + kKeypointAngleNoiseRad, std::numbers::pi)};
       found = anchor.view.Register(features, guess, registration);
-      if (found.ok() || (radius_m >= prediction.reach_m && yaw_rad >= prediction.reach_rad)) {
+      if (found.ok() || (radius_m >= prediction.search_radius_m && yaw_rad >= prediction.search_radius_rad)) {
         break;
       }
     }
     return found;
   }
 
-  // Motions that a vehicle can't make, or that the guess rules out, are wrong however well they fit.
-  TrackingLoss Doubt(const VisualMotion& motion, const std::optional<Pose2>& guess) const {
+  // Rejects motions beyond the speed limits or far from the guess, however well they fit.
+  TrackingLoss CheckPlausible(const VisualMotion& motion, const std::optional<Pose2>& guess) const {
     const double seconds = Seconds(motion.from_ns, motion.to_ns);
     const Pose2& step = motion.from_from_to;
     if (step.translation().norm() > options.max_speed_m_s * seconds + kSlackM ||
@@ -222,34 +223,34 @@ struct PlanarOdometry::State {
     return result;
   }
 
-  // Where a frame is sought, in this order, and the frame that its motion starts from.
-  std::vector<Attempt> Attempts() {
-    std::vector<Attempt> attempts = {{&keyframe, tracked}};
+  // The references that a frame is registered to, in this order, and the frame that its motion then starts from.
+  std::vector<SearchTarget> SearchTargets() {
+    std::vector<SearchTarget> targets = {{&keyframe, tracked}};
     for (std::unique_ptr<Anchor>* anchor : {&last, &lost}) {
       if (*anchor) {
-        attempts.push_back({anchor, {(*anchor)->view.stamp_ns(), {}, {}}});
+        targets.push_back({anchor, {(*anchor)->view.stamp_ns(), {}, {}}});
       }
     }
-    return attempts;
+    return targets;
   }
 
-  PlanarOdometryResult Follow(std::int64_t stamp_ns, const Features& features, const std::optional<Pose2>& guess) {
+  PlanarOdometryResult TrackFrame(std::int64_t stamp_ns, const Features& features, const std::optional<Pose2>& guess) {
     const Prediction prediction = Predict(stamp_ns, guess);
     TrackingLoss loss = TrackingLoss::kNone;
-    for (const Attempt& attempt : Attempts()) {
-      const ViewRegistration found = Search(**attempt.anchor, features, prediction);
-      TrackingLoss doubt = LossOf(found.status);
+    for (const SearchTarget& target : SearchTargets()) {
+      const ViewRegistration found = Search(**target.anchor, features, prediction);
+      TrackingLoss failure = ToTrackingLoss(found.status);
       if (found.ok()) {
-        const VisualMotion motion = MotionOf(attempt.from, stamp_ns, found);
-        doubt = Doubt(motion, guess);
-        if (doubt == TrackingLoss::kNone) {
-          StandOn(attempt.anchor);
+        const VisualMotion motion = MotionOf(target.from, stamp_ns, found);
+        failure = CheckPlausible(motion, guess);
+        if (failure == TrackingLoss::kNone) {
+          PromoteToKeyframe(target.anchor);
           return Accept(motion, found, features);
         }
       }
-      loss = loss == TrackingLoss::kNone ? doubt : loss;
+      loss = loss == TrackingLoss::kNone ? failure : loss;
     }
-    return Lose(stamp_ns, features, loss, guess);
+    return HandleLost(stamp_ns, features, loss, guess);
   }
 
   static VisualMotion MotionOf(const TrackedFrame& from, std::int64_t stamp_ns, const ViewRegistration& found) {
@@ -258,7 +259,7 @@ struct PlanarOdometry::State {
     motion.from_ns = from.stamp_ns;
     motion.to_ns = stamp_ns;
     motion.from_from_to = from.pose.anchor_from_base.Between(to.anchor_from_base);
-    motion.covariance = AddedCovariance(from.accumulated, to);
+    motion.covariance = IncrementalCovariance(from.accumulated, to);
     motion.covariance_alone = MotionCovariance(from.pose, to);
     motion.matches = found.matches;
     motion.inliers = found.inliers;
@@ -267,22 +268,22 @@ struct PlanarOdometry::State {
     return motion;
   }
 
-  // The anchor that a frame was found on is the keyframe from now on.
-  void StandOn(std::unique_ptr<Anchor>* anchor) {
+  // The anchor that a frame was registered to becomes the keyframe.
+  void PromoteToKeyframe(std::unique_ptr<Anchor>* anchor) {
     if (anchor != &keyframe) {
       chain += anchor == &lost ? 1 : 0;
-      BecomeKeyframe(std::move(*anchor));
+      SetKeyframe(std::move(*anchor));
     }
   }
 
-  void BecomeKeyframe(std::unique_ptr<Anchor> anchor) {
+  void SetKeyframe(std::unique_ptr<Anchor> anchor) {
     tracked = {anchor->view.stamp_ns(), {}, {}};
     keyframe = std::move(anchor);
     last.reset();
   }
 
   PlanarOdometryResult Accept(const VisualMotion& motion, const ViewRegistration& found, const Features& features) {
-    tracked.accumulated.covariance = CarriedCovariance(tracked.accumulated, motion.from_from_to, motion.covariance);
+    tracked.accumulated.covariance = PropagatedCovariance(tracked.accumulated, motion.from_from_to, motion.covariance);
     tracked.accumulated.anchor_from_base = found.view_from_base;
     tracked.pose = {found.view_from_base, found.covariance};
     tracked.stamp_ns = motion.to_ns;
@@ -298,14 +299,14 @@ struct PlanarOdometry::State {
     last = MakeAnchor(motion.to_ns, features, newest_odom_from_base);
     result.new_keyframe = found.overlap < options.min_overlap;
     if (result.new_keyframe) {
-      BecomeKeyframe(std::move(last));
+      SetKeyframe(std::move(last));
     }
     return result;
   }
 
-  // The base is where the guesses take it; without a guess it stays, and so does the time it was last seen.
-  PlanarOdometryResult Lose(std::int64_t stamp_ns, const Features& features, TrackingLoss loss,
-                            const std::optional<Pose2>& guess) {
+  // The pose is propagated by the guess; without a guess it stays.
+  PlanarOdometryResult HandleLost(std::int64_t stamp_ns, const Features& features, TrackingLoss loss,
+                                  const std::optional<Pose2>& guess) {
     twist_per_s.setZero();
     newest_odom_from_base = guess ? newest_odom_from_base * *guess : newest_odom_from_base;
     newest_ns = stamp_ns;
@@ -337,15 +338,15 @@ PlanarOdometryResult PlanarOdometry::Track(std::int64_t stamp_ns, const Features
   if (state_->newest_ns && stamp_ns <= *state_->newest_ns) {
     throw std::invalid_argument("the time stamp " + std::to_string(stamp_ns) +
                                 " ns is not after the previous frame's, " + std::to_string(*state_->newest_ns) +
-                                " ns; give frames in the order of time, or reset the odometry");
+                                " ns; give frames in order of time, or reset the odometry");
   }
   if (guess && !guess->IsFinite()) {
     throw std::invalid_argument("the guess of the motion since the previous frame is not finite; leave it out");
   }
   if (static_cast<int>(features.keypoints.size()) < state_->options.registration.min_inliers) {
-    return state_->Lose(stamp_ns, features, TrackingLoss::kTooFewKeypoints, guess);
+    return state_->HandleLost(stamp_ns, features, TrackingLoss::kTooFewKeypoints, guess);
   }
-  return state_->keyframe ? state_->Follow(stamp_ns, features, guess) : state_->Start(stamp_ns, features);
+  return state_->keyframe ? state_->TrackFrame(stamp_ns, features, guess) : state_->Start(stamp_ns, features);
 }
 
 }  // namespace floorloc

@@ -30,7 +30,7 @@ cv::Ptr<cv::Feature2D> MakeDetector(const PointTrackerOptions& options) {
   throw std::invalid_argument("unknown point detector");
 }
 
-// The picture without a rim of so many pixels.
+// The image without a rim of so many pixels.
 cv::Rect Inside(const cv::Size& size, int rim_px) {
   return cv::Rect(rim_px, rim_px, size.width - 2 * rim_px, size.height - 2 * rim_px) & cv::Rect({}, size);
 }
@@ -108,19 +108,19 @@ PointTracker::PointTracker(const PointTrackerOptions& options) : options_(option
   detector_ = MakeDetector(options);
 }
 
-PointTracker::Flow PointTracker::FollowFrom(std::vector<cv::Point2f> start, const std::vector<cv::Mat>& pyramid) const {
+PointTracker::Flow PointTracker::TrackFrom(std::vector<cv::Point2f> start, const std::vector<cv::Mat>& pyramid) const {
   Flow flow{std::move(start), std::vector<bool>(points_.size(), false), 0};
   const cv::Size window(options_.window_px, options_.window_px);
   const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
   std::vector<cv::Point2f> back = points_;
   std::vector<unsigned char> forth_ok, back_ok;
-  cv::calcOpticalFlowPyrLK(pyramid_, pyramid, points_, flow.places, forth_ok, cv::noArray(), window, options_.levels,
+  cv::calcOpticalFlowPyrLK(pyramid_, pyramid, points_, flow.positions, forth_ok, cv::noArray(), window, options_.levels,
                            criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
-  cv::calcOpticalFlowPyrLK(pyramid, pyramid_, flow.places, back, back_ok, cv::noArray(), window, options_.levels,
+  cv::calcOpticalFlowPyrLK(pyramid, pyramid_, flow.positions, back, back_ok, cv::noArray(), window, options_.levels,
                            criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
   const cv::Rect2f inside(Inside(gray_.size(), Rim(options_)));
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    flow.found[i] = forth_ok[i] != 0 && back_ok[i] != 0 && inside.contains(flow.places[i]) &&
+    flow.found[i] = forth_ok[i] != 0 && back_ok[i] != 0 && inside.contains(flow.positions[i]) &&
                     cv::norm(back[i] - points_[i]) <= options_.max_return_px;
     flow.count += flow.found[i] ? 1 : 0;
   }
@@ -128,18 +128,18 @@ PointTracker::Flow PointTracker::FollowFrom(std::vector<cv::Point2f> start, cons
 }
 
 std::vector<bool> PointTracker::Advance(const cv::Mat& raw) {
-  // Exposure and light change from picture to picture, which Lucas-Kanade does not allow for.
-  cv::Mat seen(raw.size(), CV_8UC1, cv::Scalar(0));
-  seen(Inside(raw.size(), options_.border_px)).setTo(255);
-  const cv::Mat gray = NormalizeContrast(raw, seen, {});
+  // Exposure and light change from image to image, which Lucas-Kanade does not allow for.
+  cv::Mat mask(raw.size(), CV_8UC1, cv::Scalar(0));
+  mask(Inside(raw.size(), options_.border_px)).setTo(255);
+  const cv::Mat gray = NormalizeContrast(raw, mask, {});
   std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(gray, pyramid, {options_.window_px, options_.window_px}, options_.levels);
   Flow flow;
   if (!points_.empty()) {
-    flow = FollowFrom(Moved(points_, steps_), pyramid);
+    flow = TrackFrom(Moved(points_, steps_), pyramid);
     if (2 * flow.count < points_.size()) {
       const std::vector<cv::Point2f> shifts(points_.size(), ShiftBetween(gray_, gray));
-      Flow other = FollowFrom(Moved(points_, shifts), pyramid);
+      Flow other = TrackFrom(Moved(points_, shifts), pyramid);
       if (other.count > flow.count) {
         flow = std::move(other);
       }
@@ -148,8 +148,8 @@ std::vector<bool> PointTracker::Advance(const cv::Mat& raw) {
   std::vector<cv::Point2f> kept, steps;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (flow.found[i]) {
-      kept.push_back(flow.places[i]);
-      steps.push_back(flow.places[i] - points_[i]);
+      kept.push_back(flow.positions[i]);
+      steps.push_back(flow.positions[i] - points_[i]);
     }
   }
   points_ = std::move(kept);
@@ -164,25 +164,25 @@ void PointTracker::Detect() {
   if (inside.empty()) {
     return;
   }
-  cv::Mat free(gray_.size(), CV_8UC1, cv::Scalar(0));
-  free(inside).setTo(255);
+  cv::Mat mask(gray_.size(), CV_8UC1, cv::Scalar(0));
+  mask(inside).setTo(255);
   const int radius = static_cast<int>(options_.min_distance_px);
   for (const cv::Point2f& p : points_) {
-    cv::circle(free, p, radius, cv::Scalar(0), cv::FILLED);
+    cv::circle(mask, p, radius, cv::Scalar(0), cv::FILLED);
   }
   const cv::Point2f step = MedianStep(steps_);
   std::vector<cv::KeyPoint> candidates;
-  detector_->detect(gray_, candidates, free);
+  detector_->detect(gray_, candidates, mask);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.response > b.response; });
   for (const cv::KeyPoint& candidate : candidates) {
     if (points_.size() >= static_cast<std::size_t>(options_.max_points)) {
       break;
     }
-    if (free.at<unsigned char>(cv::Point(candidate.pt)) != 0) {
+    if (mask.at<unsigned char>(cv::Point(candidate.pt)) != 0) {
       points_.push_back(candidate.pt);
       steps_.push_back(step);
-      cv::circle(free, candidate.pt, radius, cv::Scalar(0), cv::FILLED);
+      cv::circle(mask, candidate.pt, radius, cv::Scalar(0), cv::FILLED);
     }
   }
 }

@@ -55,10 +55,11 @@ struct PoseEquations {
   int agreeing = 0;
 };
 
-PoseEquations Linearize(const std::vector<SeenLandmark>& landmarks, const Eigen::Isometry3d& pose, double noise) {
+PoseEquations Linearize(const std::vector<LandmarkObservation>& landmarks, const Eigen::Isometry3d& pose,
+                        double noise) {
   constexpr double kBehindCost = 100.0;
   PoseEquations sum;
-  for (const SeenLandmark& landmark : landmarks) {
+  for (const LandmarkObservation& landmark : landmarks) {
     const Eigen::Vector3d x = pose * landmark.in_first;
     if (x.z() <= 1e-9) {
       sum.cost += kBehindCost;
@@ -87,19 +88,19 @@ RotationFit FitRotation(const std::vector<PointPair>& pairs) {
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     subset[i] = i;
   }
-  std::vector<double> left(pairs.size());
+  std::vector<double> residuals(pairs.size());
   for (int round = 0; round < 3; ++round) {
     fit.second_from_first = Kabsch(pairs, subset);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      left[i] = Angle(Ray(pairs[i].second), fit.second_from_first * Ray(pairs[i].first));
+      residuals[i] = Angle(Ray(pairs[i].second), fit.second_from_first * Ray(pairs[i].first));
     }
-    std::vector<double> sorted = left;
+    std::vector<double> sorted = residuals;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     fit.parallax_rad = *middle;
     subset.clear();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (left[i] <= fit.parallax_rad) {
+      if (residuals[i] <= fit.parallax_rad) {
         subset.push_back(i);
       }
     }
@@ -155,7 +156,7 @@ std::optional<double> TriangulateDepth(const PointPair& pair, const Eigen::Isome
   return along_first * Ray(pair.first).z();
 }
 
-std::optional<Eigen::Isometry3d> RefinePoseByLandmarks(const std::vector<SeenLandmark>& landmarks,
+std::optional<Eigen::Isometry3d> RefinePoseByLandmarks(const std::vector<LandmarkObservation>& landmarks,
                                                        const Eigen::Isometry3d& guess, double noise, double min_share) {
   constexpr int kMaxSteps = 20;
   Eigen::Isometry3d pose = guess;

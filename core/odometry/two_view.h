@@ -40,14 +40,14 @@ std::optional<double> TriangulateDepth(const PointPair& pair, const Eigen::Isome
                                        double min_angle_rad);
 
 /// A point with its place in the first camera, and where the second one sees it on its plane z = 1.
-struct SeenLandmark {
+struct LandmarkObservation {
   Eigen::Vector3d in_first = Eigen::Vector3d::Zero();
   Eigen::Vector2d in_second = Eigen::Vector2d::Zero();
 };
 
 /// Pose from landmarks: Levenberg-Marquardt on the reprojection errors with Huber's loss at `noise`, from the guess on.
 /// Empty when fewer than min_share of the landmarks end within three times the noise.
-std::optional<Eigen::Isometry3d> RefinePoseByLandmarks(const std::vector<SeenLandmark>& landmarks,
+std::optional<Eigen::Isometry3d> RefinePoseByLandmarks(const std::vector<LandmarkObservation>& landmarks,
                                                        const Eigen::Isometry3d& guess, double noise, double min_share);
 
 }  // namespace floorloc

@@ -45,7 +45,7 @@ Pose2 SampleBestPose(const std::vector<OrientedMatch>& matches, const std::vecto
     const int pair[2] = {draw(), draw()};
     const OrientedMatch& a = matches[static_cast<std::size_t>(pair[0])];
     const OrientedMatch& b = matches[static_cast<std::size_t>(pair[1])];
-    // The distance between two points survives the motion: most wrong pairs end here.
+    // The distance between two points survives the motion: most wrong pairs are rejected here.
     const double source_distance = (a.source_m - b.source_m).norm();
     const double target_distance = (a.target_m - b.target_m).norm();
     if (source_distance < 4.0 * options.inlier_radius_m ||

@@ -17,11 +17,11 @@ struct OrientedMatch {
   double source_angle_rad = 0.0;
   double target_angle_rad = 0.0;
 
-  /// target_from_source rotation that this match alone asks for.
+  /// target_from_source rotation by this match alone.
   double Yaw() const { return WrapAngle(target_angle_rad - source_angle_rad); }
 };
 
-/// Lengths are for rectified pictures of 0.7 mm per pixel; ScaledTo() adapts them to others.
+/// Lengths are for rectified images of 0.7 mm per pixel; ScaledTo() adapts them to others.
 struct RegistrationOptions {
   double inlier_radius_m = 0.002;  ///< residual of an inlier
   double vote_cell_m = 0.03;       ///< cell of the (x, y) vote
@@ -91,7 +91,7 @@ PoseCandidate RefinePose(const std::vector<OrientedMatch>& matches, const Pose2&
 /// Standard deviation of a keypoint's coordinates, from the RMS residual of the inliers of a fitted pose.
 double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& options);
 
-/// True when two poses are too near each other to be rivals.
+/// True when two poses are too near each other to be different hypotheses.
 bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options);
 
 /// Where the target points can lie, for the chance model behind p_wrong.

@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// Odometry that ends so much before a picture still tells how the vehicle moved up to it.
+// Odometry that ends this long before an image still counts as covering it.
 constexpr std::int64_t kOdometryLagNs = 30'000'000;
 
 PlanarOdometryOptions VisualOptions(double resolution_m) {
@@ -39,19 +39,19 @@ struct VehicleTracker::State {
   std::optional<std::int64_t> last_frame_ns;
   std::optional<std::int64_t> odometry_until_ns;
 
-  // How the wheels have the motion since the last frame.
-  std::optional<Pose2> WheelsSinceLastFrame(std::int64_t stamp_ns) const {
+  // Motion since the last frame by wheel odometry.
+  std::optional<Pose2> OdometrySinceLastFrame(std::int64_t stamp_ns) const {
     if (!last_frame_ns || !odometry_until_ns || *odometry_until_ns + kOdometryLagNs < stamp_ns) {
       return std::nullopt;
     }
     return fuser->MotionBetween(*last_frame_ns, stamp_ns);
   }
 
-  void TrackVisually(std::int64_t stamp_ns, const Features& features, FrameOutcome* outcome) {
+  void UpdateVisualOdometry(std::int64_t stamp_ns, const Features& features, FrameOutcome* outcome) {
     if (!options.visual_odometry || (last_frame_ns && stamp_ns <= *last_frame_ns)) {
       return;
     }
-    outcome->visual = visual.Track(stamp_ns, features, WheelsSinceLastFrame(stamp_ns));
+    outcome->visual = visual.Track(stamp_ns, features, OdometrySinceLastFrame(stamp_ns));
     outcome->visual_used = true;
     last_frame_ns = stamp_ns;
     if (const auto& motion = outcome->visual.motion) {
@@ -60,9 +60,9 @@ struct VehicleTracker::State {
     }
   }
 
-  void TakeFix(std::int64_t stamp_ns, const LocalizationResult& found, FrameOutcome* outcome) {
+  void ApplyFix(std::int64_t stamp_ns, const LocalizationResult& found, FrameOutcome* outcome) {
     if (found.status != LocalizationStatus::kLocalized) {
-      fuser->AddMiss(stamp_ns);
+      fuser->AddUnlocalizedFrame(stamp_ns);
       return;
     }
     outcome->fix = fuser->AddFix({stamp_ns, found.map_from_base, found.covariance, found.p_wrong});
@@ -95,7 +95,7 @@ void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose)
 std::optional<PosePrior> VehicleTracker::Prior(std::int64_t stamp_ns) const {
   const PriorOptions& o = state_->options.prior;
   const std::optional<FusedPose> expected = state_->fuser->EstimateAt(stamp_ns);
-  if (!expected || expected->state == TrackingState::kLost || expected->in_doubt) {
+  if (!expected || expected->state == TrackingState::kLost || expected->contradicted) {
     return std::nullopt;
   }
   const Sigmas sigmas = SigmasOf(*expected);
@@ -109,8 +109,8 @@ std::optional<PosePrior> VehicleTracker::Prior(std::int64_t stamp_ns) const {
 FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& features,
                                       const LocalizationResult& found) {
   FrameOutcome outcome;
-  state_->TrackVisually(stamp_ns, features, &outcome);
-  state_->TakeFix(stamp_ns, found, &outcome);
+  state_->UpdateVisualOdometry(stamp_ns, features, &outcome);
+  state_->ApplyFix(stamp_ns, found, &outcome);
   return outcome;
 }
 
@@ -120,21 +120,20 @@ std::optional<FusedPose> VehicleTracker::EstimateAt(std::int64_t stamp_ns) const
   return state_->fuser->EstimateAt(stamp_ns);
 }
 
-// As far as odometry carries the vehicle before it is worse than localized, and within what it takes to notice that it
-// was carried away.
-NextPicture VehicleTracker::Next() const {
+// The distance until odometry alone is worse than "localized", and short enough to notice a kidnapping.
+NextFrame VehicleTracker::Next() const {
   const std::optional<FusedPose> now = Estimate();
   if (!now || now->state != TrackingState::kLocalized) {
     return {};
   }
-  const NextPictureOptions& o = state_->options.next;
+  const NextFrameOptions& o = state_->options.next;
   const FilterLimits& limits = state_->options.filter.limits;
   const OdometryNoise& noise = state_->options.filter.odometry;
   const Sigmas sigmas = SigmasOf(*now);
-  const double room_m2 = limits.localized_m * limits.localized_m - sigmas.position_m * sigmas.position_m;
-  const double room_rad2 = limits.localized_rad * limits.localized_rad - sigmas.yaw_rad * sigmas.yaw_rad;
+  const double margin_m2 = limits.localized_m * limits.localized_m - sigmas.position_m * sigmas.position_m;
+  const double margin_rad2 = limits.localized_rad * limits.localized_rad - sigmas.yaw_rad * sigmas.yaw_rad;
   const double metres =
-      std::min(room_m2 / (noise.noise_m * noise.noise_m), room_rad2 / (noise.noise_rad * noise.noise_rad));
+      std::min(margin_m2 / (noise.noise_m * noise.noise_m), margin_rad2 / (noise.noise_rad * noise.noise_rad));
   const double since_s = now->since_fix ? now->since_fix->seconds : 0.0;
   const double since_m = now->since_fix ? now->since_fix->metres : 0.0;
   return {std::max(0.0, o.max_s - since_s), std::clamp(o.max_m - since_m, 0.0, std::max(0.0, metres))};

@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// Where a frame is looked for first: around the pose that is expected, as far as it is uncertain.
+/// The prior of a frame: the expected pose, with a search radius by its uncertainty.
 struct PriorOptions {
   double sigmas = 4.0;
   double min_radius_m = 0.05;
@@ -22,9 +22,9 @@ struct PriorOptions {
   double max_yaw_radius_rad = 0.8;
 };
 
-/// When the next picture is wanted: before the pose gets worse than FilterLimits::localized_*, and soon enough to
-/// notice that the vehicle was carried away.
-struct NextPictureOptions {
+/// When the next image is needed: before the pose gets worse than FilterLimits::localized_*, and soon enough to notice
+/// that the vehicle was kidnapped.
+struct NextFrameOptions {
   double max_s = 1.0;
   double max_m = 0.25;
 };
@@ -32,48 +32,48 @@ struct NextPictureOptions {
 struct TrackerOptions {
   FusionMethod method = FusionMethod::kEkf;
   PoseFilterOptions filter;
-  bool visual_odometry = true;  ///< motion between pictures counts, too
+  bool visual_odometry = true;  ///< motion between images counts, too
   PriorOptions prior;
-  NextPictureOptions next;
+  NextFrameOptions next;
 };
 
-/// When the next picture is wanted, whichever comes first; zero: now.
-struct NextPicture {
+/// When the next image is needed, whichever comes first; zero: now.
+struct NextFrame {
   double seconds = 0.0;
   double metres = 0.0;
 };
 
-/// What a picture did to the pose.
+/// Effect of an image on the pose.
 struct FrameOutcome {
-  std::optional<FixOutcome> fix;  ///< empty: the picture was not localized
+  std::optional<FixOutcome> fix;  ///< empty: the image was not localized
   PlanarOdometryResult visual;
-  bool visual_used = false;  ///< false: a picture from before the last one, or no visual odometry
+  bool visual_used = false;  ///< false: an image from before the last one, or no visual odometry
 };
 
-/// One vehicle: turns its pictures, odometry and IMU into a pose. Not thread-safe. Localizing, which takes long, is the
+/// One vehicle: turns its images, odometry and IMU into a pose. Not thread-safe. Localizing, which takes long, is the
 /// caller's, between Prior() and AddFrame(), so that it needs no lock around it.
 class VehicleTracker {
  public:
-  /// resolution_m: of the rectified pictures. Throws std::invalid_argument on bad options.
+  /// resolution_m: of the rectified images. Throws std::invalid_argument on bad options.
   VehicleTracker(const TrackerOptions& options, double resolution_m);
   ~VehicleTracker();
   VehicleTracker(VehicleTracker&&) noexcept;
   VehicleTracker& operator=(VehicleTracker&&) noexcept;
 
-  /// Motion as the wheels have it.
+  /// Motion by wheel odometry.
   MessageOutcome AddOdometry(const MotionIncrement& increment);
   MessageOutcome AddImu(const ImuReading& reading);
   void SetPose(const PoseFix& pose);
 
-  /// Where to look for a picture of this time; empty: on the whole map.
+  /// The prior for an image of this time; empty: search the whole map.
   std::optional<PosePrior> Prior(std::int64_t stamp_ns) const;
-  /// Takes in a picture that was looked up.
+  /// Adds an image after its localization.
   FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
 
   /// At the newest message; empty before the first fix.
   std::optional<FusedPose> Estimate() const;
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const;
-  NextPicture Next() const;
+  NextFrame Next() const;
 
  private:
   struct State;

@@ -94,7 +94,7 @@ BuildJournal::~BuildJournal() {
   if (end_ > static_cast<std::int64_t>(kHeader.size())) {
     Flush();
   }
-  Leave();
+  CloseOrRemove();
 }
 
 // Locked, so that two builds never write one journal.
@@ -123,7 +123,7 @@ void BuildJournal::ReadIndex() {
     return;
   }
   if (!ReadAt(descriptor_, 0, header) || std::memcmp(header.data(), kHeader.data(), header.size()) != 0) {
-    Warn("is damaged or no journal; everything is done again");
+    Warn("is damaged or not a journal; all work is repeated");
     return;
   }
   end_ = static_cast<std::int64_t>(header.size());
@@ -132,7 +132,7 @@ void BuildJournal::ReadIndex() {
     RecordHeader record;
     const std::span bytes(reinterpret_cast<std::uint8_t*>(&record), sizeof(record));
     if (!ReadAt(descriptor_, end_, bytes) || record.mark != kRecordMark || record.size < 0) {
-      Warn("is damaged; part of the work is done again");
+      Warn("is damaged; part of the work is repeated");
       return;
     }
     if (record.size > status.st_size - end_ - record_bytes) {
@@ -156,7 +156,7 @@ std::optional<Bytes> BuildJournal::Get(const std::string& key) {
     }
   }
   if (Checksum(key, piece) != found->second.checksum) {
-    Warn("is damaged; part of the work is done again");
+    Warn("is damaged; part of the work is repeated");
     return std::nullopt;
   }
   return piece;
@@ -199,8 +199,8 @@ void BuildJournal::WriteOut(const Bytes& bytes) {
   // What is there stays: should the disk be too full for the map too, the build can be resumed. A torn record at the
   // end is recognised then.
   Warn(std::string("cannot be written any more (") + std::strerror(errno) +
-       "); the build goes on, but could be resumed from here only");
-  Leave();
+       "); the build continues, but could be resumed from here only");
+  CloseOrRemove();
 }
 
 void BuildJournal::Remove() {
@@ -212,7 +212,7 @@ void BuildJournal::Remove() {
 }
 
 // A file without a record is of no use.
-void BuildJournal::Leave() {
+void BuildJournal::CloseOrRemove() {
   if (descriptor_ >= 0 && end_ <= static_cast<std::int64_t>(kHeader.size())) {
     unlink(file_.c_str());
   }

@@ -31,13 +31,13 @@ class BuildJournal {
   void Put(const std::string& key, const std::vector<std::uint8_t>& piece);
   /// Writes what is pending and syncs it.
   void Flush();
-  /// The build is done: nobody needs the file any more.
+  /// The build is done: the file is not needed any more.
   void Remove();
   /// The journal of a map file.
   static std::filesystem::path FileFor(const std::filesystem::path& map) { return map.string() + ".journal"; }
 
  private:
-  struct Place {
+  struct RecordLocation {
     std::int64_t offset = 0;
     std::int64_t size = 0;
     std::int64_t checksum = 0;
@@ -47,17 +47,17 @@ class BuildJournal {
   bool Open();
   void ReadIndex();
   void WriteOut(const std::vector<std::uint8_t>& bytes);
-  void Leave();
+  void CloseOrRemove();
   void Close();
   void Warn(const std::string& sentence);
 
   std::filesystem::path file_;
   std::ostream* warnings_;
-  int descriptor_ = -1;                           // -1: no journal is kept
-  std::int64_t end_ = 0;                          // of the last whole record
-  std::unordered_map<std::string, Place> index_;  // constant after construction
-  std::mutex file_mutex_;                         // of descriptor_ and end_; locked before pending_mutex_ or without it
-  std::mutex pending_mutex_;                      // of the rest
+  int descriptor_ = -1;                                    // -1: no journal is kept
+  std::int64_t end_ = 0;                                   // of the last whole record
+  std::unordered_map<std::string, RecordLocation> index_;  // constant after construction
+  std::mutex file_mutex_;     // of descriptor_ and end_; locked before pending_mutex_ or without it
+  std::mutex pending_mutex_;  // of the rest
   std::vector<std::uint8_t> pending_;
   Clock::time_point written_ = Clock::now();
 };

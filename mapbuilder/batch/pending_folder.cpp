@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 PendingFolder::PendingFolder(const fs::path& target) : target_(target), pending_(target) {
   std::error_code error;
   if (fs::exists(target_) && !(fs::is_directory(target_) && fs::is_empty(target_, error) && !error)) {
-    throw InputError(target_, "is there already and not an empty folder; choose another name or remove it");
+    throw InputError(target_, "exists already and is not an empty folder; choose another name or remove it");
   }
   pending_ += ".partial";
   fs::remove_all(pending_, error);

@@ -11,7 +11,7 @@ namespace {
 // The placed frames of one survey that have odometry, by time.
 using OdometryIndex = std::map<std::int64_t, const BuildFrame*>;
 
-// Where odometry carries to from the placed frame that is nearest in time.
+// The pose of the placed frame that is nearest in time, propagated by odometry.
 std::optional<Pose2> PoseByOdometry(const OdometryIndex& placed_frames, const PlacedSurvey& placed,
                                     const DroppedFrame& lost) {
   const Trajectory& odometry = placed.surveys[static_cast<std::size_t>(lost.survey)].survey.odometry;
@@ -44,10 +44,9 @@ void AddLinks(const Placement& placement, BuildReport* report) {
   report->drift_m = placement.drift_m;
   report->drift_rad = placement.drift_rad;
   if (placement.rejected_links > kManyRejected * static_cast<double>(placement.links.size())) {
-    report->warnings.push_back(
-        std::to_string(placement.rejected_links) +
-        " links contradict the rest; if the floor does not repeat itself, the calibration may be "
-        "off: try --self-calibrate mounting,distortion");
+    report->warnings.push_back(std::to_string(placement.rejected_links) +
+                               " links contradict the rest; if the floor is not repetitive, the calibration may be "
+                               "off: try --self-calibrate mounting,distortion");
   }
 }
 
@@ -112,9 +111,9 @@ std::vector<ControlPointError> CompareControlPoints(const PlacedSurvey& placed) 
     for (const ControlPoint& point : survey.control_points) {
       const auto frame = frame_of[s].find(point.filename);
       if (frame != frame_of[s].end() && placed.map_from_base[frame->second]) {
-        const Eigen::Vector2d seen =
+        const Eigen::Vector2d observed_m =
             *placed.map_from_base[frame->second] * survey.camera.FloorFromRawPixel(point.raw_px);
-        errors.push_back({point.filename, point.point_in_map_m, seen});
+        errors.push_back({point.filename, point.point_in_map_m, observed_m});
       }
     }
   }

@@ -22,8 +22,8 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
 
 void AddCoverage(const CoverageGrid& coverage, BuildReport* report);
 
-/// Adds the frames without a pose, and says of all dropped frames about where they were taken, as far as their survey's
-/// odometry tells. reason: per frame.
+/// Adds the frames without a pose, and says of all dropped frames about where they were taken, by their survey's
+/// odometry, where it has any. reason: per frame.
 void AddDropped(const PlacedSurvey& placed, const std::vector<std::string>& reason, std::vector<DroppedFrame>* dropped);
 
 /// Every control point of every survey whose frame is in the map.

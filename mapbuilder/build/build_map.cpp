@@ -37,8 +37,8 @@ class StageClock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-std::unique_ptr<OldMap> OpenBaseMap(const std::filesystem::path& file) {
-  return file.empty() ? nullptr : std::make_unique<OldMap>(file);
+std::unique_ptr<BaseMap> OpenBaseMap(const std::filesystem::path& file) {
+  return file.empty() ? nullptr : std::make_unique<BaseMap>(file);
 }
 
 // A survey's frames with features, and how many of them an earlier run of this build had made.
@@ -49,14 +49,14 @@ struct ExtractedFrames {
 
 ExtractedFrames ExtractFrames(std::vector<LoadedSurvey> surveys, const BuildOptions& options, BuildJournal* journal) {
   FrameJournal done(journal, surveys, options.extractor);
-  std::vector<BuildFrame> frames =
-      ExtractSurveyFrames(surveys, {options.extractor, options.threads, options.progress, &done, BadFrames::kLeaveOut});
+  std::vector<BuildFrame> frames = ExtractSurveyFrames(
+      surveys, {options.extractor, options.threads, options.progress, &done, BadFramePolicy::kSkip});
   return {{std::move(surveys), std::move(frames)}, done.restored()};
 }
 
 // Frames at their places, and the floor that they see.
 struct SurveyedFloor {
-  SurveyedFloor(CalibratedFrames calibrated, const OldMap* base_map)
+  SurveyedFloor(CalibratedFrames calibrated, const BaseMap* base_map)
       : frames(std::move(calibrated)),
         base(base_map),
         floor_in_base(frames.set.FloorsInBase()),
@@ -67,8 +67,8 @@ struct SurveyedFloor {
   PlacedSurvey Placed() const {
     return {frames.set.frames, frames.set.surveys, frames.placement.map_from_base, floor_in_base};
   }
-  FusionInput ForFusion() const {
-    FusionInput input{frames.set.frames, frames.placement.map_from_base, floor_in_base};
+  KeypointFusionInput ForFusion() const {
+    KeypointFusionInput input{frames.set.frames, frames.placement.map_from_base, floor_in_base};
     if (base != nullptr) {
       return {input.frames,         input.map_from_base, input.floor_in_base,
               &base->map.keypoints, &base->coverage,     base->survey_count()};
@@ -77,7 +77,7 @@ struct SurveyedFloor {
   }
 
   CalibratedFrames frames;
-  const OldMap* base;  // nullptr: none
+  const BaseMap* base;  // nullptr: none
   std::vector<RectM> floor_in_base;
   CoverageGrid coverage;      // of the frames
   CoverageGrid map_coverage;  // with that of the base map
@@ -106,7 +106,7 @@ MosaicLayout WriteFramesAndMosaic(const SurveyedFloor& floor, const MosaicOption
   const Exposure exposure = EstimateExposure(
       {set.frames, set.surveys, placement.links, placement.map_from_base, background, options.threads});
   report->flat_fields = SampleFlatFields(exposure);
-  const PlacedFrames placed = CollectPlaced(set.frames, placement, exposure, floor.base);
+  const MapFramesAndLinks placed = CollectMapFrames(set.frames, placement, exposure, floor.base);
   writer->WriteFrames(placed.frames);
   writer->WriteLinks(placed.links);
   const MosaicLayout layout = MakeMosaicLayout(floor.map_coverage.Extent(), options);
@@ -114,7 +114,7 @@ MosaicLayout WriteFramesAndMosaic(const SurveyedFloor& floor, const MosaicOption
                           background};
   ComposeMosaic(input, layout, options, [&](std::vector<MosaicTile> tiles) {
     if (extended) {
-      extended->KeepOldTiles(layout, &tiles);
+      extended->KeepBaseTiles(layout, &tiles);
     }
     writer->WriteMosaicTiles(tiles);
   });
@@ -126,9 +126,9 @@ MosaicLayout WriteFramesAndMosaic(const SurveyedFloor& floor, const MosaicOption
 BuildReport BuildMap(const BuildOptions& requested) {
   BuildReport report;
   StageClock clock(&report);
-  const std::unique_ptr<OldMap> base = OpenBaseMap(requested.extend);
+  const std::unique_ptr<BaseMap> base = OpenBaseMap(requested.extend);
   std::vector<LoadedSurvey> surveys =
-      LoadSurveys(requested.surveys, BadFrames::kLeaveOut, base ? base->map.info.camera().floor.resolution_m : 0.0);
+      LoadSurveys(requested.surveys, BadFramePolicy::kSkip, base ? base->map.info.camera().floor.resolution_m : 0.0);
   const BuildOptions options = WithSharedOptions(requested, surveys, base.get());
   MapWriter writer(options.out);  // first: an output that can't be written is known before the work
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.progress.stream);

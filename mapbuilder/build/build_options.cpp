@@ -3,7 +3,7 @@
 
 namespace floorloc {
 
-BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const OldMap* base) {
+BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const BaseMap* base) {
   if (base != nullptr) {
     options.fingerprint += base->map.info.content_version;
     options.extractor = base->map.info.extractor;

@@ -27,9 +27,9 @@ struct BuildOptions {
   MarkerOptions markers;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
-  FusionOptions fusion;
+  KeypointFusionOptions fusion;
   double max_keypoints_per_m2 = 0.0;  ///< budget of the map; 0: what suits the camera
-  bool hold_out = true;               ///< seek some frames in a map made without them
+  bool hold_out = true;               ///< localize some frames in a map made without them
   HeldOutOptions held_out;
   MosaicOptions mosaic;  ///< resolution_m 0: the surveys'
   int threads = 0;       ///< 0: one per core
@@ -42,6 +42,6 @@ struct BuildOptions {
 
 /// The stages' options with what all of them share filled in: threads, seed, progress, the surveys' resolution, and
 /// with a base map (nullptr: none) its extractor and mosaic.
-BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const OldMap* base);
+BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const BaseMap* base);
 
 }  // namespace floorloc

@@ -40,17 +40,17 @@ std::string DroppedText(const BuildReport& report) {
 std::vector<std::string> AllWarnings(const BuildReport& r) {
   std::vector<std::string> warnings = r.warnings;
   if (r.part_sizes.size() > 1) {
-    std::string gap = Format("The pictures form %zu parts that do not connect (", r.part_sizes.size());
+    std::string gap = Format("The images form %zu parts that do not connect (", r.part_sizes.size());
     for (std::size_t i = 0; i < r.part_sizes.size(); ++i) {
       gap += (i > 0 ? ", " : "") + std::to_string(r.part_sizes[i]);
     }
-    gap += r.kept_all ? " frames); all are kept, but how they lie to each other is not sure"
-                      : " frames); the largest is kept";
+    gap +=
+        r.kept_all ? " frames); all are kept, but their relative poses are uncertain" : " frames); the largest is kept";
     warnings.push_back(gap + "; survey the floor between them" + (r.kept_all ? "" : ", or keep all with --keep-all"));
   }
   if (10 * r.unmatched_pairs > r.overlapping_pairs) {
     warnings.push_back(
-        Format("%d of %d pairs of frames that should show the same floor do not match: look at the mosaic before you "
+        Format("%d of %d pairs of frames that should show the same floor do not match: check the mosaic before you "
                "trust this map",
                r.unmatched_pairs, r.overlapping_pairs));
   }
@@ -64,7 +64,7 @@ std::string ToText(const BuildReport& r) {
     text << "  extends      " << r.extends << Format(": %d of the new frames show floor of it\n", r.frames_found);
   }
   if (r.resumed_frames > 0) {
-    text << Format("  resumed      %d frames need not be looked at again\n", r.resumed_frames);
+    text << Format("  resumed      %d frames already processed\n", r.resumed_frames);
   }
   text << Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
                  r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);
@@ -73,11 +73,11 @@ std::string ToText(const BuildReport& r) {
   }
   for (const MarkerFit& marker : r.markers) {
     text << Format("  marker %-5d seen by %d frames", marker.id, marker.frames)
-         << (marker.known ? Format(", %.1f mm from its place", 1e3 * marker.error_m) : ", of unknown place")
+         << (marker.known ? Format(", %.1f mm from its position", 1e3 * marker.error_m) : ", of unknown position")
          << (marker.known && !marker.used ? ", not used\n" : "\n");
   }
   if (r.drift_m > 0.0) {
-    text << Format("  drift        odometry strayed by up to %.1f cm and %.1f degrees; removed\n", 1e2 * r.drift_m,
+    text << Format("  drift        odometry drifted by up to %.1f cm and %.1f degrees; corrected\n", 1e2 * r.drift_m,
                    r.drift_rad * 180.0 / std::numbers::pi);
   }
   text << ToText(r.self_calibration)

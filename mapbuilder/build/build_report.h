@@ -16,7 +16,7 @@
 
 namespace floorloc {
 
-/// A survey frame that was sought in a map made without it.
+/// A survey frame that was localized in a map made without it.
 struct HeldOutFrame {
   std::string filename;
   Pose2 map_from_base;   ///< where the build put it
@@ -32,13 +32,13 @@ struct HeldOutFrame {
 struct ControlPointError {
   std::string filename;
   Eigen::Vector2d surveyed_m = Eigen::Vector2d::Zero();
-  Eigen::Vector2d seen_m = Eigen::Vector2d::Zero();  ///< where the frame's pose puts it
+  Eigen::Vector2d observed_m = Eigen::Vector2d::Zero();  ///< where the frame's pose puts it
 };
 
-/// How the light falls off towards the corners of a survey's pictures.
+/// Vignetting: how the brightness falls off towards the corners of a survey's images.
 struct FlatField {
   int columns = 0, rows = 0;
-  std::vector<double> gain;  ///< row after row from the top of the rectified picture; 1: the picture's middle
+  std::vector<double> gain;  ///< row after row from the top of the rectified image; 1: the image's middle
 };
 
 /// What a build did.
@@ -82,7 +82,7 @@ std::string ToJson(const BuildReport& report, bool with_times);
 /// write keeps its default. Throws MapError when the text is damaged.
 BuildReport ParseBuildReport(const std::string& json);
 
-/// What to look at before trusting the map, one sentence each: the report's warnings and what its numbers say.
+/// What to check before using the map, one sentence each: the report's warnings and what its numbers say.
 std::vector<std::string> AllWarnings(const BuildReport& report);
 
 /// The summary that people read.

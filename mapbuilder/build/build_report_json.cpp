@@ -53,8 +53,8 @@ Json ToJson(const ControlPointError& point) {
   return {{"filename", point.filename},
           {"x", point.surveyed_m.x()},
           {"y", point.surveyed_m.y()},
-          {"seen_x", point.seen_m.x()},
-          {"seen_y", point.seen_m.y()}};
+          {"seen_x", point.observed_m.x()},
+          {"seen_y", point.observed_m.y()}};
 }
 
 ControlPointError ControlPointFrom(const Json& json) {

@@ -19,7 +19,7 @@ Eigen::Vector2d ViewCenter(const PlacedSurvey& placed, int frame) {
   return *placed.map_from_base[i] * placed.floor_in_base[i].Center();
 }
 
-// Of the frame's view, the share that at least min_others other frames see: looked at in a lattice of points.
+// Of the frame's view, the share that at least min_others other frames see: tested on a lattice of points.
 double CoveredShare(const PlacedSurvey& placed, const CoverageGrid& coverage, int frame, int min_others) {
   constexpr int kLattice = 6;
   const auto i = static_cast<std::size_t>(frame);
@@ -48,7 +48,8 @@ FloorMap MapWithout(const std::vector<int>& held_out, const PlacedSurvey& placed
   return map;
 }
 
-HeldOutFrame Seek(const Localizer& localizer, const PlacedSurvey& placed, int frame, const HeldOutOptions& options) {
+HeldOutFrame LocalizeHeldOutFrame(const Localizer& localizer, const PlacedSurvey& placed, int frame,
+                                  const HeldOutOptions& options) {
   const auto i = static_cast<std::size_t>(frame);
   const BuildFrame& sought = placed.frames[i];
   const LoadedSurvey& loaded = placed.surveys[static_cast<std::size_t>(sought.survey)];
@@ -112,8 +113,8 @@ std::vector<HeldOutFrame> LocalizeHeldOut(const PlacedSurvey& placed, const Held
   }
   const Localizer localizer(MapWithout(chosen, placed, options), {});
   ParallelFor(static_cast<int>(chosen.size()), options.threads, [&](int i) {
-    const auto place = static_cast<std::size_t>(i);
-    results[place] = Seek(localizer, placed, chosen[place], options);
+    const auto index = static_cast<std::size_t>(i);
+    results[index] = LocalizeHeldOutFrame(localizer, placed, chosen[index], options);
   });
   return results;
 }

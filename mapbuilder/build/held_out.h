@@ -18,7 +18,7 @@ struct HeldOutOptions {
   double wrong_m = 0.01;           ///< a localized frame farther off is wrong
   double wrong_rad = 0.017453;     ///< or turned by more
   ExtractorOptions extractor;
-  FusionOptions fusion;
+  KeypointFusionOptions fusion;
   int threads = 0;
 };
 
@@ -34,7 +34,7 @@ struct PlacedSurvey {
 std::vector<int> ChooseHeldOut(const PlacedSurvey& placed, const HeldOutOptions& options);
 
 /// What a robot would meet: makes the keypoint map without some frames and seeks these in it, each on the whole map and
-/// without the mosaic, and compares with where the build put them. Throws InputError when a picture can't be read any
+/// without the mosaic, and compares with where the build put them. Throws InputError when an image can't be read any
 /// more.
 std::vector<HeldOutFrame> LocalizeHeldOut(const PlacedSurvey& placed, const HeldOutOptions& options);
 

@@ -3,13 +3,13 @@
 
 namespace floorloc {
 
-PlacedFrames CollectPlaced(const std::vector<BuildFrame>& frames, const Placement& placement, const Exposure& exposure,
-                           const OldMap* old) {
-  PlacedFrames placed;
+MapFramesAndLinks CollectMapFrames(const std::vector<BuildFrame>& frames, const Placement& placement,
+                                   const Exposure& exposure, const BaseMap* base_map) {
+  MapFramesAndLinks placed;
   int first_survey = 0;
-  if (old != nullptr) {
-    placed = {old->frames, old->links};
-    first_survey = old->survey_count();
+  if (base_map != nullptr) {
+    placed = {base_map->frames, base_map->links};
+    first_survey = base_map->survey_count();
   }
   std::vector<int> number(frames.size(), -1);
   for (std::size_t i = 0; i < frames.size(); ++i) {

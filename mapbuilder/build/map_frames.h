@@ -10,13 +10,13 @@
 namespace floorloc {
 
 /// What the map file keeps of the placed frames: those that were dropped get no number.
-struct PlacedFrames {
+struct MapFramesAndLinks {
   std::vector<MapFrame> frames;
   std::vector<MapLink> links;
 };
 
-/// With an old map (nullptr: none) its frames, links and surveys come first.
-PlacedFrames CollectPlaced(const std::vector<BuildFrame>& frames, const Placement& placement, const Exposure& exposure,
-                           const OldMap* old);
+/// With a base map (nullptr: none) its frames, links and surveys come first.
+MapFramesAndLinks CollectMapFrames(const std::vector<BuildFrame>& frames, const Placement& placement,
+                                   const Exposure& exposure, const BaseMap* base_map);
 
 }  // namespace floorloc

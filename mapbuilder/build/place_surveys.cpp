@@ -22,7 +22,7 @@ FrameSet WithKnownPoses(FrameSet set, const Trajectory& poses, const PlacementOp
     }
   }
   if (known == 0) {
-    throw InputError("none of the --poses lies at the time of a survey frame; check that both use the same clock");
+    throw InputError("none of the --poses has the time of a survey frame; check that both use the same clock");
   }
   return set;
 }
@@ -44,7 +44,7 @@ std::string KeyOf(const char* stage, const BuildOptions& options, const FrameSet
 }
 
 // The frames' poses in the base map, unless an earlier run of this build found them.
-std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const OldMap& base, const BuildOptions& options,
+std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const BaseMap& base, const BuildOptions& options,
                                              BuildJournal* journal) {
   const std::string key = KeyOf("fixes", options, set);
   if (auto done = RestoreFixes(key, set.frames.size(), journal)) {
@@ -71,7 +71,7 @@ Placement PlaceFramesOnce(const FrameSet& set, const BuildOptions& options, Buil
 PlacedSurveys PlaceWithMarkers(PlacedSurveys placed, const BuildOptions& options, BuildJournal* journal) {
   MarkerSurvey& markers = *placed.markers;
   placed.placement = PlaceFramesOnce(placed.set, options, journal);
-  if (markers.LeaveOutContradicting(placed.set.frames, placed.placement)) {
+  if (markers.ExcludeContradicting(placed.set.frames, placed.placement)) {
     placed.set = markers.AddControlPoints(std::move(placed.set));
     BuildOptions without = options;
     without.fingerprint += "contradicting markers left out\n";
@@ -83,12 +83,12 @@ PlacedSurveys PlaceWithMarkers(PlacedSurveys placed, const BuildOptions& options
 
 }  // namespace
 
-PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const OldMap* base, BuildJournal* journal) {
+PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const BaseMap* base, BuildJournal* journal) {
   PlacedSurveys placed;
   placed.set = WithKnownPoses(std::move(set), options.poses, options.placement);
   placed.markers = FindMarkers(placed.set, options);
   if (placed.markers) {
-    placed.set = placed.markers->AddControlPoints(placed.markers->MaskSeen(std::move(placed.set)));
+    placed.set = placed.markers->AddControlPoints(placed.markers->MaskDetected(std::move(placed.set)));
   }
   if (base != nullptr) {
     const std::vector<PosePriorFactor> fixes = LocateInMapOnce(placed.set, *base, options, journal);

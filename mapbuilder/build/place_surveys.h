@@ -22,6 +22,6 @@ struct PlacedSurveys {
 
 /// Screened frames -> poses, with everything that is known of them from outside: the poses of another system, markers,
 /// the base map (nullptr: none). What an earlier run left in the journal is not done again. Throws InputError.
-PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const OldMap* base, BuildJournal* journal);
+PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const BaseMap* base, BuildJournal* journal);
 
 }  // namespace floorloc

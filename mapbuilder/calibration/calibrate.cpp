@@ -17,10 +17,10 @@
 namespace floorloc {
 namespace {
 
-// A lens is believed a little beyond the farthest corner.
+// A lens is extrapolated a little beyond the farthest corner.
 constexpr double kRadiusMargin = 1.1;
 
-// A floor picture that is off by more than this tells of a wrong --board-pose, or of a board that doesn't lie flat.
+// A floor image that is off by more than this indicates a wrong --board-pose, or a board that is not flat.
 constexpr double kMaxFloorErrorM = 1e-3;
 constexpr double kMaxFloorErrorPx = 2.0;
 
@@ -38,93 +38,92 @@ std::size_t IndexOf(const std::vector<std::filesystem::path>& files, const std::
   return static_cast<std::size_t>(std::find_if(files.begin(), files.end(), same) - files.begin());
 }
 
-// The folder's pictures and those floor pictures that do not lie in it; where each floor picture stands in the list.
+// The folder's images and those floor images that do not lie in it; the index of each floor image in the list.
 struct FileList {
   std::vector<std::filesystem::path> files;
   std::vector<std::size_t> floor_index;
 };
 
 FileList ListAll(const CalibrateOptions& options) {
-  FileList list{ListPictures(options.images), {}};
-  for (const FloorPicture& picture : options.floor_pictures) {
-    if (!std::filesystem::exists(picture.file)) {
-      throw InputError(picture.file, "does not exist; --floor-image takes a picture of the board on the floor");
+  FileList list{ListImages(options.images), {}};
+  for (const BoardOnFloorImage& image : options.board_on_floor_images) {
+    if (!std::filesystem::exists(image.file)) {
+      throw InputError(image.file, "does not exist; --floor-image takes an image of the board on the floor");
     }
-    list.floor_index.push_back(IndexOf(list.files, picture.file));
+    list.floor_index.push_back(IndexOf(list.files, image.file));
     if (list.floor_index.back() == list.files.size()) {
-      list.files.push_back(picture.file);
+      list.files.push_back(image.file);
     }
   }
   return list;
 }
 
-CameraCalibrationInput MakeCameraInput(const CalibrationPictures& pictures, const CalibrateOptions& options) {
-  CameraCalibrationInput input{options.board, pictures.width_px, pictures.height_px, {}};
+CameraCalibrationInput MakeCameraInput(const CalibrationImages& images, const CalibrateOptions& options) {
+  CameraCalibrationInput input{options.board, images.width_px, images.height_px, {}};
   std::string first_problem;
-  for (const CalibrationPicture& picture : pictures.pictures) {
-    if (picture.view) {
-      input.views.push_back({picture.file.filename().string(), *picture.view});
+  for (const CalibrationImage& image : images.images) {
+    if (image.view) {
+      input.views.push_back({image.file.filename().string(), *image.view});
     } else if (first_problem.empty()) {
-      first_problem = picture.file.filename().string() + ": " + picture.problem;
+      first_problem = image.file.filename().string() + ": " + image.problem;
     }
   }
   if (input.views.size() < 3) {
-    throw InputError(options.images,
-                     "the board was found in " + std::to_string(input.views.size()) + " of " +
-                         std::to_string(pictures.pictures.size()) +
-                         " pictures, at least 3 are needed and 10 to 20 are good (" + first_problem +
-                         "); check --board (inner corners, or squares with --charuco) and add pictures");
+    throw InputError(options.images, "the board was found in " + std::to_string(input.views.size()) + " of " +
+                                         std::to_string(images.images.size()) +
+                                         " images, at least 3 are needed and 10 to 20 are good (" + first_problem +
+                                         "); check --board (inner corners, or squares with --charuco) and add images");
   }
   return input;
 }
 
-void CheckPictures(const CalibrationPictures& pictures, std::vector<Complaint>* warnings) {
-  const auto found = std::count_if(pictures.pictures.begin(), pictures.pictures.end(),
-                                   [](const CalibrationPicture& picture) { return picture.view.has_value(); });
-  if (2 * static_cast<std::size_t>(found) < pictures.pictures.size()) {
+void CheckImages(const CalibrationImages& images, std::vector<Diagnostic>* warnings) {
+  const auto found = std::count_if(images.images.begin(), images.images.end(),
+                                   [](const CalibrationImage& image) { return image.view.has_value(); });
+  if (2 * static_cast<std::size_t>(found) < images.images.size()) {
     warnings->push_back({false, "the board was found in only " + std::to_string(found) + " of " +
-                                    std::to_string(pictures.pictures.size()) +
-                                    " pictures: check --board, focus and light"});
+                                    std::to_string(images.images.size()) + " images: check --board, focus and light"});
   }
 }
 
-std::vector<Complaint> RefuseFatal(const std::vector<Complaint>& complaints, const std::filesystem::path& images) {
+std::vector<Diagnostic> ThrowIfFatal(const std::vector<Diagnostic>& diagnostics, const std::filesystem::path& images) {
   std::string fatal;
-  for (const Complaint& complaint : complaints) {
-    if (complaint.fatal) {
-      fatal += (fatal.empty() ? "" : "; ") + complaint.sentence;
+  for (const Diagnostic& diagnostic : diagnostics) {
+    if (diagnostic.fatal) {
+      fatal += (fatal.empty() ? "" : "; ") + diagnostic.sentence;
     }
   }
   if (!fatal.empty()) {
-    throw InputError(images, "the pictures do not constrain the camera: " + fatal);
+    throw InputError(images, "the images do not constrain the camera: " + fatal);
   }
-  return complaints;
+  return diagnostics;
 }
 
 FloorCalibrationInput MakeFloorInput(const CalibrateOptions& options, const FileList& list,
                                      const CalibrationResult& result) {
   FloorCalibrationInput input{result.camera.camera, options.board, options.board_thickness_m, {}};
-  for (std::size_t i = 0; i < options.floor_pictures.size(); ++i) {
-    const CalibrationPicture& picture = result.pictures.pictures[list.floor_index[i]];
-    if (!picture.view) {
-      throw InputError(picture.file, "this floor picture cannot be used (" + picture.problem + "); take it anew");
+  for (std::size_t i = 0; i < options.board_on_floor_images.size(); ++i) {
+    const CalibrationImage& image = result.images.images[list.floor_index[i]];
+    if (!image.view) {
+      throw InputError(image.file,
+                       "this image of the board on the floor cannot be used (" + image.problem + "); take it again");
     }
-    const auto fit = std::count_if(result.pictures.pictures.begin(),
-                                   result.pictures.pictures.begin() + static_cast<std::ptrdiff_t>(list.floor_index[i]),
-                                   [](const CalibrationPicture& other) { return other.view.has_value(); });
-    input.sightings.push_back({picture.file.filename().string(), *picture.view,
-                               options.floor_pictures[i].base_from_board,
-                               result.camera.views[static_cast<std::size_t>(fit)].camera_from_board});
+    const auto fit = std::count_if(result.images.images.begin(),
+                                   result.images.images.begin() + static_cast<std::ptrdiff_t>(list.floor_index[i]),
+                                   [](const CalibrationImage& other) { return other.view.has_value(); });
+    input.observations.push_back({image.file.filename().string(), *image.view,
+                                  options.board_on_floor_images[i].base_from_board,
+                                  result.camera.views[static_cast<std::size_t>(fit)].camera_from_board});
   }
   return input;
 }
 
-void CheckFloorFits(const FloorCalibration& floor, std::vector<Complaint>* warnings) {
+void CheckFloorFits(const FloorCalibration& floor, std::vector<Diagnostic>* warnings) {
   for (const FloorFit& fit : floor.fits) {
     if (fit.rms_m > kMaxFloorErrorM || fit.rms_px > kMaxFloorErrorPx) {
       warnings->push_back({false, fit.name + " disagrees by " + std::to_string(std::lround(1e4 * fit.rms_m) / 10) +
                                       "." + std::to_string(std::lround(1e4 * fit.rms_m) % 10) +
-                                      " mm with the camera's place over the floor: check its --board-pose, and that "
+                                      " mm with the camera's pose over the floor: check its --board-pose, and that "
                                       "the board lies flat"});
     }
   }
@@ -136,7 +135,7 @@ void CalibrateOptions::Check() const {
   board.Check();
   Require(std::isfinite(board_thickness_m) && board_thickness_m >= 0.0 && board_thickness_m < 0.5,
           "--board-thickness must be 0 to 0.5 metres");
-  Require(floor_pictures.empty() || board.HasUniqueOrigin(),
+  Require(board_on_floor_images.empty() || board.HasUniqueOrigin(),
           "a chessboard whose numbers of inner corners are both odd or both even looks the same when turned by half a "
           "turn, so its pose on the floor is not known; use a board such as 9x6, or a ChArUco board");
   Require(!region.resolution_m || (*region.resolution_m > 1e-6 && *region.resolution_m < 1.0),
@@ -147,19 +146,19 @@ CalibrationResult Calibrate(const CalibrateOptions& options) {
   options.Check();
   const FileList list = ListAll(options);
   CalibrationResult result;
-  result.pictures = FindBoards(list.files, options.board, options.reading);
-  const CameraCalibrationInput input = MakeCameraInput(result.pictures, options);
+  result.images = FindBoards(list.files, options.board, options.reading);
+  const CameraCalibrationInput input = MakeCameraInput(result.images, options);
   result.camera = CalibrateCamera(input, options.camera);
   result.camera.camera.name = options.camera_name;
-  result.warnings = RefuseFatal(CheckConstraints(input, result.camera), options.images);
-  CheckPictures(result.pictures, &result.warnings);
-  if (options.floor_pictures.empty()) {
+  result.warnings = ThrowIfFatal(CheckConstraints(input, result.camera), options.images);
+  CheckImages(result.images, &result.warnings);
+  if (options.board_on_floor_images.empty()) {
     return result;
   }
   const FloorCalibrationInput floor_input = MakeFloorInput(options, list, result);
   result.floor = CalibrateFloor(floor_input);
-  for (const FloorSighting& sighting : floor_input.sightings) {
-    result.floor_views.push_back(sighting.view);
+  for (const BoardOnFloorObservation& observation : floor_input.observations) {
+    result.floor_views.push_back(observation.view);
   }
   CheckFloorFits(*result.floor, &result.warnings);
   FloorRegionOptions region = options.region;
@@ -182,8 +181,8 @@ void WriteCalibration(const CalibrateOptions& options, const CalibrationResult& 
     return;
   }
   WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(*result.plane));
-  const cv::Mat raw = ReadColorImage(options.floor_pictures.front().file, camera.width_px, camera.height_px);
-  const SeenAndExpected corners{result.floor_views.front().raw_px, result.floor->fits.front().expected_px};
+  const cv::Mat raw = ReadColorImage(options.board_on_floor_images.front().file, camera.width_px, camera.height_px);
+  const ObservedAndExpected corners{result.floor_views.front().raw_px, result.floor->fits.front().expected_px};
   std::vector<unsigned char> jpeg;
   cv::imencode(".jpg", DrawFloorGrid({camera, *result.plane}, raw, corners), jpeg, {cv::IMWRITE_JPEG_QUALITY, 85});
   WriteFileAtomically(folder / "floor_grid.jpg", std::string(jpeg.begin(), jpeg.end()));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geometry/floor_plane.h"
-#include "mapbuilder/calibration/calibration_pictures.h"
+#include "mapbuilder/calibration/calibration_images.h"
 #include "mapbuilder/calibration/camera_calibration.h"
 #include "mapbuilder/calibration/constraint_check.h"
 #include "mapbuilder/calibration/floor_calibration.h"
@@ -15,8 +15,8 @@
 
 namespace floorloc {
 
-/// A picture of the board on the floor, and where it lies.
-struct FloorPicture {
+/// An image of the board on the floor, and where it lies.
+struct BoardOnFloorImage {
   std::filesystem::path file;
   Pose2 base_from_board;
 };
@@ -25,11 +25,11 @@ struct CalibrateOptions {
   std::filesystem::path images;
   Board board;
   double board_thickness_m = 0.0;
-  std::vector<FloorPicture> floor_pictures;  ///< none: camera.yaml only
+  std::vector<BoardOnFloorImage> board_on_floor_images;  ///< none: camera.yaml only
   std::string camera_name = "camera";
   CameraCalibrationOptions camera;
   FloorRegionOptions region;
-  PictureReadingOptions reading;
+  ImageReadingOptions reading;
 
   /// Throws std::invalid_argument with what makes no sense.
   void Check() const;
@@ -37,19 +37,19 @@ struct CalibrateOptions {
 
 /// Everything that is known after a calibration.
 struct CalibrationResult {
-  CalibrationPictures pictures;
+  CalibrationImages images;
   CameraCalibration camera;
-  std::vector<Complaint> warnings;
+  std::vector<Diagnostic> warnings;
   std::optional<FloorCalibration> floor;
-  std::vector<BoardView> floor_views;  ///< of the floor pictures
+  std::vector<BoardView> floor_views;  ///< of the floor images
   std::optional<FloorPlane> plane;
 };
 
-/// Pictures of a board -> camera and floor. Floor pictures count for the camera too. Throws InputError when the
-/// pictures do not constrain the camera, with what to add.
+/// Images of a board -> camera and floor. Floor images count for the camera too. Throws InputError when the
+/// images do not constrain the camera, with what to add.
 CalibrationResult Calibrate(const CalibrateOptions& options);
 
-/// Writes camera.yaml and calibration.json, with floor pictures also floor.yaml and floor_grid.jpg (of the first one).
+/// Writes camera.yaml and calibration.json, with floor images also floor.yaml and floor_grid.jpg (of the first one).
 /// Makes the folder. Throws InputError.
 void WriteCalibration(const CalibrateOptions& options, const CalibrationResult& result,
                       const std::filesystem::path& folder);

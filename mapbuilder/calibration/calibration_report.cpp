@@ -44,30 +44,30 @@ ordered_json CameraToJson(const CameraCalibration& calibration) {
   return json;
 }
 
-// One entry per picture, in the order of the files.
-ordered_json PicturesToJson(const CalibrationResult& result) {
-  ordered_json pictures = ordered_json::array();
+// One entry per image, in the order of the files.
+ordered_json ImagesToJson(const CalibrationResult& result) {
+  ordered_json images = ordered_json::array();
   auto fit = result.camera.views.begin();
-  for (const CalibrationPicture& picture : result.pictures.pictures) {
-    ordered_json entry = {{"file", picture.file.filename().string()}};
-    if (!picture.view) {
+  for (const CalibrationImage& image : result.images.images) {
+    ordered_json entry = {{"file", image.file.filename().string()}};
+    if (!image.view) {
       entry["used"] = false;
-      entry["problem"] = picture.problem;
+      entry["problem"] = image.problem;
     } else {
       entry["used"] = fit->used;
       if (!fit->used) {
-        entry["problem"] = "disagrees with the other pictures";
+        entry["problem"] = "disagrees with the other images";
       }
-      entry["corners"] = picture.view->corners.size();
+      entry["corners"] = image.view->corners.size();
       entry["rms_px"] = fit->rms_px;
       entry["max_px"] = fit->max_px;
       entry["tilt_deg"] = Degrees(std::acos(std::min(1.0, std::abs(fit->camera_from_board.linear()(2, 2)))));
       entry["distance_m"] = fit->camera_from_board.translation().norm();
       ++fit;
     }
-    pictures.push_back(std::move(entry));
+    images.push_back(std::move(entry));
   }
-  return pictures;
+  return images;
 }
 
 ordered_json FloorToJson(const FloorCalibration& floor, const FloorPlane& plane) {
@@ -91,20 +91,20 @@ void WriteCamera(const CameraCalibration& calibration, std::ostream& out) {
       << "; fx " << camera.fx << " +- " << calibration.SigmaPx(0) << ", fy " << camera.fy << " +- "
       << calibration.SigmaPx(1) << ", cx " << camera.cx << " +- " << calibration.SigmaPx(2) << ", cy " << camera.cy
       << " +- " << calibration.SigmaPx(3) << " px\n";
-  out << std::setprecision(3) << "pictures: " << calibration.used_count() << " used, reprojection error "
+  out << std::setprecision(3) << "images: " << calibration.used_count() << " used, reprojection error "
       << calibration.rms_px << " px (RMS)\n";
 }
 
-void WriteLeftOut(const CalibrationResult& result, std::ostream& out) {
+void WriteExcluded(const CalibrationResult& result, std::ostream& out) {
   auto fit = result.camera.views.begin();
-  for (const CalibrationPicture& picture : result.pictures.pictures) {
-    const std::string name = picture.file.filename().string();
-    if (!picture.view) {
-      out << "left out: " << name << ": " << picture.problem << "\n";
+  for (const CalibrationImage& image : result.images.images) {
+    const std::string name = image.file.filename().string();
+    if (!image.view) {
+      out << "left out: " << name << ": " << image.problem << "\n";
       continue;
     }
     if (!fit->used) {
-      out << "left out: " << name << ": disagrees with the other pictures (" << fit->rms_px
+      out << "left out: " << name << ": disagrees with the other images (" << fit->rms_px
           << " px): blurred, board bent, or another board\n";
     }
     ++fit;
@@ -113,12 +113,12 @@ void WriteLeftOut(const CalibrationResult& result, std::ostream& out) {
 
 void WriteFloor(const FloorCalibration& floor, const FloorPlane& plane, std::ostream& out) {
   const Eigen::Vector3d center = floor.base_from_camera.translation();
-  out << "floor: camera at x " << center.x() << ", y " << center.y() << " m, " << center.z() << " m high, looks "
-      << std::setprecision(1) << Degrees(floor.PitchDownRad()) << " degrees down; roi x " << std::setprecision(3)
-      << plane.roi.x_min << " to " << plane.roi.x_max << ", y " << plane.roi.y_min << " to " << plane.roi.y_max
-      << " m, " << std::setprecision(2) << 1e3 * plane.resolution_m << " mm per pixel\n";
+  out << "floor: camera at x " << center.x() << ", y " << center.y() << " m, " << center.z()
+      << " m high, tilted down by " << std::setprecision(1) << Degrees(floor.PitchDownRad()) << " degrees; roi x "
+      << std::setprecision(3) << plane.roi.x_min << " to " << plane.roi.x_max << ", y " << plane.roi.y_min << " to "
+      << plane.roi.y_max << " m, " << std::setprecision(2) << 1e3 * plane.resolution_m << " mm per pixel\n";
   for (const FloorFit& fit : floor.fits) {
-    out << "floor picture " << fit.name << ": " << std::setprecision(3) << fit.rms_px << " px, " << 1e3 * fit.rms_m
+    out << "floor image " << fit.name << ": " << std::setprecision(3) << fit.rms_px << " px, " << 1e3 * fit.rms_m
         << " mm (RMS)\n";
   }
 }
@@ -129,9 +129,9 @@ std::string ToJson(const CalibrateOptions& options, const CalibrationResult& res
   ordered_json json = {{"camera", CameraToJson(result.camera)},
                        {"rms_px", result.camera.rms_px},
                        {"pictures_used", result.camera.used_count()},
-                       {"pictures", PicturesToJson(result)}};
+                       {"pictures", ImagesToJson(result)}};
   ordered_json warnings = ordered_json::array();
-  for (const Complaint& warning : result.warnings) {
+  for (const Diagnostic& warning : result.warnings) {
     warnings.push_back(warning.sentence);
   }
   json["warnings"] = std::move(warnings);
@@ -148,11 +148,11 @@ std::string ToJson(const CalibrateOptions& options, const CalibrationResult& res
 std::string ToText(const CalibrationResult& result) {
   std::ostringstream out;
   WriteCamera(result.camera, out);
-  WriteLeftOut(result, out);
+  WriteExcluded(result, out);
   if (result.floor && result.plane) {
     WriteFloor(*result.floor, *result.plane, out);
   } else {
-    out << "floor.yaml is not written: it takes --floor-image, a picture of the board on the floor, and its "
+    out << "floor.yaml is not written: it takes --floor-image, an image of the board on the floor, and its "
            "--board-pose\n";
   }
   return out.str();

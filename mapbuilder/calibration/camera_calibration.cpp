@@ -17,7 +17,7 @@ constexpr int kK3 = kFirstCoefficient + 4;
 
 // k3 stays when it lowers the cost by more than chance does (chi-square with one degree of freedom, 0.1 %) ...
 constexpr double kSignificantChiSquare = 10.8;
-// ... and its uncertainty moves the picture's corner by less than this.
+// ... and its uncertainty moves the image's corner by less than this.
 constexpr double kMaxK3EffectPx = 0.3;
 
 int CoefficientCount(DistortionModel model) {
@@ -50,7 +50,7 @@ struct Solution {
 
   std::size_t corner_count() const {
     std::size_t count = 0;
-    for (const SightedPoints& view : adjustment.views) {
+    for (const ObservedPoints& view : adjustment.views) {
       count += view.raw_px.size();
     }
     return count;
@@ -77,7 +77,7 @@ std::optional<Solution> Solve(LensAdjustment start, double height_px) {
   return std::isfinite(solution.summary.cost_px2) ? std::optional(std::move(solution)) : std::nullopt;
 }
 
-// How far one standard deviation of k3 moves the picture's farthest corner.
+// How far one standard deviation of k3 moves the image's farthest corner.
 double K3EffectPx(const Solution& solution, double height_px) {
   if (!solution.summary.covariance) {
     return std::numeric_limits<double>::infinity();
@@ -126,8 +126,8 @@ std::optional<Solution> SolveBestModel(const LensAdjustment& start, const Camera
   return best;
 }
 
-SightedPoints PointsOf(const Board& board, const BoardView& view) {
-  SightedPoints points;
+ObservedPoints PointsOf(const Board& board, const BoardView& view) {
+  ObservedPoints points;
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const Eigen::Vector2d corner = board.Corner(view.corners[i]);
     points.points_m.emplace_back(corner.x(), corner.y(), 0.0);
@@ -137,7 +137,7 @@ SightedPoints PointsOf(const Board& board, const BoardView& view) {
 }
 
 void MeasureFit(const LensAdjustment& adjustment, std::size_t index, ViewFit* fit) {
-  const SightedPoints& view = adjustment.views[index];
+  const ObservedPoints& view = adjustment.views[index];
   const std::vector<Eigen::Vector2d> expected = Project(adjustment, adjustment.poses[index], view.points_m);
   double squares = 0.0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -175,7 +175,7 @@ class Calibrator {
 
   CameraCalibration Run() {
     Solution solution = SolveUsed();
-    while (LeaveOutWorst()) {
+    while (ExcludeWorst()) {
       solution = SolveUsed();
     }
     result_.camera = ToCamera(solution, input_.height_px);
@@ -196,7 +196,7 @@ class Calibrator {
   }
 
  private:
-  // Adjusts the camera to the pictures in use and notes how well each of them fits.
+  // Adjusts the camera to the images in use and notes how well each of them fits.
   Solution SolveUsed() {
     LensAdjustment problem;
     problem.width_px = input_.width_px;
@@ -210,7 +210,7 @@ class Calibrator {
     std::optional<Solution> solution = SolveBestModel(problem, options_, input_.height_px);
     if (!solution) {
       throw InputError(
-          "the pictures of the board fit no camera; check --board and --square, and that all pictures are of one "
+          "the images of the board fit no camera; check --board and --square, and that all images are of one "
           "camera at one zoom and focus");
     }
     for (std::size_t i = 0; i < used.size(); ++i) {
@@ -220,8 +220,8 @@ class Calibrator {
     return *std::move(solution);
   }
 
-  // False when all pictures agree, or too few would be left.
-  bool LeaveOutWorst() {
+  // False when all images agree, or too few would be left.
+  bool ExcludeWorst() {
     std::vector<double> errors;
     ViewFit* worst = nullptr;
     for (ViewFit& view : result_.views) {
@@ -259,7 +259,7 @@ int CameraCalibration::used_count() const {
 CameraCalibration CalibrateCamera(const CameraCalibrationInput& input, const CameraCalibrationOptions& options) {
   if (input.views.size() < kMinViews) {
     throw InputError("the board was found in " + std::to_string(input.views.size()) +
-                     " pictures, and a camera takes at least 3, better 15, from different sides; add pictures");
+                     " images, and a camera takes at least 3, better 15, from different sides; add images");
   }
   return Calibrator(input, options).Run();
 }

@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// A board seen in a picture.
+/// A board seen in an image.
 struct NamedView {
   std::string name;
   BoardView view;
@@ -30,12 +30,12 @@ struct CameraCalibrationOptions {
   /// Empty: plumb_bob, equidistant or rational_polynomial, whichever explains the views with the fewest coefficients
   /// (Bayesian information criterion).
   std::optional<DistortionModel> model = DistortionModel::kPlumbBob;
-  /// A picture is left out when its reprojection error is this many times the median of all ...
+  /// An image is left out when its reprojection error is this many times the median of all ...
   double max_error_ratio = 4.0;
   double max_error_floor_px = 0.3;  ///< ... and more than this
 };
 
-/// How a picture agrees with the calibrated camera.
+/// How an image agrees with the calibrated camera.
 struct ViewFit {
   std::string name;
   bool used = true;  ///< false: an outlier, left out
@@ -46,19 +46,19 @@ struct ViewFit {
 
 struct CameraCalibration {
   CameraModel camera;
-  /// Standard deviations in the order and the units of LensParameters, from the residuals; empty when the pictures
+  /// Standard deviations in the order and the units of LensParameters, from the residuals; empty when the images
   /// leave a parameter open.
   std::optional<LensCovariance> covariance;
-  double rms_px = 0.0;  ///< over the pictures used: root mean square of the corners' distances
+  double rms_px = 0.0;  ///< over the images used: root mean square of the corners' distances
   std::vector<ViewFit> views;
 
   double SigmaPx(int lens_parameter) const;  ///< of fx, fy, cx, cy (0 to 3); infinite without a covariance
   int used_count() const;
 };
 
-/// Least squares over all corners of all pictures: lens and places of the boards. Pictures that disagree with the
-/// others are left out. plumb_bob's k3 is 0 unless the pictures demand and fix it.
-/// Throws InputError when there are fewer than 3 pictures, or when they fit no camera.
+/// Least squares over all corners of all images: lens and poses of the boards. Images that disagree with the
+/// others are left out. plumb_bob's k3 is 0 unless the images demand and fix it.
+/// Throws InputError when there are fewer than 3 images, or when they fit no camera.
 CameraCalibration CalibrateCamera(const CameraCalibrationInput& input, const CameraCalibrationOptions& options);
 
 }  // namespace floorloc

@@ -10,17 +10,17 @@
 namespace floorloc {
 namespace {
 
-constexpr int kFewPictures = 8;
+constexpr int kFewImages = 8;
 
-// Angles between the boards: without any, focal length and distance cannot be told apart.
+// Angles between the boards: without any, focal length and distance are not separable.
 constexpr double kNoTiltDeg = 4.0;
 constexpr double kLittleTiltDeg = 20.0;
 
-// Farthest corner, as a share of the way from the picture's middle to its corner.
+// Farthest corner, as a share of the way from the image's middle to its corner.
 constexpr double kOnlyMiddle = 0.45;
 constexpr double kNotOutside = 0.8;
 
-// Standard deviations, as shares of the focal length and of the picture's width.
+// Standard deviations, as shares of the focal length and of the image's width.
 constexpr double kOpenSigma = 0.01;
 constexpr double kWeakSigma = 0.002;
 
@@ -48,24 +48,25 @@ class Checker {
   Checker(const CameraCalibrationInput& input, const CameraCalibration& calibration)
       : input_(input), calibration_(calibration) {}
 
-  std::vector<Complaint> Run() {
+  std::vector<Diagnostic> Run() {
     CheckFit();
     CheckTilt();
     CheckCoverage();
     CheckDeviations();
     CheckCount();
-    return std::move(complaints_);
+    return std::move(diagnostics_);
   }
 
  private:
-  void Complain(bool fatal, const std::string& sentence) { complaints_.push_back({fatal, sentence}); }
+  void AddDiagnostic(bool fatal, const std::string& sentence) { diagnostics_.push_back({fatal, sentence}); }
 
   void CheckFit() {
     if (calibration_.rms_px > kPoorFitPx) {
-      Complain(calibration_.rms_px > kNoFitPx,
-               "the pictures fit the camera badly (" + Text("%.2f", calibration_.rms_px) +
-                   " px): check that the board is flat and --board right, that zoom and focus stayed as they were, or "
-                   "try another --model");
+      AddDiagnostic(
+          calibration_.rms_px > kNoFitPx,
+          "the images fit the camera badly (" + Text("%.2f", calibration_.rms_px) +
+              " px): check that the board is flat and --board right, that zoom and focus stayed as they were, or "
+              "try another --model");
     }
   }
 
@@ -83,9 +84,9 @@ class Checker {
     const double spread_deg = std::acos(std::max(-1.0, smallest_cos)) * 180.0 / std::numbers::pi;
     if (spread_deg < kLittleTiltDeg) {
       no_tilt_ = spread_deg < kNoTiltDeg;
-      Complain(no_tilt_, "the boards are tilted by no more than " + Text("%.0f", spread_deg) +
-                             " degrees against each other, so the focal length is hard to tell from the distance: add "
-                             "pictures with the board tilted by 20 to 45 degrees to each of its four sides");
+      AddDiagnostic(no_tilt_, "the boards are tilted by no more than " + Text("%.0f", spread_deg) +
+                                  " degrees against each other, so focal length and distance are hardly separable: add "
+                                  "images with the board tilted by 20 to 45 degrees to each of its four sides");
     }
   }
 
@@ -93,37 +94,37 @@ class Checker {
     const double half_diagonal = 0.5 * std::hypot(input_.width_px, input_.height_px);
     const double share = CalibratedRadiusPx(input_, calibration_) / half_diagonal;
     if (share < kOnlyMiddle) {
-      Complain(true, "the board was only seen in the middle of the picture (up to " + Text("%.0f", 100.0 * share) +
-                         " % of the way to its corners), which says nothing about the lens outside: add pictures with "
-                         "the board at every edge and in every corner of the picture");
+      AddDiagnostic(true,
+                    "the board was only seen in the middle of the image (up to " + Text("%.0f", 100.0 * share) +
+                        " % of the way to its corners), which leaves the lens outside of it open: add images with "
+                        "the board at every edge and in every corner of the image");
       return;
     }
     const std::string missing = MissingRegions();
     if (!missing.empty()) {
-      Complain(false,
-               "no picture shows the board in " + missing + " of the picture: add pictures with the board there");
+      AddDiagnostic(false, "no image shows the board in " + missing + " of the image: add images with the board there");
     } else if (share < kNotOutside) {
-      Complain(false, "the corners of the picture were never reached (" + Text("%.0f", 100.0 * share) +
-                          " % of the way): add pictures with the board in the corners");
+      AddDiagnostic(false, "the corners of the image were never reached (" + Text("%.0f", 100.0 * share) +
+                               " % of the way): add images with the board in the corners");
     }
   }
 
-  // "the upper left, the right": thirds of the picture without any corner of a board.
+  // "the upper left, the right": thirds of the image without any corner of a board.
   std::string MissingRegions() const {
     constexpr std::array kNames{"the upper left", "the upper middle", "the upper right",
                                 "the left",       "the middle",       "the right",
                                 "the lower left", "the lower middle", "the lower right"};
-    std::array<bool, 9> seen{};
+    std::array<bool, 9> covered{};
     ForEachUsed(input_, calibration_, [&](const BoardView& view, const ViewFit&) {
       for (const Eigen::Vector2d& p : view.raw_px) {
         const int column = std::clamp(static_cast<int>(3.0 * p.x() / input_.width_px), 0, 2);
         const int row = std::clamp(static_cast<int>(3.0 * p.y() / input_.height_px), 0, 2);
-        seen[static_cast<std::size_t>(3 * row + column)] = true;
+        covered[static_cast<std::size_t>(3 * row + column)] = true;
       }
     });
     std::string missing;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      missing += seen[i] ? "" : (missing.empty() ? "" : ", ") + std::string(kNames[i]);
+    for (std::size_t i = 0; i < covered.size(); ++i) {
+      missing += covered[i] ? "" : (missing.empty() ? "" : ", ") + std::string(kNames[i]);
     }
     return missing;
   }
@@ -133,15 +134,16 @@ class Checker {
     const double focal = std::max(calibration_.SigmaPx(0) / camera.fx, calibration_.SigmaPx(1) / camera.fy);
     const double center = std::max(calibration_.SigmaPx(2), calibration_.SigmaPx(3)) / camera.width_px;
     if (focal > kWeakSigma && !no_tilt_) {
-      Complain(focal > kOpenSigma, "the focal length is only known to " + Text("%.2g", 100.0 * focal) + " %: " +
-                                       (HasOneDistance() ? "all boards are equally far away; add pictures from nearer "
-                                                           "and from farther away, some with the board tilted"
-                                                         : "add pictures with the board tilted by 20 to 45 degrees"));
+      AddDiagnostic(focal > kOpenSigma,
+                    "the focal length is only known to " + Text("%.2g", 100.0 * focal) + " %: " +
+                        (HasOneDistance() ? "all boards are equally far away; add images from nearer "
+                                            "and from farther away, some with the board tilted"
+                                          : "add images with the board tilted by 20 to 45 degrees"));
     }
     if (center > kWeakSigma && !no_tilt_) {
-      Complain(center > kOpenSigma,
-               "the principal point is only known to " + Text("%.2g", center * camera.width_px) +
-                   " px: add pictures with the board tilted to other sides and turned by 90 degrees");
+      AddDiagnostic(center > kOpenSigma,
+                    "the principal point is only known to " + Text("%.2g", center * camera.width_px) +
+                        " px: add images with the board tilted to other sides and turned by 90 degrees");
     }
   }
 
@@ -156,21 +158,21 @@ class Checker {
   }
 
   void CheckCount() {
-    if (calibration_.used_count() < kFewPictures) {
-      Complain(false, "only " + std::to_string(calibration_.used_count()) +
-                          " pictures show the board: with 10 to 20 from different sides a bad one is recognized");
+    if (calibration_.used_count() < kFewImages) {
+      AddDiagnostic(false, "only " + std::to_string(calibration_.used_count()) +
+                               " images show the board: with 10 to 20 from different sides a bad one is recognized");
     }
   }
 
   const CameraCalibrationInput& input_;
   const CameraCalibration& calibration_;
   bool no_tilt_ = false;
-  std::vector<Complaint> complaints_;
+  std::vector<Diagnostic> diagnostics_;
 };
 
 }  // namespace
 
-std::vector<Complaint> CheckConstraints(const CameraCalibrationInput& input, const CameraCalibration& calibration) {
+std::vector<Diagnostic> CheckConstraints(const CameraCalibrationInput& input, const CameraCalibration& calibration) {
   return Checker(input, calibration).Run();
 }
 

@@ -26,24 +26,25 @@ LensParameters ToLens(const CameraModel& camera) {
   return lens;
 }
 
-Eigen::Vector3d CornerInBase(const FloorCalibrationInput& input, const FloorSighting& sighting, int corner) {
-  const Eigen::Vector2d p = sighting.base_from_board * input.board.Corner(corner);
+Eigen::Vector3d CornerInBase(const FloorCalibrationInput& input, const BoardOnFloorObservation& observation,
+                             int corner) {
+  const Eigen::Vector2d p = observation.base_from_board * input.board.Corner(corner);
   return {p.x(), p.y(), input.board_thickness_m};
 }
 
-SightedPoints AllCorners(const FloorCalibrationInput& input) {
-  SightedPoints all;
-  for (const FloorSighting& sighting : input.sightings) {
-    for (std::size_t i = 0; i < sighting.view.corners.size(); ++i) {
-      all.points_m.push_back(CornerInBase(input, sighting, sighting.view.corners[i]));
-      all.raw_px.push_back(sighting.view.raw_px[i]);
+ObservedPoints AllCorners(const FloorCalibrationInput& input) {
+  ObservedPoints all;
+  for (const BoardOnFloorObservation& observation : input.observations) {
+    for (std::size_t i = 0; i < observation.view.corners.size(); ++i) {
+      all.points_m.push_back(CornerInBase(input, observation, observation.view.corners[i]));
+      all.raw_px.push_back(observation.view.raw_px[i]);
     }
   }
   return all;
 }
 
-PoseParameters FirstGuess(const FloorCalibrationInput& input) {
-  const FloorSighting& first = input.sightings.front();
+PoseParameters InitialEstimate(const FloorCalibrationInput& input) {
+  const BoardOnFloorObservation& first = input.observations.front();
   Eigen::Isometry3d base_from_board = Eigen::Isometry3d::Identity();
   base_from_board.linear() =
       Eigen::AngleAxisd(first.base_from_board.yaw(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -59,25 +60,26 @@ Eigen::Matrix3d PlaneFromPixel(const CameraModel& camera, const Eigen::Isometry3
   return (Intrinsics(camera) * columns).inverse();
 }
 
-FloorFit MeasureFit(const FloorCalibrationInput& input, const FloorSighting& sighting,
+FloorFit MeasureFit(const FloorCalibrationInput& input, const BoardOnFloorObservation& observation,
                     const Eigen::Matrix3d& face_from_pixel) {
   FloorFit fit;
-  fit.name = sighting.name;
+  fit.name = observation.name;
   const Eigen::Matrix3d pixel_from_face = face_from_pixel.inverse();
   double squares_px2 = 0.0;
   double squares_m2 = 0.0;
-  for (std::size_t i = 0; i < sighting.view.corners.size(); ++i) {
-    const Eigen::Vector2d expected_m = CornerInBase(input, sighting, sighting.view.corners[i]).head<2>();
-    const Eigen::Vector2d& seen_px = sighting.view.raw_px[i];
-    const Eigen::Vector2d seen_m = (face_from_pixel * input.camera.Undistort(seen_px).homogeneous()).hnormalized();
+  for (std::size_t i = 0; i < observation.view.corners.size(); ++i) {
+    const Eigen::Vector2d expected_m = CornerInBase(input, observation, observation.view.corners[i]).head<2>();
+    const Eigen::Vector2d& observed_px = observation.view.raw_px[i];
+    const Eigen::Vector2d observed_m =
+        (face_from_pixel * input.camera.Undistort(observed_px).homogeneous()).hnormalized();
     const Eigen::Vector2d expected_px =
         input.camera.Distort((pixel_from_face * expected_m.homogeneous()).hnormalized());
     fit.expected_px.push_back(expected_px);
-    squares_px2 += (expected_px - seen_px).squaredNorm();
-    squares_m2 += (expected_m - seen_m).squaredNorm();
-    fit.max_m = std::max(fit.max_m, (expected_m - seen_m).norm());
+    squares_px2 += (expected_px - observed_px).squaredNorm();
+    squares_m2 += (expected_m - observed_m).squaredNorm();
+    fit.max_m = std::max(fit.max_m, (expected_m - observed_m).norm());
   }
-  const auto count = static_cast<double>(sighting.view.corners.size());
+  const auto count = static_cast<double>(observation.view.corners.size());
   fit.rms_px = std::sqrt(squares_px2 / count);
   fit.rms_m = std::sqrt(squares_m2 / count);
   return fit;
@@ -97,7 +99,7 @@ FloorCalibration CalibrateFloor(const FloorCalibrationInput& input) {
   problem.fixed.resize(kLensParameters);
   std::iota(problem.fixed.begin(), problem.fixed.end(), 0);
   problem.views = {AllCorners(input)};
-  problem.poses = {FirstGuess(input)};
+  problem.poses = {InitialEstimate(input)};
   Adjust(&problem, kMaxSteps, false);
 
   const Eigen::Isometry3d camera_from_base = ToIsometry(problem.poses.front());
@@ -109,8 +111,8 @@ FloorCalibration CalibrateFloor(const FloorCalibrationInput& input) {
     result.base_from_pixel /= last;
   }
   const Eigen::Matrix3d face_from_pixel = PlaneFromPixel(input.camera, camera_from_base, input.board_thickness_m);
-  for (const FloorSighting& sighting : input.sightings) {
-    result.fits.push_back(MeasureFit(input, sighting, face_from_pixel));
+  for (const BoardOnFloorObservation& observation : input.observations) {
+    result.fits.push_back(MeasureFit(input, observation, face_from_pixel));
   }
   return result;
 }

@@ -12,8 +12,8 @@
 
 namespace floorloc {
 
-/// A board that lies on the floor, face up, in a picture.
-struct FloorSighting {
+/// A board that lies on the floor, face up, in an image.
+struct BoardOnFloorObservation {
   std::string name;
   BoardView view;
   Pose2 base_from_board;  ///< where its corner 0 is and where its x axis points
@@ -24,10 +24,10 @@ struct FloorCalibrationInput {
   CameraModel camera;
   Board board;
   double board_thickness_m = 0.0;  ///< the printed face lies this high above the floor
-  std::vector<FloorSighting> sightings;
+  std::vector<BoardOnFloorObservation> observations;
 };
 
-/// How the corners of one picture agree with the camera's place.
+/// How the corners of one image agree with the camera's pose.
 struct FloorFit {
   std::string name;
   double rms_px = 0.0;
@@ -41,11 +41,11 @@ struct FloorCalibration {
   Eigen::Matrix3d base_from_pixel = Eigen::Matrix3d::Identity();       ///< as in FloorPlane
   std::vector<FloorFit> fits;
 
-  /// Angle between the optical axis and the floor; pi/2: looks straight down.
+  /// Angle between the optical axis and the floor; pi/2: straight down.
   double PitchDownRad() const;
 };
 
-/// The camera's place over the floor by least squares of the reprojection errors of all corners of all sightings. Six
+/// The camera's pose over the floor by least squares of the reprojection errors of all corners of all observations. Six
 /// numbers, not the eight of a free homography: the lens is known, and the plane reaches farther than the board.
 FloorCalibration CalibrateFloor(const FloorCalibrationInput& input);
 

@@ -19,7 +19,7 @@ constexpr double kGridLines = 8.0;
 
 const cv::Scalar kInk(40, 40, 40);
 const cv::Scalar kLine(255, 220, 120);
-const cv::Scalar kSeen(0, 0, 255);
+const cv::Scalar kObserved(0, 0, 255);
 const cv::Scalar kExpected(0, 220, 0);
 
 // 1, 2 or 5 times a power of ten, so that about kGridLines of them span the length.
@@ -65,14 +65,14 @@ class GridCanvas {
     }
   }
 
-  void DrawCorner(const Eigen::Vector2d& expected_m, const Eigen::Vector2d& seen_m) {
+  void DrawCorner(const Eigen::Vector2d& expected_m, const Eigen::Vector2d& observed_m) {
     cv::circle(canvas_, PixelOf(expected_m), 7, kExpected, 1, cv::LINE_AA);
-    cv::drawMarker(canvas_, PixelOf(seen_m), kSeen, cv::MARKER_CROSS, 9, 1, cv::LINE_AA);
+    cv::drawMarker(canvas_, PixelOf(observed_m), kObserved, cv::MARKER_CROSS, 9, 1, cv::LINE_AA);
   }
 
   void WriteLegend(const std::string& text) { Write(text, {area_.x, area_.br().y + 48}); }
 
-  const cv::Mat& picture() const { return canvas_; }
+  const cv::Mat& image() const { return canvas_; }
 
  private:
   cv::Point PixelOf(const Eigen::Vector2d& point_m) const {
@@ -80,8 +80,8 @@ class GridCanvas {
     return {area_.x + static_cast<int>(std::lround(p.x())), area_.y + static_cast<int>(std::lround(p.y()))};
   }
 
-  void Write(const std::string& text, const cv::Point& place) {
-    cv::putText(canvas_, text, place, cv::FONT_HERSHEY_SIMPLEX, 0.42, kInk, 1, cv::LINE_AA);
+  void Write(const std::string& text, const cv::Point& position) {
+    cv::putText(canvas_, text, position, cv::FONT_HERSHEY_SIMPLEX, 0.42, kInk, 1, cv::LINE_AA);
   }
 
   GroundGrid grid_;
@@ -92,15 +92,16 @@ class GridCanvas {
 
 }  // namespace
 
-cv::Mat DrawFloorGrid(const FloorCamera& camera, const cv::Mat& raw, const SeenAndExpected& corners) {
+cv::Mat DrawFloorGrid(const FloorCamera& camera, const cv::Mat& raw, const ObservedAndExpected& corners) {
   const Rectifier rectifier(camera);
-  GridCanvas canvas(rectifier.grid(), rectifier.RectifyPicture(raw));
+  GridCanvas canvas(rectifier.grid(), rectifier.RectifyImage(raw));
   canvas.DrawLines(camera.floor.roi);
-  for (std::size_t i = 0; i < corners.seen_px.size(); ++i) {
-    canvas.DrawCorner(camera.FloorFromRawPixel(corners.expected_px[i]), camera.FloorFromRawPixel(corners.seen_px[i]));
+  for (std::size_t i = 0; i < corners.observed_px.size(); ++i) {
+    canvas.DrawCorner(camera.FloorFromRawPixel(corners.expected_px[i]),
+                      camera.FloorFromRawPixel(corners.observed_px[i]));
   }
   canvas.WriteLegend("base frame, metres: x forward (up), y left; corners seen (+) and expected (o)");
-  return canvas.picture();
+  return canvas.image();
 }
 
 }  // namespace floorloc

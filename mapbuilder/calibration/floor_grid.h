@@ -9,14 +9,14 @@
 
 namespace floorloc {
 
-/// Corners of a board in a picture, raw pixels.
-struct SeenAndExpected {
-  std::vector<Eigen::Vector2d> seen_px;
+/// Corners of a board in an image, raw pixels.
+struct ObservedAndExpected {
+  std::vector<Eigen::Vector2d> observed_px;
   std::vector<Eigen::Vector2d> expected_px;
 };
 
-/// A picture of the rectified floor to be looked at: from above, forward up, with a metric grid, and the corners where
+/// An image of the rectified floor for inspection: from above, forward up, with a metric grid, and the corners where
 /// they are seen (crosses) and where the board's pose says (circles). raw: CV_8UC3 of the camera's size.
-cv::Mat DrawFloorGrid(const FloorCamera& camera, const cv::Mat& raw, const SeenAndExpected& corners);
+cv::Mat DrawFloorGrid(const FloorCamera& camera, const cv::Mat& raw, const ObservedAndExpected& corners);
 
 }  // namespace floorloc

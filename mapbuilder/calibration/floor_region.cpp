@@ -17,8 +17,8 @@
 namespace floorloc {
 namespace {
 
-constexpr int kPictureSamples = 48;  // per side of the picture
-constexpr int kCells = 160;          // per side of the raster in which the rectangle is sought
+constexpr int kImageSamples = 48;  // per side of the image
+constexpr int kCells = 160;        // per side of the raster in which the rectangle is sought
 constexpr double kMinPixelsOfRoi = 64.0;
 
 // A raw pixel's place on the floor and the size of its footprint.
@@ -44,7 +44,7 @@ class FloorView {
       return std::nullopt;
     }
     const Eigen::Vector2d pixel = camera_.Undistort(raw_px);
-    // A camera above the floor turns the picture over in front of its horizon: the local area change is negative.
+    // A camera above the floor turns the image over in front of its horizon: the local area change is negative.
     const double w = floor_.floor.base_from_pixel.row(2) * pixel.homogeneous();
     if (!pixel.allFinite() || !(determinant_ * w < 0.0)) {
       return std::nullopt;
@@ -65,7 +65,7 @@ class FloorView {
   std::optional<Footprint> AtFloor(const Eigen::Vector2d& point_m) const {
     const Eigen::Vector2d raw_px = floor_.RawPixelFromFloor(point_m);
     const std::optional<Footprint> footprint = raw_px.allFinite() ? At(raw_px) : std::nullopt;
-    // The way back must end where it began: lens models fold outside of the picture.
+    // The way back must end where it began: lens models fold outside of the image.
     return footprint && (footprint->floor_m - point_m).norm() < 0.5 * footprint->longest_m ? footprint : std::nullopt;
   }
 
@@ -76,14 +76,14 @@ class FloorView {
   double determinant_ = 0.0;
 };
 
-// Footprints of pixels spread over the picture, without those that are too coarse.
-std::vector<Footprint> SamplePicture(const FloorView& view, const CameraModel& camera, double max_ratio) {
+// Footprints of pixels spread over the image, without those that are too coarse.
+std::vector<Footprint> SampleImage(const FloorView& view, const CameraModel& camera, double max_ratio) {
   std::vector<Footprint> all;
   double finest_m = std::numeric_limits<double>::infinity();
-  for (int row = 0; row <= kPictureSamples; ++row) {
-    for (int column = 0; column <= kPictureSamples; ++column) {
-      const Eigen::Vector2d px((camera.width_px - 1.0) * column / kPictureSamples,
-                               (camera.height_px - 1.0) * row / kPictureSamples);
+  for (int row = 0; row <= kImageSamples; ++row) {
+    for (int column = 0; column <= kImageSamples; ++column) {
+      const Eigen::Vector2d px((camera.width_px - 1.0) * column / kImageSamples,
+                               (camera.height_px - 1.0) * row / kImageSamples);
       if (const std::optional<Footprint> footprint = view.At(px)) {
         all.push_back(*footprint);
         finest_m = std::min(finest_m, footprint->longest_m);
@@ -203,13 +203,14 @@ FloorPlane ChooseFloorRegion(const CameraModel& camera, const Eigen::Matrix3d& b
   if (options.roi) {
     floor_camera.floor.roi = *options.roi;
   } else {
-    const std::vector<Footprint> seen = SamplePicture(view, camera, options.max_footprint_ratio);
-    if (seen.empty()) {
+    const std::vector<Footprint> footprints = SampleImage(view, camera, options.max_footprint_ratio);
+    if (footprints.empty()) {
       throw InputError("the camera sees no floor; check --board-pose and which side of the board is up");
     }
-    const auto coarsest = std::max_element(
-        seen.begin(), seen.end(), [](const Footprint& a, const Footprint& b) { return a.longest_m < b.longest_m; });
-    floor_camera.floor.roi = Rounded(LargestVisibleRect(view, BoundsOf(seen), coarsest->longest_m));
+    const auto coarsest =
+        std::max_element(footprints.begin(), footprints.end(),
+                         [](const Footprint& a, const Footprint& b) { return a.longest_m < b.longest_m; });
+    floor_camera.floor.roi = Rounded(LargestVisibleRect(view, BoundsOf(footprints), coarsest->longest_m));
   }
   const double median_m = MedianFootprint(view, floor_camera.floor.roi);
   floor_camera.floor.resolution_m = options.resolution_m.value_or(RoundNumber(median_m));

@@ -12,7 +12,7 @@ namespace floorloc {
 struct FloorRegionOptions {
   std::optional<RectM> roi;            ///< instead of the largest sensible one
   std::optional<double> resolution_m;  ///< instead of one that suits the pixels
-  double max_footprint_ratio = 3.0;    ///< coarsest pixel of the region, against the finest of the picture
+  double max_footprint_ratio = 3.0;    ///< coarsest pixel of the region, against the finest of the image
   double max_radius_px =
       std::numeric_limits<double>::infinity();  ///< how far from the principal point the lens was calibrated
 };

@@ -12,7 +12,7 @@
 namespace floorloc {
 namespace {
 
-// Focal lengths to try, in units of the picture's width.
+// Focal lengths to try, in units of the image's width.
 constexpr std::array kFocalLengths{0.3, 0.5, 0.8, 1.3, 2.2, 4.0};
 constexpr int kTrialSteps = 12;
 constexpr double kMaxFisheyeAngleRad = 1.45;
@@ -51,21 +51,21 @@ std::optional<Eigen::Isometry3d> PoseOfPlane(const cv::Mat& homography) {
   return pose.linear().determinant() > 0.0 ? std::optional(pose) : std::nullopt;
 }
 
-bool LiesInFront(const Eigen::Isometry3d& camera_from_board, const SightedPoints& view) {
+bool LiesInFront(const Eigen::Isometry3d& camera_from_board, const ObservedPoints& view) {
   return std::all_of(view.points_m.begin(), view.points_m.end(),
                      [&](const Eigen::Vector3d& point) { return (camera_from_board * point).z() > 0.0; });
 }
 
 bool PlaceBoards(LensAdjustment* problem) {
   problem->poses.clear();
-  for (const SightedPoints& view : problem->views) {
+  for (const ObservedPoints& view : problem->views) {
     std::vector<cv::Point2d> board;
-    std::vector<cv::Point2d> picture;
+    std::vector<cv::Point2d> image;
     for (std::size_t i = 0; i < view.points_m.size(); ++i) {
       board.emplace_back(view.points_m[i].x(), view.points_m[i].y());
-      picture.push_back(OnUnitPlane(*problem, view.raw_px[i]));
+      image.push_back(OnUnitPlane(*problem, view.raw_px[i]));
     }
-    const cv::Mat homography = cv::findHomography(board, picture, 0);
+    const cv::Mat homography = cv::findHomography(board, image, 0);
     const std::optional<Eigen::Isometry3d> pose = homography.empty() ? std::nullopt : PoseOfPlane(homography);
     if (!pose || !LiesInFront(*pose, view)) {
       return false;

@@ -51,7 +51,7 @@ class ReprojectionError {
   Eigen::Vector2d raw_px_;
 };
 
-class PullToZero {
+class ZeroPrior {
  public:
   template <typename T>
   bool operator()(const T* lens, T* residual) const {
@@ -64,7 +64,7 @@ class PullToZero {
 
 void AddViews(LensAdjustment* p, ceres::Problem* problem) {
   for (std::size_t v = 0; v < p->views.size(); ++v) {
-    const SightedPoints& view = p->views[v];
+    const ObservedPoints& view = p->views[v];
     for (std::size_t i = 0; i < view.points_m.size(); ++i) {
       problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionError, 2, kLensParameters, 6>(
                                     new ReprojectionError(p->model, p->width_px, view.points_m[i], view.raw_px[i])),
@@ -159,8 +159,7 @@ AdjustmentSummary Adjust(LensAdjustment* p, int max_iterations, bool with_covari
   }
   if (p->model == DistortionModel::kRationalPolynomial && !all_fixed) {
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PullToZero, kLensParameters - kFirstCoefficient, kLensParameters>(
-            new PullToZero),
+        new ceres::AutoDiffCostFunction<ZeroPrior, kLensParameters - kFirstCoefficient, kLensParameters>(new ZeroPrior),
         nullptr, p->lens.data());
   }
   ceres::Solver::Options options;

@@ -17,8 +17,8 @@ using PoseParameters = std::array<double, 6>;
 Eigen::Isometry3d ToIsometry(const PoseParameters& pose);
 PoseParameters FromIsometry(const Eigen::Isometry3d& pose);
 
-/// Points of a target and where one picture shows them.
-struct SightedPoints {
+/// Points of a target and where one image shows them.
+struct ObservedPoints {
   std::vector<Eigen::Vector3d> points_m;
   std::vector<Eigen::Vector2d> raw_px;
 };
@@ -29,7 +29,7 @@ struct LensAdjustment {
   double width_px = 0.0;
   LensParameters lens{};
   std::vector<int> fixed;  ///< indices of lens parameters that stay
-  std::vector<SightedPoints> views;
+  std::vector<ObservedPoints> views;
   std::vector<PoseParameters> poses;  ///< camera_from_target of each view
 };
 

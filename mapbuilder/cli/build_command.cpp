@@ -61,12 +61,12 @@ std::string FingerprintOf(const CLI::App& command) {
   return fingerprint;
 }
 
-BuildReport BuildOrSayHowToResume(const BuildOptions& options) {
+BuildReport BuildWithResumeHint(const BuildOptions& options) {
   try {
     return BuildMap(options);
   } catch (const std::exception& error) {
     if (std::filesystem::exists(BuildJournal::FileFor(options.out))) {
-      throw std::runtime_error(std::string(error.what()) + " (what was finished is kept: go on with --resume)");
+      throw std::runtime_error(std::string(error.what()) + " (finished work is kept: continue with --resume)");
     }
     throw;
   }
@@ -90,7 +90,7 @@ void Run(Arguments& a) {
     PrepareReportFolder(a.report);
   }
   const VideoInput video(a.video, a.options.out, a.options.progress, &a.options.surveys);
-  BuildReport report = BuildOrSayHowToResume(a.options);
+  BuildReport report = BuildWithResumeHint(a.options);
   report.warnings.insert(report.warnings.end(), video.warnings().begin(), video.warnings().end());
   video.Finish();
   if (a.json) {
@@ -136,7 +136,7 @@ void AddBuildCommand(CLI::App& app) {
                    "'./run bench extractors' does so on your floor")
       ->check(CLI::IsMember(ExtractorNames()))
       ->capture_default_str();
-  command->add_option("--max-keypoints", a->options.extractor.max_keypoints, "Keypoints per picture")
+  command->add_option("--max-keypoints", a->options.extractor.max_keypoints, "Keypoints per image")
       ->capture_default_str();
   command->add_option("--poses", a->poses_file, "map_from_base poses of another system (TUM), taken as priors");
   command->add_option("--poses-sigma", a->poses_sigma, "Their standard deviation: metres,radians")
@@ -145,7 +145,7 @@ void AddBuildCommand(CLI::App& app) {
       ->needs("--poses");
   command
       ->add_option("--self-calibrate", a->self_calibrate,
-                   "Correct the surveys' calibration from the pictures: mounting (pitch and roll), distortion and,\n"
+                   "Correct the surveys' calibration from the images: mounting (pitch and roll), distortion and,\n"
                    "with control points, markers, known distances or --poses, height, focal")
       ->delimiter(',')
       ->check(CLI::IsMember({"mounting", "height", "focal", "distortion"}));
@@ -155,10 +155,10 @@ void AddBuildCommand(CLI::App& app) {
                       "Budget of the map (default: suits the camera)");
   command->add_option("--resolution", a->options.mosaic.resolution_m,
                       "Metres per pixel of the mosaic (default: survey's)");
-  command->add_option("--report", a->report, "Folder for report.html and report.json: what to trust in this map");
-  command->add_flag("--no-held-out", a->no_held_out, "Don't try whether frames that are left out are found again");
-  command->add_option("--threads", a->options.threads, "0: one per core")->capture_default_str();
-  command->add_option("--seed", a->options.seed, "Of all random choices")->capture_default_str();
+  command->add_option("--report", a->report, "Folder for report.html and report.json on the quality of this map");
+  command->add_flag("--no-held-out", a->no_held_out, "Don't test whether held-out frames are localized");
+  command->add_option("--threads", a->options.threads, "Number of threads; 0: one per core")->capture_default_str();
+  command->add_option("--seed", a->options.seed, "Seed of all random choices")->capture_default_str();
   command
       ->add_option("--extend", a->options.extend,
                    "Map file to which the surveys are added, in its frame and with its features; --out may be the same")
@@ -167,7 +167,7 @@ void AddBuildCommand(CLI::App& app) {
       ->excludes("--resolution")
       ->excludes("--poses")
       ->excludes("--self-calibrate");
-  command->add_flag("--resume", a->options.resume, "Go on where a killed build of this map stopped");
+  command->add_flag("--resume", a->options.resume, "Resume a killed build of this map");
   command->add_flag("--json", a->json, "Print the report as JSON");
   command->callback([a, command] {
     a->options.fingerprint = FingerprintOf(*command);

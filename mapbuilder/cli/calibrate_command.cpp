@@ -16,7 +16,7 @@
 namespace floorloc {
 namespace {
 
-// What stands on the command line, before it is turned into CalibrateOptions.
+// The command line's arguments, before they are turned into CalibrateOptions.
 struct Arguments {
   CalibrateOptions options;
   std::filesystem::path out;
@@ -67,21 +67,21 @@ std::optional<DistortionModel> ParseModel(const std::string& name) {
   return std::nullopt;  // auto
 }
 
-void ParseFloorPictures(const Arguments& a, CalibrateOptions* options) {
+void ParseFloorImages(const Arguments& a, CalibrateOptions* options) {
   if (a.floor_images.size() != a.board_poses.size()) {
     throw std::invalid_argument("there are " + std::to_string(a.floor_images.size()) + " --floor-image but " +
                                 std::to_string(a.board_poses.size()) +
-                                " --board-pose; give one pose for each floor picture, in the same order");
+                                " --board-pose; give one pose for each floor image, in the same order");
   }
   for (std::size_t i = 0; i < a.floor_images.size(); ++i) {
-    options->floor_pictures.push_back({a.floor_images[i], ParseBoardPose(a.board_poses[i])});
+    options->board_on_floor_images.push_back({a.floor_images[i], ParseBoardPose(a.board_poses[i])});
   }
 }
 
 void Run(Arguments& a) {
   CalibrateOptions& options = a.options;
   ParseBoard(a, &options.board);
-  ParseFloorPictures(a, &options);
+  ParseFloorImages(a, &options);
   options.camera.model = ParseModel(a.model);
   if (a.roi.size() == 4) {
     options.region.roi = RectM{a.roi[0], a.roi[1], a.roi[2], a.roi[3]};
@@ -90,13 +90,13 @@ void Run(Arguments& a) {
   const CalibrationResult result = Calibrate(options);
   WriteCalibration(options, result, a.out);
   std::cout << (a.json ? ToJson(options, result) + "\n" : ToText(result));
-  for (const Complaint& warning : result.warnings) {
+  for (const Diagnostic& warning : result.warnings) {
     std::cerr << "floorloc-mapbuilder: warning: " << warning.sentence << "\n";
   }
 }
 
 void AddBoardOptions(CLI::App& command, Arguments& a) {
-  command.add_option("--images", a.options.images, "Folder with pictures of the board (JPEG, PNG)")->required();
+  command.add_option("--images", a.options.images, "Folder with images of the board (JPEG, PNG)")->required();
   command.add_option("--board", a.board, "COLUMNSxROWS: inner corners of a chessboard, squares of a ChArUco board")
       ->required();
   command.add_option("--square", a.options.board.square_m, "Side of a square, metres")->required();
@@ -105,14 +105,15 @@ void AddBoardOptions(CLI::App& command, Arguments& a) {
   auto* marker = command.add_option("--marker", a.marker_m, "Side of its markers, metres");
   charuco->needs(marker);
   marker->needs(charuco);
-  command.add_option("--model", a.model, "Lens model; auto: the one that explains the pictures with least effort")
+  command
+      .add_option("--model", a.model, "Lens model; auto: the one with the fewest parameters that explains the images")
       ->check(CLI::IsMember({"plumb_bob", "rational_polynomial", "equidistant", "auto"}))
       ->capture_default_str();
   command.add_option("--camera-name", a.options.camera_name, "For camera.yaml")->capture_default_str();
 }
 
 void AddFloorOptions(CLI::App& command, Arguments& a) {
-  command.add_option("--floor-image", a.floor_images, "Picture of the board on the floor, print up; repeatable")
+  command.add_option("--floor-image", a.floor_images, "Image of the board on the floor, print up; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
@@ -134,15 +135,15 @@ void AddFloorOptions(CLI::App& command, Arguments& a) {
 }  // namespace
 
 void AddCalibrateCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("calibrate", "Makes camera.yaml and floor.yaml from pictures of a board");
+  CLI::App* command = app.add_subcommand("calibrate", "Makes camera.yaml and floor.yaml from images of a board");
   const auto a = std::make_shared<Arguments>();
   AddBoardOptions(*command, *a);
   AddFloorOptions(*command, *a);
   command->add_option("--out", a->out, "Folder for camera.yaml and floor.yaml, such as the survey's")->required();
-  command->add_option("--threads", a->options.reading.threads, "0: one per core")
+  command->add_option("--threads", a->options.reading.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_flag("--json", a->json, "Print what calibration.json holds");
+  command->add_flag("--json", a->json, "Print the content of calibration.json");
   command->callback([a] { Run(*a); });
 }
 

@@ -106,7 +106,7 @@ void AddList(CLI::App* command, const std::string& flag, std::vector<std::string
 
 void AddConditions(CLI::App* command, Arguments* a) {
   LaboratoryOptions& o = a->options;
-  command->add_flag("--raw", a->raw, "Leave grey levels as they are; otherwise contrast is evened out first");
+  command->add_flag("--raw", a->raw, "Leave grey levels as they are; otherwise contrast is normalized first");
   command
       ->add_option("--thresholds", a->thresholds,
                    "Of the detectors: laboratory (sensitive), or opencv (its defaults, SURF 200; for --test 1)")
@@ -149,8 +149,8 @@ void AddCompareCommand(CLI::App& app) {
   AddConditions(command, a.get());
   command->add_flag("--json", a->json, "Print JSON");
   command->add_option("--report", a->report, "Write a page with plots and tables (HTML)");
-  command->add_option("--seed", o.seed, "Of FLANN's trees")->capture_default_str();
-  command->add_option("--threads", o.threads, "0: one per core")->capture_default_str();
+  command->add_option("--seed", o.seed, "Seed of FLANN's trees")->capture_default_str();
+  command->add_option("--threads", o.threads, "Number of threads; 0: one per core")->capture_default_str();
   command->callback([a] { Run(*a); });
 }
 

@@ -78,7 +78,7 @@ void Run(const Arguments& a) {
 }  // namespace
 
 void AddDiffCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("diff", "Says what changed from one map to another");
+  CLI::App* command = app.add_subcommand("diff", "Prints what changed from one map to another");
   const auto a = std::make_shared<Arguments>();
   command->add_option("before", a->before, "Map file")->required();
   command->add_option("after", a->after, "Map file")->required();

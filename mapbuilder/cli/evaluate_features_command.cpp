@@ -18,7 +18,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> images;
   std::vector<std::string> features;
-  int pictures = 5;
+  int images_per_set = 5;
   bool json = false;
   std::filesystem::path out;
   FeatureEvaluationOptions options;
@@ -27,12 +27,12 @@ struct Arguments {
 FeatureEvaluationOptions Translate(const Arguments& a) {
   FeatureEvaluationOptions options = a.options;
   for (const std::string& text : a.images) {
-    options.sets.push_back(ParsePictureSet(text, a.pictures));
+    options.sets.push_back(ParseImageSet(text, a.images_per_set));
   }
   if (!a.features.empty()) {
     options.features = ParseDetectors(a.features);
   }
-  options.pictures_folder = a.out;
+  options.image_folder = a.out;
   options.progress = ProgressOutput::Stderr();
   return options;
 }
@@ -83,25 +83,23 @@ void AddEvaluateFeaturesCommand(CLI::App& app) {
   const auto a = std::make_shared<Arguments>();
   FeatureEvaluationOptions& o = a->options;
   command->add_option("--images", a->images,
-                      "Sets of pictures, each NAME=PATH[,PATH...]: pictures, folders of pictures, or a folder of such "
-                      "folders, of which the first pictures are taken");
-  command->add_option("--sequence", o.sequences, "Folder(s) of pictures in a row, or in the survey format");
+                      "Sets of images, each NAME=PATH[,PATH...]: images, folders of images, or a folder of such "
+                      "folders, of which the first images are taken");
+  command->add_option("--sequence", o.sequences, "Folder(s) of images in a row, or in the survey format");
   command->add_option("--drive", o.drive, "Folder in the survey format with groundtruth.tum, for the paths");
   command->add_option("--features", a->features, "orb, akaze, brisk, sift, surf; default: all")->delimiter(',');
-  command->add_option("--count", o.features_per_picture, "Features wanted in the pictures of --images")
+  command->add_option("--count", o.features_per_image, "Features wanted in the images of --images")
       ->capture_default_str();
-  command->add_option("--counts", o.features_of_sequences, "Features wanted in the first picture of --sequence")
+  command->add_option("--counts", o.features_of_sequences, "Features wanted in the first image of --sequence")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--pictures", a->pictures, "Most of a set, spread evenly over it")
+  command->add_option("--pictures", a->images_per_set, "Most of a set, spread evenly over it")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--following", o.following_frames, "Pictures after the first of a sequence")
-      ->capture_default_str();
+  command->add_option("--following", o.following_frames, "Images after the first of a sequence")->capture_default_str();
   command->add_option("--seed", o.seed, "Of shadows, fog and brightness")->capture_default_str();
   command->add_flag("--json", a->json, "Print JSON");
-  command->add_option("--out", a->out,
-                      "Write a page (index.html), tables.json and pictures of matches and paths there");
+  command->add_option("--out", a->out, "Write a page (index.html), tables.json and images of matches and paths there");
   command->callback([a] { Run(*a); });
 }
 

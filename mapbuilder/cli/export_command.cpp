@@ -27,26 +27,26 @@ struct Arguments {
   bool worldfile = false;
 };
 
-void WritePicture(const std::filesystem::path& file, const cv::Mat& picture) {
+void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
   std::vector<std::uint8_t> bytes;
   const std::string extension = file.extension().string();
-  if ((extension != ".png" && extension != ".jpg") || !cv::imencode(extension, picture, bytes)) {
-    throw InputError(file, "pictures are written as .png or .jpg; use one of these endings");
+  if ((extension != ".png" && extension != ".jpg") || !cv::imencode(extension, image, bytes)) {
+    throw InputError(file, "images are written as .png or .jpg; use one of these endings");
   }
   WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
 // Six numbers A, D, B, E, C, F: pixel -> map, C and F for the centre of the upper left pixel.
-std::string FormatWorldFile(const MosaicPicture& mosaic) {
+std::string FormatWorldFile(const MosaicImage& mosaic) {
   char text[256];
   std::snprintf(text, sizeof(text), "%.12g\n0\n0\n%.12g\n%.12g\n%.12g\n", mosaic.resolution_m, -mosaic.resolution_m,
                 mosaic.extent.x_min + 0.5 * mosaic.resolution_m, mosaic.extent.y_max - 0.5 * mosaic.resolution_m);
   return text;
 }
 
-void ExportPicture(const Arguments& a, const MapDatabase& map) {
-  const MosaicPicture mosaic = ExportMosaic(map, a.resolution_m);
-  WritePicture(a.mosaic, mosaic.bgr);
+void ExportImage(const Arguments& a, const MapDatabase& map) {
+  const MosaicImage mosaic = ExportMosaic(map, a.resolution_m);
+  WriteImage(a.mosaic, mosaic.bgr);
   if (a.worldfile) {
     std::filesystem::path file = a.mosaic;
     WriteFileAtomically(file.replace_extension(a.mosaic.extension() == ".png" ? ".pgw" : ".jgw"),
@@ -95,12 +95,12 @@ void Run(const Arguments& a) {
   }
   const MapDatabase map(a.map);
   if (!a.mosaic.empty()) {
-    ExportPicture(a, map);
+    ExportImage(a, map);
   }
   if (!a.geotiff.empty()) {
-    const GeoTiffSummary picture = ExportGeoTiff(map, a.resolution_m, a.geotiff);
-    std::printf("%s: %lld x %lld pixels of %.3f mm\n", a.geotiff.c_str(), static_cast<long long>(picture.width_px),
-                static_cast<long long>(picture.height_px), 1e3 * picture.resolution_m);
+    const GeoTiffSummary image = ExportGeoTiff(map, a.resolution_m, a.geotiff);
+    std::printf("%s: %lld x %lld pixels of %.3f mm\n", a.geotiff.c_str(), static_cast<long long>(image.width_px),
+                static_cast<long long>(image.height_px), 1e3 * image.resolution_m);
   }
   if (!a.tiles.empty()) {
     std::printf("%s: %lld tiles\n", a.tiles.c_str(), static_cast<long long>(ExportTiles(map, a.tiles)));
@@ -128,7 +128,7 @@ void AddExportCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("export", "Writes a map's mosaic, poses and links to common formats");
   const auto a = std::make_shared<Arguments>();
   command->add_option("map", a->map, "Map file")->required();
-  command->add_option("--mosaic", a->mosaic, "Picture to write (.png or .jpg)");
+  command->add_option("--mosaic", a->mosaic, "Image to write (.png or .jpg)");
   command->add_option("--geotiff", a->geotiff, "GeoTIFF of the mosaic, of any size (.tif)");
   command->add_option("--tiles", a->tiles, "Folder for the mosaic's tiles, z/x/y.jpg");
   command->add_option("--nav2", a->nav2,
@@ -138,7 +138,7 @@ void AddExportCommand(CLI::App& app) {
                    "Metres per pixel (default: the map's, --nav2: 0.05); a GeoTIFF takes the next finer of the\n"
                    "map's levels")
       ->check(CLI::PositiveNumber);
-  command->add_flag("--worldfile", a->worldfile, "Write a world file beside the picture");
+  command->add_flag("--worldfile", a->worldfile, "Write a world file beside the image");
   command->add_option("--poses", a->poses, "Poses of the survey frames (TUM)");
   command->add_option("--camera", a->camera,
                       "Folder for camera.yaml and floor.yaml as the map has them (1/, 2/, ... if several)");

@@ -98,7 +98,7 @@ void Run(const Arguments& a) {
 }  // namespace
 
 void AddInfoCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "Says what a map holds");
+  CLI::App* command = app.add_subcommand("info", "Prints what a map contains");
   const auto a = std::make_shared<Arguments>();
   command->add_option("map", a->map, "Map file")->required();
   command->add_flag("--json", a->json, "Machine-readable");

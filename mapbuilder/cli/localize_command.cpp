@@ -67,7 +67,7 @@ void PrintFusionSummary(const FusedDrive& drive) {
   for (const auto& [state, count] : states) {
     std::printf(" %d %s,", count, state.c_str());
   }
-  std::printf(" found again elsewhere %d times\n", reanchored);
+  std::printf(" relocalized elsewhere %d times\n", reanchored);
   for (const auto& [reason, count] : rejections) {
     std::printf("       %d fixes rejected: %s\n", count, reason.c_str());
   }
@@ -125,7 +125,7 @@ void Run(Arguments& a) {
   a.options.prior = ParsePriorSource(a.prior);
   a.options.progress = ProgressOutput::Stderr();
   if (a.fuse && a.options.prior == PriorSource::kTruth) {
-    throw CLI::ValidationError("--fuse", "looks where the fused pose is; leave --prior truth out");
+    throw CLI::ValidationError("--fuse", "searches around the fused pose; leave --prior truth out");
   }
   const Survey survey = ReadSurvey(a.frames);
   const MapDatabase database(a.map);
@@ -140,7 +140,7 @@ void Run(Arguments& a) {
 
 void AddFusionOptions(CLI::App& command, Arguments& a) {
   auto* fuse = command.add_flag("--fuse", a.fuse,
-                                "Fuse fixes, odometry, IMU and the motion between pictures; --out then "
+                                "Fuse fixes, odometry, IMU and the motion between images; --out then "
                                 "is the fused trajectory");
   command.add_option("--fusion-method", a.fusion_method, "ekf; to compare: increments, fixes, replace, jump_filter")
       ->check(CLI::IsMember({"ekf", "increments", "fixes", "replace", "jump_filter"}))
@@ -148,7 +148,7 @@ void AddFusionOptions(CLI::App& command, Arguments& a) {
       ->capture_default_str();
   command.add_flag("--dense", a.fusion.dense, "Fused poses at every message, not at the frames only")->needs(fuse);
   command.add_flag("--no-imu", a.no_imu, "Leave imu.csv out")->needs(fuse);
-  command.add_flag("!--no-visual-odometry", a.fusion.tracker.visual_odometry, "Leave the motion between pictures out")
+  command.add_flag("!--no-visual-odometry", a.fusion.tracker.visual_odometry, "Leave the motion between images out")
       ->needs(fuse);
 }
 
@@ -161,22 +161,21 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--frames", a->frames, "Folder in the survey format")->required();
   command->add_option("--out", a->out, "Trajectory of the fixes to write (TUM)")->required();
   command->add_option("--results", a->results, "One JSON line per frame");
-  auto* prior =
-      command
-          ->add_option("--prior", a->prior,
-                       "none: whole map; odometry: carried on from the last fix; truth. With --fuse: none, or "
-                       "else where the fused pose is")
-          ->check(CLI::IsMember({"none", "odometry", "truth"}))
-          ->capture_default_str();
+  auto* prior = command
+                    ->add_option("--prior", a->prior,
+                                 "none: whole map; odometry: the last fix propagated; truth. With --fuse: none, or "
+                                 "else around the fused pose")
+                    ->check(CLI::IsMember({"none", "odometry", "truth"}))
+                    ->capture_default_str();
   command->add_option("--matcher", a->matcher, "Global search")
       ->check(CLI::IsMember({"auto", "hash", "flann", "brute_force"}))
       ->capture_default_str();
-  command->add_option("--max-p-wrong", a->max_p_wrong, "A pose that is wrong with a higher probability is not accepted")
+  command->add_option("--max-p-wrong", a->max_p_wrong, "Largest probability of being wrong that is accepted")
       ->check(CLI::Range(1e-300, 1.0))
       ->capture_default_str();
   command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();
-  command->add_option("--seed", a->seed, "Of all random choices")->capture_default_str();
+  command->add_option("--seed", a->seed, "Seed of all random choices")->capture_default_str();
   AddFusionOptions(*command, *a);
   command->callback([a, prior] {
     a->prior_given = prior->count() > 0;

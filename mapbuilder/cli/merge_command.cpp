@@ -19,7 +19,7 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
   if (json) {
     const nlohmann::ordered_json report{{"frames", r.frames},
                                         {"shared_frames", r.shared_frames},
-                                        {"bent_m", r.bent_m},
+                                        {"bent_m", r.deformation_m},
                                         {"keypoints", r.keypoints},
                                         {"shared_keypoints", r.shared_keypoints},
                                         {"area_m2", r.area_m2},
@@ -30,7 +30,7 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
   }
   std::printf("%s\n  frames       %d, %d of the second map's show floor of the first\n", options.out.c_str(), r.frames,
               r.shared_frames);
-  std::printf("  bent         by up to %.2f mm to lie on the first\n", 1e3 * r.bent_m);
+  std::printf("  deformed     by up to %.2f mm to align with the first\n", 1e3 * r.deformation_m);
   std::printf("  floor        %.2f m2\n  keypoints    %d, %d of them in both\n", r.area_m2, r.keypoints,
               r.shared_keypoints);
   std::printf("  version      %s\n", r.content_version.substr(0, 16).c_str());
@@ -40,7 +40,7 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
 }
 
 void Run(Arguments& a) {
-  a.options.tie.progress = ProgressOutput::Stderr();
+  a.options.alignment.progress = ProgressOutput::Stderr();
   Print(MergeMaps(a.options), a.options, a.json);
 }
 
@@ -52,10 +52,11 @@ void AddMergeCommand(CLI::App& app) {
   command->add_option("first", a->options.first, "Map file; gives the frame")->required();
   command->add_option("second", a->options.second, "Map file")->required();
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
-  command->add_flag("--same-frame", a->options.tie.same_frame,
+  command->add_flag("--same-frame", a->options.alignment.same_frame,
                     "Both have one frame already (control points, poses of one system); they need not overlap");
-  command->add_option("--threads", a->options.tie.threads, "0: one per core")->capture_default_str();
-  command->add_option("--seed", a->options.tie.seed, "Of all random choices")->capture_default_str();
+  command->add_option("--threads", a->options.alignment.threads, "Number of threads; 0: one per core")
+      ->capture_default_str();
+  command->add_option("--seed", a->options.alignment.seed, "Seed of all random choices")->capture_default_str();
   command->add_flag("--json", a->json, "Print the report as JSON");
   command->callback([a] { Run(*a); });
 }

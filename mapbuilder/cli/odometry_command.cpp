@@ -93,7 +93,7 @@ void Print(const Summary& s, const Arguments& a) {
   std::printf("%d frames: %d tracked, %d lost; %.3f %s, %d keyframes; median %.1f ms per frame\n", s.frames, s.tracked,
               s.lost, s.length, metres ? "m" : "units", s.keyframes, Median(s.frame_ms));
   if (s.breaks > 0) {
-    std::printf("%d times the %s was lost: what comes before does not fit what comes after\n", s.breaks,
+    std::printf("%d times the %s was lost: the parts before and after are not connected\n", s.breaks,
                 planar ? "way" : "scale");
   }
 }
@@ -118,7 +118,7 @@ void WriteAndPrint(const Frames& frames, const Arguments& a) {
 void RunPlanar(const Arguments& a) {
   if (!a.scale_from.empty() || a.border_px > 0) {
     throw std::invalid_argument(
-        "--scale-from and --border belong to --mode monocular; a planar camera's scale and region of interest stand in "
+        "--scale-from and --border belong to --mode monocular; a planar camera's scale and region of interest are in "
         "floor.yaml");
   }
   PlanarFramesOptions options;
@@ -176,17 +176,19 @@ void AddOdometryCommand(CLI::App& app) {
   command->add_option(
       "--features", a->features,
       "planar: hessian (default), orb, sift, akaze, brisk, surf; monocular: orb (default), brisk, akaze");
-  command->add_option("--prior", a->prior, "planar: none, or odometry: frames are sought where odometry.tum says")
+  command
+      ->add_option("--prior", a->prior,
+                   "planar: none, or odometry: frames are searched around odometry.tum's prediction")
       ->check(CLI::IsMember({"none", "odometry"}))
       ->capture_default_str();
-  command->add_option("--scale-from", a->scale_from, "monocular: trajectory whose distances tell the scale");
-  command->add_option("--border", a->border_px, "monocular: rim of the picture to leave out, pixels")
+  command->add_option("--scale-from", a->scale_from, "monocular: trajectory whose distances give the scale");
+  command->add_option("--border", a->border_px, "monocular: rim of the image to leave out, pixels")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   command->add_option("--threads", a->threads, "planar: for the features; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_option("--seed", a->seed, "Of all random choices")->capture_default_str();
+  command->add_option("--seed", a->seed, "Seed of all random choices")->capture_default_str();
   command->add_flag("--json", a->json, "Print the summary as JSON");
   command->callback([a] { Run(*a); });
 }

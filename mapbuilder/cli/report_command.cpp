@@ -17,7 +17,7 @@ struct Arguments {
 }  // namespace
 
 void AddReportCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("report", "Writes a page about what to trust in a map");
+  CLI::App* command = app.add_subcommand("report", "Writes a page on the quality of a map");
   const auto a = std::make_shared<Arguments>();
   command->add_option("map", a->map, "Map file")->required();
   command->add_option("--out", a->out, "Folder for report.html and report.json")->required();

@@ -17,7 +17,7 @@
 namespace floorloc {
 namespace {
 
-// What stands on the command line, before it is turned into SimulateOptions.
+// The command line's arguments, before they are turned into SimulateOptions.
 struct Arguments {
   SimulateOptions options;
   std::string size = "2.6x1.8";
@@ -122,10 +122,10 @@ void AddFloorOptions(CLI::App& command, Arguments& a) {
                   "Photograph of a floor that tiles seamlessly, or concrete, wood, tiles, carpet")
       ->required();
   command.add_option("--size", a.size, "Floor, WIDTHxHEIGHT in metres")->capture_default_str();
-  command.add_option("--texture-width", a.options.floor.picture_width_m, "Width of the photographed piece, metres")
+  command.add_option("--texture-width", a.options.floor.image_width_m, "Width of the photographed piece, metres")
       ->capture_default_str();
   command.add_flag("--keep-direction", a.keep_direction, "Don't rotate pieces of the photograph (wood, bricks)");
-  command.add_option("--resolution", a.options.floor.resolution_m, "Metres per pixel of the floor's picture")
+  command.add_option("--resolution", a.options.floor.resolution_m, "Metres per pixel of the floor's image")
       ->capture_default_str();
   command.add_option("--floor-seed", a.options.floor.seed, "Another number, another floor")->capture_default_str();
   command.add_option("--wear", a.options.wear, "Share of the floor that has changed, 0 to 0.9")->capture_default_str();
@@ -137,8 +137,7 @@ void AddPathOptions(CLI::App& command, Arguments& a) {
       ->capture_default_str();
   command.add_option("--frames", a.options.path.frames, "Number of frames of a drive or of random poses")
       ->capture_default_str();
-  command.add_option("--overlap", a.options.path.overlap, "Of neighbouring pictures of a survey")
-      ->capture_default_str();
+  command.add_option("--overlap", a.options.path.overlap, "Of neighbouring images of a survey")->capture_default_str();
   command.add_option("--speed", a.options.path.speed_m_per_s, "Metres per second")->capture_default_str();
   command.add_option("--fps", a.options.path.fps, "Frames per second of a drive")->capture_default_str();
   command.add_option("--odometry-drift", a.odometry_drift, "Factor on the odometry's errors; 0: perfect odometry")
@@ -165,7 +164,7 @@ void AddDriveOptions(CLI::App& command, Arguments& a) {
       ->delimiter(',');
 }
 
-void AddPictureOptions(CLI::App& command, Arguments& a) {
+void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--camera", a.camera, "Built-in camera")
       ->check(CLI::IsMember({"down", "forward", "equidistant"}))
       ->capture_default_str();
@@ -192,9 +191,9 @@ void AddSimulateCommand(CLI::App& app) {
   AddFloorOptions(*command, *arguments);
   AddPathOptions(*command, *arguments);
   AddDriveOptions(*command, *arguments);
-  AddPictureOptions(*command, *arguments);
-  command->add_option("--seed", arguments->options.seed, "Of everything but the floor")->capture_default_str();
-  command->add_option("--threads", arguments->options.threads, "0: one per core")
+  AddImageOptions(*command, *arguments);
+  command->add_option("--seed", arguments->options.seed, "Seed of everything but the floor")->capture_default_str();
+  command->add_option("--threads", arguments->options.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Machine-readable summary on stdout");

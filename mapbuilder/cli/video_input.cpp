@@ -40,10 +40,10 @@ void AddVideoOptions(CLI::App* command, VideoArguments* a) {
   video->needs(camera)->needs(floor);
   command->add_option("--odometry", a->odometry, "odom_from_base during the videos (TUM)")->needs(video);
   command->add_option("--video-start", a->start_s,
-                      "Time of each video's first picture, seconds on the odometry's clock (default: 0)");
-  command->add_option("--video-step", a->step_s, "Seconds between the pictures taken from a video, the sharpest each")
+                      "Time of each video's first image, seconds on the odometry's clock (default: 0)");
+  command->add_option("--video-step", a->step_s, "Seconds between the images taken from a video, the sharpest each")
       ->capture_default_str();
-  command->add_flag("--keep-frames", a->keep_frames, "Keep the pictures taken from videos (MAP.video)");
+  command->add_flag("--keep-frames", a->keep_frames, "Keep the images taken from videos (MAP.video)");
 }
 
 VideoInput::VideoInput(const VideoArguments& arguments, const fs::path& map, const ProgressOutput& progress,

@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// How many placed frames look at each cell of the floor.
+/// How many placed frames cover each cell of the floor.
 class CoverageGrid {
  public:
   static constexpr double kCellM = 0.02;

@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// Which frames look at a place: a spatial hash, so that asking takes as long for 20,000 frames as for 20.
+/// Which frames cover a place: a spatial hash, whose queries take as long for 20,000 frames as for 20.
 class FrameIndex {
  public:
   /// Frames without a pose are left out. floor_in_base: what each frame sees of the floor.

@@ -55,7 +55,7 @@ bool NeedsBigTiff(const MosaicLevel& level) {
   return static_cast<double>(level.columns()) * level.rows() * pixels * 1.5 > 4e9;
 }
 
-bool SetPictureTags(TIFF* tiff, const MosaicLevel& level) {
+bool SetImageTags(TIFF* tiff, const MosaicLevel& level) {
   const auto tile_px = static_cast<std::uint32_t>(level.layout.tile_px);
   return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(level.columns()) * tile_px) == 1 &&
          TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(level.rows()) * tile_px) == 1 &&
@@ -81,7 +81,7 @@ bool SetGeoTags(TIFF* tiff, const MosaicLevel& level, const std::string& map_nam
   TIFFMergeFieldInfo(tiff, fields.data(), static_cast<std::uint32_t>(fields.size()));
   const RectM extent = level.Extent();
   const std::array<double, 3> scale{level.resolution_m(), level.resolution_m(), 0.0};
-  const std::array<double, 6> tie{0.0, 0.0, 0.0, extent.x_min, extent.y_max, 0.0};  // outer corner of pixel (0, 0)
+  const std::array<double, 6> tiepoint{0.0, 0.0, 0.0, extent.x_min, extent.y_max, 0.0};  // outer corner of pixel (0, 0)
   const std::string citation = "floorloc map frame of " + map_name + "|";
   const std::array<std::uint16_t, 20> keys{1,
                                            1,
@@ -104,7 +104,7 @@ bool SetGeoTags(TIFF* tiff, const MosaicLevel& level, const std::string& map_nam
                                            1,
                                            kMetre};
   return TIFFSetField(tiff, kModelPixelScale, static_cast<int>(scale.size()), scale.data()) == 1 &&
-         TIFFSetField(tiff, kModelTiepoint, static_cast<int>(tie.size()), tie.data()) == 1 &&
+         TIFFSetField(tiff, kModelTiepoint, static_cast<int>(tiepoint.size()), tiepoint.data()) == 1 &&
          TIFFSetField(tiff, kGeoKeyDirectory, static_cast<int>(keys.size()), keys.data()) == 1 &&
          TIFFSetField(tiff, kGeoAsciiParams, citation.c_str()) == 1;
 }
@@ -141,7 +141,7 @@ GeoTiffSummary ExportGeoTiff(const MapDatabase& map, double resolution_m, const 
   PartFile part(part_name += ".part");
   {
     const TiffFile tiff = Open(part.path(), NeedsBigTiff(level) ? "w8" : "w");
-    Check(tiff && SetPictureTags(tiff.get(), level) && SetGeoTags(tiff.get(), level, map.ReadInfo().name), file);
+    Check(tiff && SetImageTags(tiff.get(), level) && SetGeoTags(tiff.get(), level, map.ReadInfo().name), file);
     WriteTiles(tiff.get(), map, level, file);
     Check(TIFFFlush(tiff.get()) == 1, file);
   }

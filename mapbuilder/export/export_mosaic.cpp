@@ -15,7 +15,7 @@ constexpr double kMaxSidePx = 30000.0;
 
 }  // namespace
 
-MosaicPicture ExportMosaic(const MapDatabase& map, double resolution_m) {
+MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m) {
   const MosaicLevel level = ReadMosaicLevel(map, resolution_m);
   const double wanted_m = resolution_m > 0.0 ? resolution_m : level.layout.resolution_m;
   const RectM grid = level.Extent();
@@ -29,9 +29,9 @@ MosaicPicture ExportMosaic(const MapDatabase& map, double resolution_m) {
   const int tile_px = level.layout.tile_px;
   cv::Mat whole = cv::Mat::zeros(level.rows() * tile_px, level.columns() * tile_px, CV_8UC3);
   for (const TileId& tile : level.tiles) {
-    ReadMosaicPicture(map, level, tile).copyTo(whole(cv::Rect(level.Corner(tile), cv::Size(tile_px, tile_px))));
+    DecodeMosaicTile(map, level, tile).copyTo(whole(cv::Rect(level.Corner(tile), cv::Size(tile_px, tile_px))));
   }
-  MosaicPicture result{whole, level.resolution_m(), grid};
+  MosaicImage result{whole, level.resolution_m(), grid};
   if (std::abs(wanted_m / level.resolution_m() - 1.0) > 1e-6) {
     const cv::Size size(static_cast<int>(std::lround(grid.width_m() / wanted_m)),
                         static_cast<int>(std::lround(grid.height_m() / wanted_m)));

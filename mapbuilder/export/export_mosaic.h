@@ -7,15 +7,15 @@
 
 namespace floorloc {
 
-/// The mosaic as one picture; row 0 is at y_max.
-struct MosaicPicture {
+/// The mosaic as one image; row 0 is at y_max.
+struct MosaicImage {
   cv::Mat bgr;
   double resolution_m = 0.0;
-  RectM extent;  ///< of the picture's outer edges, map frame
+  RectM extent;  ///< of the image's outer edges, map frame
 };
 
-/// Puts the mosaic's tiles together at the given resolution (0: the map's). Throws MapError when the picture would be
+/// Puts the mosaic's tiles together at the given resolution (0: the map's). Throws MapError when the image would be
 /// larger than 30,000 pixels a side.
-MosaicPicture ExportMosaic(const MapDatabase& map, double resolution_m);
+MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m);
 
 }  // namespace floorloc

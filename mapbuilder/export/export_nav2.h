@@ -20,7 +20,7 @@ struct OccupancyGrid {
 /// Throws MapError when the grid would have more than 30,000 cells a side.
 OccupancyGrid MakeOccupancyGrid(const MapDatabase& map, double resolution_m);
 
-/// Writes `yaml` and the picture beside it, with the ending .pgm. Throws InputError.
+/// Writes `yaml` and the image beside it, with the ending .pgm. Throws InputError.
 void WriteNav2Map(const OccupancyGrid& grid, const std::filesystem::path& yaml);
 
 }  // namespace floorloc

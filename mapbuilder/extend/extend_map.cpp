@@ -13,13 +13,13 @@ constexpr std::size_t kMinFixes = 3;
 
 }  // namespace
 
-FrameSet AlignToMap(const OldMap& old, const std::vector<PosePriorFactor>& fixes, FrameSet set) {
+FrameSet AlignToMap(const BaseMap& base_map, const std::vector<PosePriorFactor>& fixes, FrameSet set) {
   const bool controlled = std::any_of(set.surveys.begin(), set.surveys.end(),
                                       [](const LoadedSurvey& loaded) { return !loaded.survey.control_points.empty(); });
   if (fixes.size() < kMinFixes && !controlled) {
     throw InputError(set.surveys.front().survey.folder,
                      "does not overlap the map: " + std::to_string(fixes.size()) + " of " +
-                         std::to_string(set.frames.size()) + " frames show floor of " + old.file.string() +
+                         std::to_string(set.frames.size()) + " frames show floor of " + base_map.file.string() +
                          "; let the survey begin and end on floor that the map has, or add control_points.csv");
   }
   for (const PosePriorFactor& fix : fixes) {
@@ -29,10 +29,10 @@ FrameSet AlignToMap(const OldMap& old, const std::vector<PosePriorFactor>& fixes
 }
 
 MosaicBackground ExtendedMosaic::Background() const {
-  return [this](const RectM& square, int side_px) { return picture_.Cut(square, side_px); };
+  return [this](const RectM& square, int side_px) { return base_mosaic_.ReadPatch(square, side_px); };
 }
 
-bool ExtendedMosaic::TouchedByNew(const MosaicLayout& layout, const TileId& id) const {
+bool ExtendedMosaic::IsCoveredByNew(const MosaicLayout& layout, const TileId& id) const {
   const double side_m = layout.TileSide(id.z);
   const double step_m = CoverageGrid::kCellM;
   for (double x = id.x * side_m - step_m; x <= (id.x + 1) * side_m + step_m; x += step_m) {
@@ -45,10 +45,10 @@ bool ExtendedMosaic::TouchedByNew(const MosaicLayout& layout, const TileId& id) 
   return false;
 }
 
-void ExtendedMosaic::KeepOldTiles(const MosaicLayout& layout, std::vector<MosaicTile>* tiles) const {
+void ExtendedMosaic::KeepBaseTiles(const MosaicLayout& layout, std::vector<MosaicTile>* tiles) const {
   for (MosaicTile& tile : *tiles) {
-    if (tile.id.z == layout.max_zoom && !TouchedByNew(layout, tile.id)) {
-      if (auto jpeg = old_.database.ReadMosaicTile({picture_.layout().max_zoom, tile.id.x, tile.id.y})) {
+    if (tile.id.z == layout.max_zoom && !IsCoveredByNew(layout, tile.id)) {
+      if (auto jpeg = base_map_.database.ReadMosaicTile({base_mosaic_.layout().max_zoom, tile.id.x, tile.id.y})) {
         tile.jpeg = std::move(*jpeg);
       }
     }

@@ -20,13 +20,14 @@ constexpr double kMaxRadiusM = 0.5;
 
 class Locator {
  public:
-  Locator(const OldMap& old, const std::vector<LoadedSurvey>& surveys, const std::vector<BuildFrame>& frames,
+  Locator(const BaseMap& base_map, const std::vector<LoadedSurvey>& surveys, const std::vector<BuildFrame>& frames,
           const LocateOptions& options)
-      : old_(old), surveys_(surveys), frames_(frames), options_(options), fixes_(frames.size()) {
+      : base_map_(base_map), surveys_(surveys), frames_(frames), options_(options), fixes_(frames.size()) {
     LocalizerOptions localizer;
     localizer.index.seed = options.seed;
     localizer.registration.seed = options.seed;
-    localizer_.emplace(old.map, localizer, [&](const TileId& tile) { return old_.database.ReadMosaicTile(tile); });
+    localizer_.emplace(base_map.map, localizer,
+                       [&](const TileId& tile) { return base_map_.database.ReadMosaicTile(tile); });
   }
 
   std::vector<PosePriorFactor> Run() {
@@ -47,7 +48,7 @@ class Locator {
 
  private:
   void Locate(const std::vector<int>& which, const std::vector<std::optional<PosePrior>>& priors) {
-    ProgressBar progress("finding the frames in " + old_.file.filename().string(),
+    ProgressBar progress("finding the frames in " + base_map_.file.filename().string(),
                          static_cast<std::int64_t>(which.size()), options_.progress);
     ParallelFor(static_cast<int>(which.size()), options_.threads, [&](int k) {
       const int i = which[static_cast<std::size_t>(k)];
@@ -75,7 +76,7 @@ class Locator {
     Locate(which, priors);
   }
 
-  // From the frame nearest in time that was found, before or after, when the frame may look at the old map's floor.
+  // From the frame nearest in time that was found, before or after, when the frame may cover the base map's floor.
   std::optional<PosePrior> PriorOf(std::size_t frame) const {
     constexpr std::ptrdiff_t kMaxSteps = 200;
     const auto length = static_cast<std::ptrdiff_t>(frames_.size());
@@ -99,17 +100,17 @@ class Locator {
     const double way_m = motion.translation().norm();
     const PosePrior prior{fixes_[found]->map_from_base * motion, kStartRadiusM + kRadiusShare * way_m,
                           kStartYawRadius + kYawRadiusPerM * way_m};
-    if (prior.radius_m > kMaxRadiusM || !SeesOldFloor(frames_[frame].survey, prior.map_from_base)) {
+    if (prior.radius_m > kMaxRadiusM || !SeesBaseMapFloor(frames_[frame].survey, prior.map_from_base)) {
       return std::nullopt;
     }
     return prior;
   }
 
-  bool SeesOldFloor(int survey, const Pose2& map_from_base) const {
+  bool SeesBaseMapFloor(int survey, const Pose2& map_from_base) const {
     const RectM& roi = surveys_[static_cast<std::size_t>(survey)].survey.camera.floor.roi;
     for (const double x : {roi.x_min, roi.Center().x(), roi.x_max}) {
       for (const double y : {roi.y_min, roi.Center().y(), roi.y_max}) {
-        if (old_.coverage.CountAt(map_from_base * Eigen::Vector2d(x, y)) > 0) {
+        if (base_map_.coverage.CountAt(map_from_base * Eigen::Vector2d(x, y)) > 0) {
           return true;
         }
       }
@@ -117,7 +118,7 @@ class Locator {
     return false;
   }
 
-  const OldMap& old_;
+  const BaseMap& base_map_;
   const std::vector<LoadedSurvey>& surveys_;
   const std::vector<BuildFrame>& frames_;
   const LocateOptions& options_;
@@ -127,9 +128,9 @@ class Locator {
 
 }  // namespace
 
-std::vector<PosePriorFactor> LocateInMap(const OldMap& old, const std::vector<LoadedSurvey>& surveys,
+std::vector<PosePriorFactor> LocateInMap(const BaseMap& base_map, const std::vector<LoadedSurvey>& surveys,
                                          const std::vector<BuildFrame>& frames, const LocateOptions& options) {
-  return Locator(old, surveys, frames, options).Run();
+  return Locator(base_map, surveys, frames, options).Run();
 }
 
 }  // namespace floorloc

@@ -31,8 +31,8 @@ std::optional<CornerGrid> FindChessboard(const cv::Mat& gray, const cv::Size& si
   return grid;
 }
 
-// Twice the signed area that x and y of the board span in the picture: negative when z points to the camera, because
-// the picture's v runs down.
+// Twice the signed area that x and y of the board span in the image: negative when z points to the camera, because
+// the image's v runs down.
 double Handedness(const CornerGrid& grid, int columns) {
   const Eigen::Vector2d x = grid[static_cast<std::size_t>(columns) - 1] - grid.front();
   const Eigen::Vector2d y = grid[grid.size() - static_cast<std::size_t>(columns)] - grid.front();
@@ -52,7 +52,7 @@ double MeanOfSquare(const cv::Mat& gray, const Eigen::Vector2d& center) {
 }
 
 // Whether the square diagonally outside of corner 0 is black. The squares between the corners say so: they are in the
-// picture even where the board's rim is not.
+// image even where the board's rim is not.
 bool StartsBlack(const cv::Mat& gray, const CornerGrid& grid, const Board& board) {
   double same = 0.0;
   double other = 0.0;
@@ -71,8 +71,8 @@ bool StartsBlack(const cv::Mat& gray, const CornerGrid& grid, const Board& board
   return same / same_count < other / other_count;
 }
 
-// Numbers the corners as Board says, as far as the board's colours tell.
-void PutInOrder(const cv::Mat& gray, const Board& board, CornerGrid* grid) {
+// Numbers the corners as Board says, as far as the board's colours determine them.
+void SortCorners(const cv::Mat& gray, const Board& board, CornerGrid* grid) {
   if (Handedness(*grid, board.columns) > 0.0) {
     MirrorRows(grid, board.columns);
   }
@@ -98,7 +98,7 @@ void Refine(const cv::Mat& gray, double half_window_share, const Board& board, B
   const double reach = std::min(half_window_share * ShortestSidePx(*view, board), 0.02 * gray.cols);
   const int half = std::max(2, static_cast<int>(reach));
   cv::Mat smooth;
-  cv::GaussianBlur(gray, smooth, {}, std::min(1.0, 0.25 * half));  // edges of sharp pictures are staircases
+  cv::GaussianBlur(gray, smooth, {}, std::min(1.0, 0.25 * half));  // edges of sharp images are staircases
   std::vector<cv::Point2f> points;
   for (const Eigen::Vector2d& p : view->raw_px) {
     points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
@@ -110,7 +110,7 @@ void Refine(const cv::Mat& gray, double half_window_share, const Board& board, B
   }
 }
 
-bool LieInOneRow(const BoardView& view, const Board& board) {
+bool AreCollinear(const BoardView& view, const Board& board) {
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (const int corner : view.corners) {
     const Eigen::Vector2d d = board.Corner(corner) - board.Corner(view.corners.front());
@@ -124,7 +124,7 @@ bool LieInOneRow(const BoardView& view, const Board& board) {
 std::optional<BoardView> DetectBoard(const cv::Mat& gray, const Board& board) {
   if (board.charuco) {
     std::optional<BoardView> view = DetectCharuco(gray, board);
-    if (!view || view->corners.size() < kMinCorners || LieInOneRow(*view, board)) {
+    if (!view || view->corners.size() < kMinCorners || AreCollinear(*view, board)) {
       return std::nullopt;
     }
     // The markers' corners must stay out of the window.
@@ -135,7 +135,7 @@ std::optional<BoardView> DetectBoard(const cv::Mat& gray, const Board& board) {
   if (!grid) {
     return std::nullopt;
   }
-  PutInOrder(gray, board, &*grid);
+  SortCorners(gray, board, &*grid);
   BoardView view{{}, std::move(*grid)};
   for (int i = 0; i < board.corner_count(); ++i) {
     view.corners.push_back(i);

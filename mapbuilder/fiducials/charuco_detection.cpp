@@ -19,7 +19,7 @@ using MarkerCorners = std::array<cv::Point2f, 4>;
 
 // The markers on a board, in the order of their numbers: row by row from the top, in the white squares. Corners from
 // the upper left one clockwise, in the board's frame, metres.
-std::vector<MarkerCorners> LayOut(const Board& board, bool starts_black) {
+std::vector<MarkerCorners> MakeBoard(const Board& board, bool starts_black) {
   std::vector<MarkerCorners> markers;
   const double half = 0.5 * board.charuco->marker_m;
   for (int row = 0; row <= board.rows; ++row) {
@@ -50,14 +50,14 @@ std::map<int, MarkerCorners> FindMarkers(const cv::Mat& gray, const Board& board
   return found;
 }
 
-// Corners of detected markers on the board and in the picture.
+// Corners of detected markers on the board and in the image.
 struct PointPairs {
   std::vector<cv::Point2f> board;
-  std::vector<cv::Point2f> picture;
+  std::vector<cv::Point2f> image;
 
-  void Add(const MarkerCorners& on_board, const MarkerCorners& in_picture) {
+  void Add(const MarkerCorners& on_board, const MarkerCorners& in_image) {
     board.insert(board.end(), on_board.begin(), on_board.end());
-    picture.insert(picture.end(), in_picture.begin(), in_picture.end());
+    image.insert(image.end(), in_image.begin(), in_image.end());
   }
 };
 
@@ -72,9 +72,9 @@ int CountFitting(const std::vector<MarkerCorners>& layout, const std::map<int, M
   if (pairs.board.size() < 8) {
     return 0;
   }
-  const double tolerance_px = 0.5 * cv::norm(pairs.picture[0] - pairs.picture[1]);
+  const double tolerance_px = 0.5 * cv::norm(pairs.image[0] - pairs.image[1]);
   std::vector<unsigned char> fits;
-  cv::findHomography(pairs.board, pairs.picture, cv::RANSAC, tolerance_px, fits);
+  cv::findHomography(pairs.board, pairs.image, cv::RANSAC, tolerance_px, fits);
   return cv::countNonZero(fits) / 4;
 }
 
@@ -96,7 +96,7 @@ std::optional<Eigen::Vector2d> Interpolate(const Eigen::Vector2d& corner, const 
   if (pairs.board.empty()) {
     return std::nullopt;
   }
-  const cv::Mat homography = cv::findHomography(pairs.board, pairs.picture, 0);
+  const cv::Mat homography = cv::findHomography(pairs.board, pairs.image, 0);
   if (homography.empty()) {
     return std::nullopt;
   }
@@ -109,8 +109,8 @@ std::optional<Eigen::Vector2d> Interpolate(const Eigen::Vector2d& corner, const 
 
 std::optional<BoardView> DetectCharuco(const cv::Mat& gray, const Board& board) {
   const std::map<int, MarkerCorners> found = FindMarkers(gray, board);
-  const std::vector<MarkerCorners> black = LayOut(board, true);
-  const std::vector<MarkerCorners> white = LayOut(board, false);
+  const std::vector<MarkerCorners> black = MakeBoard(board, true);
+  const std::vector<MarkerCorners> white = MakeBoard(board, false);
   const int fit_black = CountFitting(black, found);
   // With an odd number of rows of squares, both kinds of boards start with black.
   const int fit_white = board.rows % 2 == 1 ? CountFitting(white, found) : 0;

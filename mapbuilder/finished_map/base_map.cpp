@@ -3,7 +3,7 @@
 
 namespace floorloc {
 
-OldMap::OldMap(const std::filesystem::path& path)
+BaseMap::BaseMap(const std::filesystem::path& path)
     : file(path),
       database(path),
       map(database.ReadMap()),
@@ -16,7 +16,7 @@ OldMap::OldMap(const std::filesystem::path& path)
   }
 }
 
-std::vector<std::optional<Pose2>> OldMap::Poses() const {
+std::vector<std::optional<Pose2>> BaseMap::Poses() const {
   std::vector<std::optional<Pose2>> poses;
   for (const MapFrame& frame : frames) {
     poses.emplace_back(frame.map_from_base);
@@ -24,7 +24,7 @@ std::vector<std::optional<Pose2>> OldMap::Poses() const {
   return poses;
 }
 
-std::vector<RectM> OldMap::Floors() const {
+std::vector<RectM> BaseMap::Floors() const {
   std::vector<RectM> floors;
   for (const MapFrame& frame : frames) {
     floors.push_back(map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi);
@@ -32,7 +32,7 @@ std::vector<RectM> OldMap::Floors() const {
   return floors;
 }
 
-std::vector<std::string> OldMap::LayersLeftBehind() const {
+std::vector<std::string> BaseMap::LayersLeftBehind() const {
   std::vector<std::string> sentences;
   for (const MapLayer& layer : map.info.layers) {
     if (!layer.known) {
@@ -44,10 +44,10 @@ std::vector<std::string> OldMap::LayersLeftBehind() const {
   return sentences;
 }
 
-CoverageGrid CoverageOfAll(const OldMap& old, const std::vector<std::optional<Pose2>>& map_from_base,
+CoverageGrid CoverageOfAll(const BaseMap& base_map, const std::vector<std::optional<Pose2>>& map_from_base,
                            const std::vector<RectM>& floor_in_base) {
-  std::vector<std::optional<Pose2>> poses = old.Poses();
-  std::vector<RectM> floors = old.Floors();
+  std::vector<std::optional<Pose2>> poses = base_map.Poses();
+  std::vector<RectM> floors = base_map.Floors();
   poses.insert(poses.end(), map_from_base.begin(), map_from_base.end());
   floors.insert(floors.end(), floor_in_base.begin(), floor_in_base.end());
   return {poses, floors};

@@ -11,10 +11,10 @@
 
 namespace floorloc {
 
-/// A finished map that another one is made from: all of it but the mosaic, which stays in the file.
-struct OldMap {
+/// A finished map that another one is built on: all of it but the mosaic, which stays in the file.
+struct BaseMap {
   /// Throws MapError.
-  explicit OldMap(const std::filesystem::path& path);
+  explicit BaseMap(const std::filesystem::path& path);
 
   std::filesystem::path file;
   MapDatabase database;
@@ -32,7 +32,7 @@ struct OldMap {
 };
 
 /// Of a map's frames and of further ones.
-CoverageGrid CoverageOfAll(const OldMap& old, const std::vector<std::optional<Pose2>>& map_from_base,
+CoverageGrid CoverageOfAll(const BaseMap& base_map, const std::vector<std::optional<Pose2>>& map_from_base,
                            const std::vector<RectM>& floor_in_base);
 
 }  // namespace floorloc

@@ -52,11 +52,11 @@ MapInfo NewInfo(const std::string& name, const std::string& id) {
 
 }  // namespace
 
-MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& surveys, const OldMap* old) {
-  MapInfo info = NewInfo(name, old != nullptr ? old->map.info.id : NewUuid());
+MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& surveys, const BaseMap* base_map) {
+  MapInfo info = NewInfo(name, base_map != nullptr ? base_map->map.info.id : NewUuid());
   nlohmann::ordered_json provenance = nlohmann::json::array();
-  if (old != nullptr) {
-    const MapInfo& before = old->map.info;
+  if (base_map != nullptr) {
+    const MapInfo& before = base_map->map.info;
     info.cameras = before.cameras;
     info.parents = {{"extends", before.id, before.content_version}};
     AppendProvenance(before, &provenance);
@@ -69,11 +69,11 @@ MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& su
   return info;
 }
 
-MapInfo MakeMergedInfo(const std::string& name, const OldMap& first, const OldMap& second) {
+MapInfo MakeMergedInfo(const std::string& name, const BaseMap& first, const BaseMap& second) {
   MapInfo info = NewInfo(name, first.map.info.id);
   info.extractor = first.map.info.extractor;
   nlohmann::ordered_json provenance = nlohmann::json::array();
-  for (const OldMap* map : {&first, &second}) {
+  for (const BaseMap* map : {&first, &second}) {
     const MapInfo& before = map->map.info;
     info.cameras.insert(info.cameras.end(), before.cameras.begin(), before.cameras.end());
     info.parents.push_back({"merges", before.id, before.content_version});

@@ -11,10 +11,10 @@
 namespace floorloc {
 
 /// What a map that is being made says about itself: id, time, builder, and of each survey camera and provenance, the
-/// old map's first. With an old map (nullptr: none) it is a new version of it, and says so.
-MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& surveys, const OldMap* old);
+/// base map's first. With a base map (nullptr: none) it is a new version of it, and says so.
+MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& surveys, const BaseMap* base_map);
 
 /// The same of a map that is made of two. It is a new version of the first.
-MapInfo MakeMergedInfo(const std::string& name, const OldMap& first, const OldMap& second);
+MapInfo MakeMergedInfo(const std::string& name, const BaseMap& first, const BaseMap& second);
 
 }  // namespace floorloc

@@ -15,7 +15,7 @@ std::int64_t Index(double coordinate_m) { return static_cast<std::int64_t>(std::
 
 }  // namespace
 
-MapViews::MapViews(const OldMap& map) : map_(map) {
+MapViews::MapViews(const BaseMap& map) : map_(map) {
   const std::vector<Keypoint>& keypoints = map.map.keypoints.keypoints;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     cells_[CellKey(keypoints[i].Position(), kCellM)].push_back(static_cast<int>(i));

@@ -44,7 +44,7 @@ cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px) {
   }
 }
 
-cv::Mat ReadMosaicPicture(const MapDatabase& map, const MosaicLevel& level, const TileId& tile) {
+cv::Mat DecodeMosaicTile(const MapDatabase& map, const MosaicLevel& level, const TileId& tile) {
   const auto jpeg = map.ReadMosaicTile(tile);
   return DecodeMosaicTile(jpeg.value_or(std::vector<std::uint8_t>()), level.layout.tile_px);
 }

@@ -21,7 +21,7 @@ struct MosaicLevel {
   double resolution_m() const { return layout.TileSide(zoom) / layout.tile_px; }
   /// Outer edges, map frame.
   RectM Extent() const;
-  /// Place of a tile in a picture of the whole level; row 0 is at y_max.
+  /// Place of a tile in an image of the whole level; row 0 is at y_max.
   cv::Point Corner(const TileId& tile) const {
     return {(tile.x - min_x) * layout.tile_px, (max_y - tile.y) * layout.tile_px};
   }
@@ -31,10 +31,10 @@ struct MosaicLevel {
 /// mosaic.
 MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m);
 
-/// CV_8UC3 of tile_px a side. Throws MapError when the bytes are no such picture.
+/// CV_8UC3 of tile_px a side. Throws MapError when the bytes are no such image.
 cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px);
 
 /// CV_8UC3. Throws MapError when it is damaged.
-cv::Mat ReadMosaicPicture(const MapDatabase& map, const MosaicLevel& level, const TileId& tile);
+cv::Mat DecodeMosaicTile(const MapDatabase& map, const MosaicLevel& level, const TileId& tile);
 
 }  // namespace floorloc

@@ -13,7 +13,7 @@ constexpr double kSamePointPx = 3.5;
 constexpr double kMaxBinaryShare = 0.22;
 constexpr double kMaxFloatShare = 0.55;
 
-bool Alike(const Match& match, const cv::Mat& descriptors) {
+bool IsSimilar(const Match& match, const cv::Mat& descriptors) {
   if (descriptors.depth() == CV_8U) {
     return match.distance <= kMaxBinaryShare * 8.0 * descriptors.cols;
   }
@@ -29,7 +29,7 @@ std::vector<Match> FindSamePoints(const MapKeypoints& a, const MapKeypoints& b, 
   std::vector<Match> same;
   for (const Match& match :
        matcher.FindNearest({a.keypoints, a.descriptors}, {Pose2(), radius_m, kKeypointAngleNoiseRad, 1})) {
-    if (!taken[static_cast<std::size_t>(match.train)] && Alike(match, a.descriptors)) {
+    if (!taken[static_cast<std::size_t>(match.train)] && IsSimilar(match, a.descriptors)) {
       taken[static_cast<std::size_t>(match.train)] = true;
       same.push_back(match);
     }

@@ -13,14 +13,14 @@
 namespace floorloc {
 namespace {
 
-// Neighbours looked at; more than can lie at one place, in most cases.
+// Neighbours examined; more than there are at one place, in most cases.
 constexpr int kNeighbours = 6;
 // Buckets of the hash index, of which the nearest neighbours need few.
 constexpr int kProbes = 48;
 constexpr int kChunk = 2048;
 
 // Mean distance of two random descriptors, of at least two.
-double ChanceDistance(const cv::Mat& descriptors, std::uint32_t seed) {
+double MeanPairDistance(const cv::Mat& descriptors, std::uint32_t seed) {
   constexpr int kPairs = 2000;
   const int norm = descriptors.depth() == CV_8U ? cv::NORM_HAMMING : cv::NORM_L2;
   const auto rows = static_cast<std::uint_fast32_t>(descriptors.rows);
@@ -37,14 +37,14 @@ double ChanceDistance(const cv::Mat& descriptors, std::uint32_t seed) {
 // Distance of the nearest neighbour of another place. When all that were found are of this place, the others are
 // farther than the last one.
 double RivalDistance(const std::vector<Keypoint>& keypoints, std::size_t self, const std::vector<Neighbour>& found,
-                     const DistinctivenessOptions& options, double chance) {
+                     const DistinctivenessOptions& options, double mean_distance) {
   for (const Neighbour& n : found) {
-    const Eigen::Vector2d place = keypoints[static_cast<std::size_t>(n.index)].Position();
-    if ((place - keypoints[self].Position()).norm() > options.same_place_m) {
+    const Eigen::Vector2d position = keypoints[static_cast<std::size_t>(n.index)].Position();
+    if ((position - keypoints[self].Position()).norm() > options.same_place_m) {
       return n.distance;
     }
   }
-  return found.size() < kNeighbours ? chance : found.back().distance;
+  return found.size() < kNeighbours ? mean_distance : found.back().distance;
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ std::vector<std::uint8_t> MeasureDistinctiveness(const std::vector<Keypoint>& ke
   if (keypoints.size() < 2) {
     return result;
   }
-  const double chance = ChanceDistance(descriptors, options.seed);
+  const double mean_distance = MeanPairDistance(descriptors, options.seed);
   IndexOptions index_options;
   index_options.seed = options.seed;
   const std::unique_ptr<DescriptorIndex> index = CreateDescriptorIndex(descriptors, index_options);
@@ -65,7 +65,7 @@ std::vector<std::uint8_t> MeasureDistinctiveness(const std::vector<Keypoint>& ke
     const auto found = index->Search(descriptors.rowRange(rows), {.count = kNeighbours, .probes = kProbes});
     for (std::size_t i = 0; i < found.size(); ++i) {
       const std::size_t self = static_cast<std::size_t>(rows.start) + i;
-      const double share = RivalDistance(keypoints, self, found[i], options, chance) / chance;
+      const double share = RivalDistance(keypoints, self, found[i], options, mean_distance) / mean_distance;
       result[self] = static_cast<std::uint8_t>(std::lround(255.0 * std::min(1.0, share)));
     }
   });

@@ -19,17 +19,17 @@ constexpr int kNone = -1;
 // A track on its way to become a map point.
 struct Candidate {
   KeypointTrack track;
-  int old = kNone;   // index of the old map point that it is
-  int looked = 0;    // new frames in whose view it is
-  int old_seen = 0;  // the old map's observations
-  int old_looked = 0;
+  int base_index = kNone;     // of the base map's point that it is
+  int visible = 0;            // new frames in whose view it is
+  int base_observations = 0;  // in the base map
+  int base_visible = 0;
   float response = 0.0F;
 
-  bool StaysAsItIs() const { return old != kNone && looked == 0; }
+  bool IsUnobserved() const { return base_index != kNone && visible == 0; }
   int views() const { return static_cast<int>(track.views.size()); }
 };
 
-// Where keypoints can be: extractors keep off the edges of the picture, and of what is masked there.
+// Where keypoints can be: extractors keep off the edges of the image, and of what is masked there.
 std::vector<RectM> DetectableFloor(const std::vector<BuildFrame>& frames) {
   std::vector<Eigen::AlignedBox2d> of_survey;
   for (const BuildFrame& frame : frames) {
@@ -56,21 +56,21 @@ float MeanResponse(const KeypointTrack& track, const std::vector<BuildFrame>& fr
   return sum / static_cast<float>(track.views.size());
 }
 
-std::vector<Candidate> FindCandidates(const FusionInput& input, const CoverageGrid& detectable,
+std::vector<Candidate> FindCandidates(const KeypointFusionInput& input, const CoverageGrid& detectable,
                                       const TrackOptions& options) {
   const MapKeypoints none;
-  const MapKeypoints& old = input.old != nullptr ? *input.old : none;
-  std::vector<KeypointTrack> tracks = FindTracks(input.frames, input.map_from_base, options, old);
+  const MapKeypoints& base_map = input.base_map != nullptr ? *input.base_map : none;
+  std::vector<KeypointTrack> tracks = FindTracks(input.frames, input.map_from_base, options, base_map);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     Candidate c;
-    c.looked = std::max(detectable.CountAt(tracks[i].position_m), static_cast<int>(tracks[i].views.size()));
-    if (i < old.size()) {
-      c.old = static_cast<int>(i);
-      c.old_seen = std::max<int>(1, old.observations[i]);
-      c.response = old.keypoints[i].response;
-      if (input.old_coverage != nullptr) {
-        c.old_looked = std::max(c.old_seen, input.old_coverage->CountAt(old.keypoints[i].Position()));
+    c.visible = std::max(detectable.CountAt(tracks[i].position_m), static_cast<int>(tracks[i].views.size()));
+    if (i < base_map.size()) {
+      c.base_index = static_cast<int>(i);
+      c.base_observations = std::max<int>(1, base_map.observations[i]);
+      c.response = base_map.keypoints[i].response;
+      if (input.base_coverage != nullptr) {
+        c.base_visible = std::max(c.base_observations, input.base_coverage->CountAt(base_map.keypoints[i].Position()));
       }
     } else {
       c.response = MeanResponse(tracks[i], input.frames);
@@ -82,52 +82,52 @@ std::vector<Candidate> FindCandidates(const FusionInput& input, const CoverageGr
 }
 
 // How often the new frames see what is there.
-RepeatRates LearnRates(const std::vector<Candidate>& candidates) {
+RepeatRates EstimateRepeatRates(const std::vector<Candidate>& candidates) {
   std::vector<PointHistory> histories;
   for (const Candidate& c : candidates) {
     if (c.views() > 0) {
-      histories.push_back({c.views(), c.looked, c.response, 255});
+      histories.push_back({c.views(), c.visible, c.response, 255});
     }
   }
   return RepeatRates(histories);
 }
 
-bool IsGone(const Candidate& c, const RepeatRates& rates, const FusionOptions& options) {
-  if (c.old == kNone || c.views() > 0 || c.looked < options.min_frames_gone) {
+bool HasDisappeared(const Candidate& c, const RepeatRates& rates, const KeypointFusionOptions& options) {
+  if (c.base_index == kNone || c.views() > 0 || c.visible < options.min_frames_gone) {
     return false;
   }
   double rate = rates.OfResponse(c.response);
-  if (c.old_looked > 0) {
-    rate = std::min(rate, rates.Of({c.old_seen, c.old_looked, c.response, 255}));
+  if (c.base_visible > 0) {
+    rate = std::min(rate, rates.Of({c.base_observations, c.base_visible, c.response, 255}));
   }
-  return std::pow(1.0 - rate, c.looked) < options.gone_probability;
+  return std::pow(1.0 - rate, c.visible) < options.gone_probability;
 }
 
-// The whole history, where the old map's part is not known as it would usually be.
+// The whole history, where the base map's part is not known as it would usually be.
 PointHistory HistoryOf(const Candidate& c, const RepeatRates& rates) {
-  int old_looked = c.old_looked;
-  if (c.old != kNone && old_looked == 0) {
-    old_looked = static_cast<int>(std::lround(c.old_seen / std::max(rates.OfResponse(c.response), 0.01)));
+  int base_visible = c.base_visible;
+  if (c.base_index != kNone && base_visible == 0) {
+    base_visible = static_cast<int>(std::lround(c.base_observations / std::max(rates.OfResponse(c.response), 0.01)));
   }
-  return {c.old_seen + c.views(), old_looked + c.looked, c.response, 255};
+  return {c.base_observations + c.views(), base_visible + c.visible, c.response, 255};
 }
 
-std::uint16_t Limited(int count) { return static_cast<std::uint16_t>(std::min(count, 65535)); }
+std::uint16_t ClampToUint16(int count) { return static_cast<std::uint16_t>(std::min(count, 65535)); }
 
-std::uint16_t LastSurvey(const Candidate& c, const FusionInput& input) {
+std::uint16_t LastSurvey(const Candidate& c, const KeypointFusionInput& input) {
   if (c.views() == 0) {
-    return input.old->last_survey[static_cast<std::size_t>(c.old)];
+    return input.base_map->last_survey[static_cast<std::size_t>(c.base_index)];
   }
   int newest = 0;
   for (const auto& [frame, keypoint] : c.track.views) {
     newest = std::max(newest, input.frames[static_cast<std::size_t>(frame)].survey);
   }
-  return Limited(input.first_survey + newest);
+  return ClampToUint16(input.first_survey + newest);
 }
 
 // An empty row per point, of the descriptors' kind.
-cv::Mat MakeDescriptors(const FusionInput& input, std::size_t rows) {
-  cv::Mat like = input.old != nullptr ? input.old->descriptors : cv::Mat();
+cv::Mat MakeDescriptors(const KeypointFusionInput& input, std::size_t rows) {
+  cv::Mat like = input.base_map != nullptr ? input.base_map->descriptors : cv::Mat();
   for (std::size_t i = 0; i < input.frames.size() && like.empty(); ++i) {
     like = input.frames[i].features.descriptors;
   }
@@ -135,32 +135,32 @@ cv::Mat MakeDescriptors(const FusionInput& input, std::size_t rows) {
 }
 
 // Distinctiveness is left open.
-MapKeypoints FusePoints(const FusionInput& input, const std::vector<Candidate>& candidates,
-                        const FusionOptions& options) {
+MapKeypoints FusePoints(const KeypointFusionInput& input, const std::vector<Candidate>& candidates,
+                        const KeypointFusionOptions& options) {
   constexpr std::size_t kChunk = 4096;
   MapKeypoints map;
   map.keypoints.resize(candidates.size());
   map.observations.resize(candidates.size());
   map.last_survey.resize(candidates.size());
   map.descriptors = MakeDescriptors(input, candidates.size());
-  const double usual_m = 0.25 * options.tracks.radius_m;
+  const double huber_m = 0.25 * options.tracks.radius_m;
   ParallelFor(static_cast<int>((candidates.size() + kChunk - 1) / kChunk), options.threads, [&](int chunk) {
     const std::size_t begin = static_cast<std::size_t>(chunk) * kChunk;
-    TrackFuser fuser(input.frames, input.map_from_base, map.descriptors, usual_m);
+    TrackFuser fuser(input.frames, input.map_from_base, map.descriptors, huber_m);
     for (std::size_t i = begin; i < std::min(candidates.size(), begin + kChunk); ++i) {
       const Candidate& c = candidates[i];
       const int row = static_cast<int>(i);
       FusedPoint point;
-      if (c.old == kNone) {
+      if (c.base_index == kNone) {
         point = fuser.Fuse(c.track, &map.descriptors, row);
       } else if (c.views() > 0) {
-        point = fuser.Refresh(*input.old, c.old, c.track, &map.descriptors, row);
+        point = fuser.Update(*input.base_map, c.base_index, c.track, &map.descriptors, row);
       } else {
-        point = {input.old->keypoints[static_cast<std::size_t>(c.old)], c.old_seen};
-        input.old->descriptors.row(c.old).copyTo(map.descriptors.row(row));
+        point = {input.base_map->keypoints[static_cast<std::size_t>(c.base_index)], c.base_observations};
+        input.base_map->descriptors.row(c.base_index).copyTo(map.descriptors.row(row));
       }
       map.keypoints[i] = point.keypoint;
-      map.observations[i] = Limited(point.observations);
+      map.observations[i] = ClampToUint16(point.observations);
       map.last_survey[i] = LastSurvey(c, input);
     }
   });
@@ -168,24 +168,24 @@ MapKeypoints FusePoints(const FusionInput& input, const std::vector<Candidate>& 
 }
 
 // Of the points in the new frames' view those that the budget allows, and all others. Ascending.
-std::vector<int> Choose(const MapKeypoints& map, const std::vector<Candidate>& candidates, const RepeatRates& rates,
-                        const CoverageGrid& coverage, const PruningOptions& options) {
+std::vector<int> SelectUseful(const MapKeypoints& map, const std::vector<Candidate>& candidates,
+                              const RepeatRates& rates, const CoverageGrid& coverage, const PruningOptions& options) {
   std::vector<int> chosen;
   std::vector<int> in_view;
-  std::vector<Eigen::Vector2d> places;
+  std::vector<Eigen::Vector2d> positions;
   std::vector<PointHistory> histories;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].StaysAsItIs()) {
+    if (candidates[i].IsUnobserved()) {
       chosen.push_back(static_cast<int>(i));
       continue;
     }
     in_view.push_back(static_cast<int>(i));
-    places.push_back(map.keypoints[i].Position());
+    positions.push_back(map.keypoints[i].Position());
     histories.push_back(HistoryOf(candidates[i], rates));
     histories.back().distinctiveness = map.distinctiveness[i];
   }
-  IgnoreTwinsWhereCommon(places, options.cell_m, &histories);
-  for (const int i : ChooseEvenly(places, Usefulness(histories, rates), coverage, options)) {
+  IgnoreDuplicatesWhereCommon(positions, options.cell_m, &histories);
+  for (const int i : ChooseEvenly(positions, Usefulness(histories, rates), coverage, options)) {
     chosen.push_back(in_view[static_cast<std::size_t>(i)]);
   }
   std::sort(chosen.begin(), chosen.end());
@@ -208,26 +208,27 @@ MapKeypoints Select(const MapKeypoints& map, const std::vector<int>& chosen) {
 
 }  // namespace
 
-FusionOptions FusionOptions::ForCamera(const FloorPlane& floor, int keypoints_per_frame) const {
-  FusionOptions adapted = *this;
+KeypointFusionOptions KeypointFusionOptions::ForCamera(const FloorPlane& floor, int keypoints_per_frame) const {
+  KeypointFusionOptions adapted = *this;
   adapted.tracks = tracks.ForCamera(floor);
   adapted.pruning = pruning.ForCamera(floor, keypoints_per_frame);
   return adapted;
 }
 
-MapKeypoints FuseKeypoints(const FusionInput& input, const FusionOptions& options) {
+MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options) {
   const CoverageGrid coverage(input.map_from_base, input.floor_in_base);
   const CoverageGrid detectable(input.map_from_base, DetectableFloor(input.frames));
   std::vector<Candidate> candidates = FindCandidates(input, detectable, options.tracks);
-  const RepeatRates rates = LearnRates(candidates);
+  const RepeatRates rates = EstimateRepeatRates(candidates);
   std::erase_if(candidates, [&](const Candidate& c) {
-    const bool unconfirmed = c.old == kNone && c.views() == 1;
-    return (unconfirmed && coverage.CountAt(c.track.position_m) >= options.min_coverage) || IsGone(c, rates, options);
+    const bool unconfirmed = c.base_index == kNone && c.views() == 1;
+    return (unconfirmed && coverage.CountAt(c.track.position_m) >= options.min_coverage) ||
+           HasDisappeared(c, rates, options);
   });
   MapKeypoints map = FusePoints(input, candidates, options);
   map.distinctiveness =
       MeasureDistinctiveness(map.keypoints, map.descriptors, {.threads = options.threads, .seed = options.seed});
-  return Select(map, Choose(map, candidates, rates, coverage, options.pruning));
+  return Select(map, SelectUseful(map, candidates, rates, coverage, options.pruning));
 }
 
 }  // namespace floorloc

@@ -12,29 +12,29 @@
 
 namespace floorloc {
 
-struct FusionOptions {
+struct KeypointFusionOptions {
   TrackOptions tracks;
   PruningOptions pruning;
-  int min_coverage = 3;            ///< where as many frames look, a point that one alone saw is dropped
-  int min_frames_gone = 3;         ///< so many frames must look in vain before an old point can be gone,
-  double gone_probability = 0.05;  ///< and that this is chance must be less likely
+  int min_coverage = 3;            ///< where as many frames cover it, a point that only one observed is dropped
+  int min_frames_gone = 3;         ///< frames that must cover a point of the base map in vain before it is removed,
+  double gone_probability = 0.05;  ///< and this must be less likely by chance
   int threads = 0;                 ///< 0: one per core
   std::uint32_t seed = 1;
 
-  FusionOptions ForCamera(const FloorPlane& floor, int keypoints_per_frame) const;
+  KeypointFusionOptions ForCamera(const FloorPlane& floor, int keypoints_per_frame) const;
 };
 
 /// What is fused. Frame i is at map_from_base[i] (empty: left out) and sees floor_in_base[i].
-struct FusionInput {
+struct KeypointFusionInput {
   const std::vector<BuildFrame>& frames;
   const std::vector<std::optional<Pose2>>& map_from_base;
   const std::vector<RectM>& floor_in_base;
   /// Keypoints of the map that the frames extend: by the same extractor, in its frame (to within the tracks' radius).
-  const MapKeypoints* old = nullptr;
-  /// Where the old map's frames looked, for its points' repeat rates; without it all are taken to repeat like new
+  const MapKeypoints* base_map = nullptr;
+  /// Floor that the base map's frames cover, for its points' repeat rates; without it all are taken to repeat like new
   /// points of their response.
-  const CoverageGrid* old_coverage = nullptr;
-  /// Index in the map of the frames' survey 0: the number of surveys in the old map.
+  const CoverageGrid* base_coverage = nullptr;
+  /// Index in the map of the frames' survey 0: the number of surveys in the base map.
   int first_survey = 0;
 };
 
@@ -42,13 +42,13 @@ struct FusionInput {
 /// by majority (binary) or mean (float), the number of observations counted. Points that are unlikely to exist are
 /// dropped, and of the others the most useful ones kept within the budget, evenly over the floor.
 ///
-/// With an old map, the result is the whole new one:
-/// - An old point that frames saw again is updated: observations added, position and angle averaged by their numbers,
-///   last_survey set. The old look has two votes against one of each new view, so that it follows wear.
-/// - One that enough frames looked at and none saw, though its repeat rate makes that unlikely, is dropped as gone.
-/// - One that no frame looked at stays as it is, and takes nothing of the budget.
-/// - New points compete with the old ones in view for the budget of the floor that the frames look at.
-/// Distinctiveness is measured anew for all points.
-MapKeypoints FuseKeypoints(const FusionInput& input, const FusionOptions& options);
+/// With a base map, the result is the whole new one:
+/// - A re-observed point is updated: observations added, position and angle averaged by their numbers,
+///   last_survey set. The old descriptor has two votes against one of each new view, so that it follows wear.
+/// - One that enough frames cover and none observed, though its repeat rate makes that unlikely, is removed.
+/// - One that no frame covers stays as it is, and takes nothing of the budget.
+/// - New points compete with the old ones in view for the budget of the floor that the frames cover.
+/// Distinctiveness is recomputed for all points.
+MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options);
 
 }  // namespace floorloc

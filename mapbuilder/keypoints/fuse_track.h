@@ -20,26 +20,26 @@ struct FusedPoint {
 };
 
 /// An observed place, and how much it counts.
-struct WeightedPlace {
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+struct WeightedPosition {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double weight = 1.0;
 };
 
-/// Weighted mean with outliers held back: places farther than `usual` from it count less the farther they are (Huber's
-/// estimate, by reweighting).
-Eigen::Vector2d RobustMean(const std::vector<WeightedPlace>& places, double usual);
+/// Weighted mean with outliers held back: places farther than `huber_m` from it count less the farther they are
+/// (Huber's estimate, by reweighting).
+Eigen::Vector2d RobustMean(const std::vector<WeightedPosition>& positions, double huber_m);
 
-/// Makes one map point of a track's views and, when the track is that of an old map point, of the old one.
+/// Makes one map point of a track's views and, when the track is that of a point of the base map, of the old one.
 class TrackFuser {
  public:
-  /// like: any matrix of the descriptors' kind. usual_m: a view's usual distance from its point.
+  /// like: any matrix of the descriptors' kind. huber_m: a view's usual distance from its point.
   TrackFuser(const std::vector<BuildFrame>& frames, const std::vector<std::optional<Pose2>>& map_from_base,
-             const cv::Mat& like, double usual_m);
+             const cv::Mat& like, double huber_m);
 
   /// Writes the fused descriptor to the row. The track has at least one view.
   FusedPoint Fuse(const KeypointTrack& track, cv::Mat* descriptors, int row);
-  /// The same, refreshing an old point.
-  FusedPoint Refresh(const MapKeypoints& old, int index, const KeypointTrack& track, cv::Mat* descriptors, int row);
+  /// The same, updating a point of the base map.
+  FusedPoint Update(const MapKeypoints& base_map, int index, const KeypointTrack& track, cv::Mat* descriptors, int row);
 
  private:
   void Start();
@@ -49,9 +49,9 @@ class TrackFuser {
 
   const std::vector<BuildFrame>& frames_;
   const std::vector<std::optional<Pose2>>& map_from_base_;
-  double usual_m_;
+  double huber_m_;
   DescriptorVote vote_;
-  std::vector<WeightedPlace> places_;
+  std::vector<WeightedPosition> positions_;
   Eigen::Vector2d angle_sum_ = Eigen::Vector2d::Zero();  // of unit vectors
   double size_sum_ = 0.0;
   double response_sum_ = 0.0;

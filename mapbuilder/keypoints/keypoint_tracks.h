@@ -29,7 +29,7 @@ struct KeypointTrack {
 };
 
 /// Finds which keypoints of the placed frames are views of one floor point. Greedy: frame after frame, each keypoint
-/// joins the track nearby whose first view looks most like it, most alike pairs first, or starts one. Every keypoint of
+/// joins the track nearby whose first view is most similar, most similar pairs first, or starts one. Every keypoint of
 /// a placed frame is in exactly one track (of any number of views). Time is linear in the views (0.3 microseconds
 /// each), and so is memory (some 60 bytes each, the tracks included). The same input gives the same tracks.
 std::vector<KeypointTrack> FindTracks(const std::vector<BuildFrame>& frames,

@@ -19,12 +19,12 @@ constexpr double kUnknownRate = 0.5;
 constexpr double kUnknownFrames = 4.0;
 
 // Nearer than most views of one point are to each other.
-constexpr std::uint8_t kTwinDistinctiveness = 32;
-constexpr double kManyTwins = 0.2;
+constexpr std::uint8_t kDuplicateDistinctiveness = 32;
+constexpr double kManyDuplicates = 0.2;
 
-// A point's first view made it known: it does not tell how often it is seen.
-double OtherViews(const PointHistory& point) { return point.seen - 1; }
-double OtherFrames(const PointHistory& point) { return std::max(point.looked, point.seen) - 1; }
+// A point exists by its first view, which therefore does not count in its repeat rate.
+double OtherViews(const PointHistory& point) { return point.found - 1; }
+double OtherFrames(const PointHistory& point) { return std::max(point.visible, point.found) - 1; }
 
 }  // namespace
 
@@ -66,21 +66,21 @@ std::vector<double> Usefulness(const std::vector<PointHistory>& points, const Re
   return usefulness;
 }
 
-void IgnoreTwinsWhereCommon(const std::vector<Eigen::Vector2d>& places, double cell_m,
-                            std::vector<PointHistory>* points) {
+void IgnoreDuplicatesWhereCommon(const std::vector<Eigen::Vector2d>& positions, double cell_m,
+                                 std::vector<PointHistory>* points) {
   struct Cell {
     int points = 0;
-    int twins = 0;
+    int duplicates = 0;
   };
   std::unordered_map<std::int64_t, Cell> cells;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    Cell& cell = cells[CellKey(places[i], cell_m)];
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    Cell& cell = cells[CellKey(positions[i], cell_m)];
     ++cell.points;
-    cell.twins += (*points)[i].distinctiveness < kTwinDistinctiveness ? 1 : 0;
+    cell.duplicates += (*points)[i].distinctiveness < kDuplicateDistinctiveness ? 1 : 0;
   }
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Cell& cell = cells[CellKey(places[i], cell_m)];
-    if (cell.twins > kManyTwins * cell.points) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Cell& cell = cells[CellKey(positions[i], cell_m)];
+    if (cell.duplicates > kManyDuplicates * cell.points) {
       (*points)[i].distinctiveness = 255;
     }
   }

@@ -7,16 +7,16 @@
 
 namespace floorloc {
 
-/// How often a map point was seen, and how it looks.
+/// How often a map point was observed, and its appearance.
 struct PointHistory {
-  int seen = 0;    ///< frames that saw it, at least one
-  int looked = 0;  ///< frames in whose view it was; taken to be at least `seen`
+  int found = 0;    ///< frames that saw it, at least one
+  int visible = 0;  ///< frames in whose view it was; taken to be at least `found`
   float response = 0.0F;
   std::uint8_t distinctiveness = 255;  ///< as in MapKeypoints
 };
 
-/// Expected probability that a further frame that looks at a point sees it: the share of the frames other than its
-/// first that did, drawn towards the share among points of like response (an empirical Bayes estimate: few frames tell
+/// Expected probability that a further frame that covers a point observes it: the share of the frames other than its
+/// first that did, drawn towards the share among points of like response (an empirical Bayes estimate: few frames say
 /// little about one point, but much about all weak or all strong ones).
 class RepeatRates {
  public:
@@ -35,10 +35,10 @@ class RepeatRates {
 /// What a point is worth to a localizer: its repeat rate times its distinctiveness.
 std::vector<double> Usefulness(const std::vector<PointHistory>& points, const RepeatRates& rates);
 
-/// Calls all points of those cells distinctive in which many have a nearly equal twin elsewhere. Otherwise a map of
-/// nearly alike tiles would keep what makes them differ and lose the twins, by which the localizer knows that it must
-/// not trust itself there: measured, a tenth of its fixes was wrong.
-void IgnoreTwinsWhereCommon(const std::vector<Eigen::Vector2d>& places, double cell_m,
-                            std::vector<PointHistory>* points);
+/// Marks all points of those cells as distinctive in which many have a nearly equal duplicate elsewhere. Otherwise a
+/// map of nearly identical tiles would keep what makes them differ and lose the duplicates, by which the localizer
+/// detects the ambiguity there: measured, a tenth of its fixes was wrong.
+void IgnoreDuplicatesWhereCommon(const std::vector<Eigen::Vector2d>& positions, double cell_m,
+                                 std::vector<PointHistory>* points);
 
 }  // namespace floorloc

@@ -15,7 +15,7 @@ struct Cell {
   std::vector<int> points;
 };
 
-// Of the square cell around the point: the share of a grid of samples that frames looked at.
+// Of the square cell around the point: the share of a grid of samples that frames cover.
 double CoveredM2(const Eigen::Vector2d& point, double cell_m, const CoverageGrid& coverage) {
   constexpr int kSamples = 5;  // per side
   const Eigen::Vector2d corner = (point / cell_m).array().floor() * cell_m;
@@ -86,7 +86,7 @@ std::vector<int> ChooseEvenly(const std::vector<Eigen::Vector2d>& points, const 
   const double budget = options.max_per_m2 * coverage.AreaM2();
   const double level = static_cast<double>(points.size()) <= budget ? HUGE_VAL : WaterLevel(cells, budget);
   std::vector<int> chosen;
-  double share = 0.0;  // of a point, carried over from cell to cell
+  double share = 0.0;  // of a point, propagated from cell to cell
   for (Cell& cell : cells) {
     const auto size = static_cast<double>(cell.points.size());
     share += std::min(size, level * cell.covered_m2);

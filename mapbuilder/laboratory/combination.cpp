@@ -132,7 +132,7 @@ std::vector<FilterChoice> ParseFilters(const std::vector<std::string>& names) {
   return Parse(FilterChoices(), names, "filter");
 }
 
-std::string WhyNot(DetectorKind detector, DescriptorKind descriptor) {
+std::string IncompatibilityReason(DetectorKind detector, DescriptorKind descriptor) {
   if ((detector == DetectorKind::kContour) != (descriptor == DescriptorKind::kHu)) {
     return "Hu moments describe contours, and only they do";
   }

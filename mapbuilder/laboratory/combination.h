@@ -19,7 +19,7 @@ enum class DetectorKind {
   kShiTomasi,
   kFast,
   kStar,
-  kContour,  ///< closed outlines of the thresholded picture: shapes rather than points
+  kContour,  ///< closed outlines of the thresholded image: shapes rather than points
 };
 
 enum class DescriptorKind {
@@ -37,7 +37,7 @@ enum class MatcherKind { kBruteForce, kFlann };
 /// How wrong matches are removed.
 enum class MatchFilter { kNone, kRatio, kRansac, kRatioRansac };
 
-/// One way from a picture to a pose.
+/// One way from an image to a pose.
 struct Combination {
   DetectorKind detector = DetectorKind::kSift;
   DescriptorKind descriptor = DescriptorKind::kSift;
@@ -85,6 +85,6 @@ std::vector<MatcherKind> ParseMatchers(const std::vector<std::string>& names);
 std::vector<FilterChoice> ParseFilters(const std::vector<std::string>& names);
 
 /// Why the two cannot work together; empty when they can.
-std::string WhyNot(DetectorKind detector, DescriptorKind descriptor);
+std::string IncompatibilityReason(DetectorKind detector, DescriptorKind descriptor);
 
 }  // namespace floorloc

@@ -21,9 +21,9 @@ std::vector<float> LogHuMoments(const cv::Moments& moments) {
   return logs;
 }
 
-bool TouchesEdge(const std::vector<cv::Point>& contour, const cv::Size& picture) {
+bool TouchesEdge(const std::vector<cv::Point>& contour, const cv::Size& image) {
   const cv::Rect box = cv::boundingRect(contour);
-  return box.x <= 1 || box.y <= 1 || box.br().x >= picture.width - 1 || box.br().y >= picture.height - 1;
+  return box.x <= 1 || box.y <= 1 || box.br().x >= image.width - 1 || box.br().y >= image.height - 1;
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 namespace floorloc {
 namespace {
 
-class OpenCvDescriber final : public Describer {
+class OpenCvDescriptorExtractor final : public DescriptorExtractor {
  public:
-  OpenCvDescriber(cv::Ptr<cv::Feature2D> feature, bool same_family)
+  OpenCvDescriptorExtractor(cv::Ptr<cv::Feature2D> feature, bool same_family)
       : feature_(std::move(feature)), same_family_(same_family) {}
 
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const override {
@@ -34,9 +34,9 @@ class OpenCvDescriber final : public Describer {
   bool same_family_;
 };
 
-class SurfDescriber final : public Describer {
+class SurfDescriptorExtractor final : public DescriptorExtractor {
  public:
-  SurfDescriber() : surf_(SurfOptions()) {}
+  SurfDescriptorExtractor() : surf_(SurfOptions()) {}
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const override {
     return surf_.Describe(gray, keypoints);
   }
@@ -45,9 +45,9 @@ class SurfDescriber final : public Describer {
   Surf surf_;
 };
 
-class FreakDescriber final : public Describer {
+class FreakDescriptorExtractor final : public DescriptorExtractor {
  public:
-  FreakDescriber() : freak_(FreakOptions()) {}
+  FreakDescriptorExtractor() : freak_(FreakOptions()) {}
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const override {
     return freak_.Describe(gray, keypoints);
   }
@@ -56,8 +56,8 @@ class FreakDescriber final : public Describer {
   Freak freak_;
 };
 
-// Outlines are found again and told by their centres, which are the same in the same picture.
-class HuDescriber final : public Describer {
+// Outlines are matched by their centres, which are the same in the same image.
+class HuDescriptorExtractor final : public DescriptorExtractor {
  public:
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const override {
     std::map<std::pair<float, float>, cv::Mat> by_centre;
@@ -74,27 +74,27 @@ class HuDescriber final : public Describer {
 
 }  // namespace
 
-std::unique_ptr<Describer> CreateDescriber(DetectorKind detector, DescriptorKind descriptor,
-                                           DetectorSettings settings) {
-  assert(WhyNot(detector, descriptor).empty());
+std::unique_ptr<DescriptorExtractor> CreateDescriptorExtractor(DetectorKind detector, DescriptorKind descriptor,
+                                                               DetectorSettings settings) {
+  assert(IncompatibilityReason(detector, descriptor).empty());
   const bool thesis = settings == DetectorSettings::kThesis;
   switch (descriptor) {
     case DescriptorKind::kSurf:
-      return std::make_unique<SurfDescriber>();
+      return std::make_unique<SurfDescriptorExtractor>();
     case DescriptorKind::kSift:
-      return std::make_unique<OpenCvDescriber>(cv::SIFT::create(), detector == DetectorKind::kSift);
+      return std::make_unique<OpenCvDescriptorExtractor>(cv::SIFT::create(), detector == DetectorKind::kSift);
     case DescriptorKind::kOrb:
-      return std::make_unique<OpenCvDescriber>(thesis ? cv::ORB::create() : cv::ORB::create(500, 1.4F, 2, 19),
-                                               detector == DetectorKind::kOrb);
+      return std::make_unique<OpenCvDescriptorExtractor>(thesis ? cv::ORB::create() : cv::ORB::create(500, 1.4F, 2, 19),
+                                                         detector == DetectorKind::kOrb);
     case DescriptorKind::kBrisk:
-      return std::make_unique<OpenCvDescriber>(cv::BRISK::create(), detector == DetectorKind::kBrisk);
+      return std::make_unique<OpenCvDescriptorExtractor>(cv::BRISK::create(), detector == DetectorKind::kBrisk);
     case DescriptorKind::kFreak:
-      return std::make_unique<FreakDescriber>();
+      return std::make_unique<FreakDescriptorExtractor>();
     case DescriptorKind::kAkaze:
-      return std::make_unique<OpenCvDescriber>(
+      return std::make_unique<OpenCvDescriptorExtractor>(
           thesis ? cv::AKAZE::create() : cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, 0.0005F, 2), true);
     case DescriptorKind::kHu:
-      return std::make_unique<HuDescriber>();
+      return std::make_unique<HuDescriptorExtractor>();
   }
   return nullptr;
 }

@@ -12,15 +12,17 @@
 namespace floorloc {
 
 /// Describes keypoints. Not thread-safe.
-class Describer {
+class DescriptorExtractor {
  public:
-  virtual ~Describer() = default;
-  /// One row per keypoint; keypoints that cannot be described (too near to the picture's edge) are dropped.
+  virtual ~DescriptorExtractor() = default;
+  /// One row per keypoint; keypoints that cannot be described (too near to the image's edge) are dropped.
   virtual cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const = 0;
 };
 
-/// A describer for the keypoints of a detector. Those of another family lose their pyramid level, which means nothing
-/// elsewhere, and are described by place, size and angle. WhyNot(detector, descriptor) must be empty.
-std::unique_ptr<Describer> CreateDescriber(DetectorKind detector, DescriptorKind descriptor, DetectorSettings settings);
+/// A descriptor extractor for the keypoints of a detector. Those of another family lose their pyramid level, which
+/// means nothing elsewhere, and are described by place, size and angle. IncompatibilityReason(detector, descriptor)
+/// must be empty.
+std::unique_ptr<DescriptorExtractor> CreateDescriptorExtractor(DetectorKind detector, DescriptorKind descriptor,
+                                                               DetectorSettings settings);
 
 }  // namespace floorloc

@@ -27,9 +27,9 @@ bool HasUsableSize(const cv::KeyPoint& k) {
 }
 
 // Direction from the keypoint to the centre of brightness of the disc around it (Rosin 1999), degrees clockwise.
-float CentroidAngle(const cv::Mat& gray, const cv::Point2f& place) {
+float CentroidAngle(const cv::Mat& gray, const cv::Point2f& position) {
   constexpr int kRadius = 12;
-  const cv::Point middle(cvRound(place.x), cvRound(place.y));
+  const cv::Point middle(cvRound(position.x), cvRound(position.y));
   double moment_x = 0.0;
   double moment_y = 0.0;
   for (int dy = -kRadius; dy <= kRadius; ++dy) {

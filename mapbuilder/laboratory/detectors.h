@@ -12,7 +12,7 @@ namespace floorloc {
 
 /// Where thresholds come from.
 enum class DetectorSettings {
-  kLaboratory,  ///< sensitive: for contrast-normalised pictures, of which a budget of keypoints is kept
+  kLaboratory,  ///< sensitive: for contrast-normalised images, of which a budget of keypoints is kept
   kThesis,      ///< OpenCV's defaults, and 200 for SURF's Hessian, as in the thesis
 };
 

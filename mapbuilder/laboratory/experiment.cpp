@@ -10,31 +10,31 @@
 namespace floorloc {
 namespace {
 
-struct Place {
+struct FrameId {
   int bag = 0;
   int frame = 0;
 };
 
-std::vector<Place> AllFrames(const std::vector<FrameBag>& bags) {
-  std::vector<Place> places;
+std::vector<FrameId> AllFrames(const std::vector<FrameBag>& bags) {
+  std::vector<FrameId> frame_ids;
   for (std::size_t bag = 0; bag < bags.size(); ++bag) {
     for (std::size_t frame = 0; frame < bags[bag].frames.size(); ++frame) {
-      places.push_back({static_cast<int>(bag), static_cast<int>(frame)});
+      frame_ids.push_back({static_cast<int>(bag), static_cast<int>(frame)});
     }
   }
-  return places;
+  return frame_ids;
 }
 
 // What a detector finds, in the map and in every frame.
 struct DetectedAll {
-  DetectedPicture map;
-  std::vector<DetectedPicture> frames;
+  DetectedImage map;
+  std::vector<DetectedImage> frames;
 };
 
 // One frame on its way through a pair's matchers.
 struct FrameMatches {
   double detect_ms = 0.0;
-  DescribedPicture described;
+  DescribedImage described;
   double repeatability = 0.0;
   std::vector<Match> neighbours;
   double match_ms = 0.0;
@@ -51,8 +51,8 @@ FrameOutcome LocalizeFrame(const Features& map, const FrameMatches& matches, con
   outcome.matches = static_cast<int>(matched.matches.size());
   outcome.inliers = matched.inliers;
   outcome.repeatability = matches.repeatability;
-  const std::vector<bool> right = FindRightMatches(matched.matches, features.keypoints, map.keypoints,
-                                                   frame.truth_from_base, options.inlier_radius_m);
+  const std::vector<bool> right = FindCorrectMatches(matched.matches, features.keypoints, map.keypoints,
+                                                     frame.truth_from_base, options.inlier_radius_m);
   outcome.right_matches = static_cast<int>(std::count(right.begin(), right.end(), true));
   outcome.map_from_base = matched.map_from_base;
   return outcome;
@@ -60,9 +60,9 @@ FrameOutcome LocalizeFrame(const Features& map, const FrameMatches& matches, con
 
 class Experiment {
  public:
-  Experiment(const FloorPicture& map, const std::vector<FrameBag>& bags, const CombinationPlan& plan,
+  Experiment(const FloorImage& map, const std::vector<FrameBag>& bags, const CombinationPlan& plan,
              const ExperimentOptions& options)
-      : map_(map), bags_(bags), plan_(plan), options_(options), places_(AllFrames(bags)) {}
+      : map_(map), bags_(bags), plan_(plan), options_(options), frame_ids_(AllFrames(bags)) {}
 
   std::vector<CombinationRun> Run() {
     Detect();
@@ -81,14 +81,14 @@ class Experiment {
   }
 
  private:
-  const TestFrame& FrameAt(std::size_t place) const {
-    const Place& p = places_[place];
+  const TestFrame& FrameAt(std::size_t index) const {
+    const FrameId& p = frame_ids_[index];
     return bags_[static_cast<std::size_t>(p.bag)].frames[static_cast<std::size_t>(p.frame)];
   }
 
   void Detect() {
     for (const auto& [detector, descriptor] : plan_.pairs) {
-      if (WhyNot(detector, descriptor).empty()) {
+      if (IncompatibilityReason(detector, descriptor).empty()) {
         detected_[detector] = {};
       }
     }
@@ -102,27 +102,27 @@ class Experiment {
       const auto detector = CreateDetector(kind, options_.detection.settings);
       DetectedAll& detected = detected_.at(kind);
       detected.map = DetectKeypoints(map_, *detector, options_.detection);
-      for (std::size_t place = 0; place < places_.size(); ++place) {
-        detected.frames.push_back(DetectKeypoints(FrameAt(place).picture, *detector, options_.detection));
+      for (std::size_t index = 0; index < frame_ids_.size(); ++index) {
+        detected.frames.push_back(DetectKeypoints(FrameAt(index).image, *detector, options_.detection));
       }
       progress.Advance();
     });
   }
 
   std::vector<CombinationRun> RunPair(const DetectorDescriptor& pair) const {
-    const std::string why_not = WhyNot(pair.first, pair.second);
+    const std::string failure_reason = IncompatibilityReason(pair.first, pair.second);
     std::vector<CombinationRun> runs;
-    if (!why_not.empty()) {
+    if (!failure_reason.empty()) {
       CombinationRun impossible;
       impossible.combination.detector = pair.first;
       impossible.combination.descriptor = pair.second;
-      impossible.why_not = why_not;
+      impossible.failure_reason = failure_reason;
       return {impossible};
     }
     const DetectedAll& detected = detected_.at(pair.first);
-    const auto describer = CreateDescriber(pair.first, pair.second, options_.detection.settings);
-    const DescribedPicture map = DescribeKeypoints(map_, detected.map, *describer);
-    std::vector<FrameMatches> frames = DescribeFrames(detected, *describer, map.features);
+    const auto descriptor_extractor = CreateDescriptorExtractor(pair.first, pair.second, options_.detection.settings);
+    const DescribedImage map = DescribeKeypoints(map_, detected.map, *descriptor_extractor);
+    std::vector<FrameMatches> frames = DescribeFrames(detected, *descriptor_extractor, map.features);
     for (const MatcherKind matcher : plan_.matchers) {
       MatchFrames(map.features, matcher, &frames);
       for (const FilterChoice& filter : plan_.filters) {
@@ -137,14 +137,14 @@ class Experiment {
     return runs;
   }
 
-  std::vector<FrameMatches> DescribeFrames(const DetectedAll& detected, const Describer& describer,
+  std::vector<FrameMatches> DescribeFrames(const DetectedAll& detected, const DescriptorExtractor& descriptor_extractor,
                                            const Features& map) const {
-    std::vector<FrameMatches> frames(places_.size());
-    for (std::size_t place = 0; place < places_.size(); ++place) {
-      const TestFrame& frame = FrameAt(place);
-      FrameMatches& matches = frames[place];
-      matches.described = DescribeKeypoints(frame.picture, detected.frames[place], describer);
-      matches.detect_ms = detected.frames[place].detect_ms;
+    std::vector<FrameMatches> frames(frame_ids_.size());
+    for (std::size_t index = 0; index < frame_ids_.size(); ++index) {
+      const TestFrame& frame = FrameAt(index);
+      FrameMatches& matches = frames[index];
+      matches.described = DescribeKeypoints(frame.image, detected.frames[index], descriptor_extractor);
+      matches.detect_ms = detected.frames[index].detect_ms;
       matches.repeatability = Repeatability(matches.described.features.keypoints, map.keypoints, frame.truth_from_base,
                                             options_.repeat_radius_m);
     }
@@ -170,14 +170,14 @@ class Experiment {
     }
     std::vector<FrameOutcome> outcomes;
     JumpFilter jump(options_.jump);
-    for (std::size_t place = 0; place < places_.size(); ++place) {
-      if (places_[place].frame == 0) {
+    for (std::size_t index = 0; index < frame_ids_.size(); ++index) {
+      if (frame_ids_[index].frame == 0) {
         jump = JumpFilter(options_.jump);  // another bag begins
       }
-      const TestFrame& frame = FrameAt(place);
-      FrameOutcome outcome = LocalizeFrame(map, frames[place], frame, combination.filter, pose);
-      outcome.bag = places_[place].bag;
-      outcome.frame = places_[place].frame;
+      const TestFrame& frame = FrameAt(index);
+      FrameOutcome outcome = LocalizeFrame(map, frames[index], frame, combination.filter, pose);
+      outcome.bag = frame_ids_[index].bag;
+      outcome.frame = frame_ids_[index].frame;
       outcome.accepted = outcome.map_from_base &&
                          (!combination.jump_filter || jump.Accept(*outcome.map_from_base, frame.odom_from_base));
       outcomes.push_back(std::move(outcome));
@@ -185,11 +185,11 @@ class Experiment {
     return outcomes;
   }
 
-  const FloorPicture& map_;
+  const FloorImage& map_;
   const std::vector<FrameBag>& bags_;
   const CombinationPlan& plan_;
   const ExperimentOptions& options_;
-  std::vector<Place> places_;
+  std::vector<FrameId> frame_ids_;
   std::map<DetectorKind, DetectedAll> detected_;
 };
 
@@ -198,17 +198,17 @@ class Experiment {
 std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed) {
   // OpenCV 4.6's kd-trees may find fewer than two neighbours, and then throw: among very few descriptors, and among Hu
   // moments, many of which are equal. Brute force is as fast there.
-  constexpr std::size_t kFewest = 200;
+  constexpr std::size_t kMinDescriptors = 200;
   constexpr int kHuLength = 7;
   const bool flann =
-      matcher == MatcherKind::kFlann && map.keypoints.size() >= kFewest && map.descriptors.cols > kHuLength;
+      matcher == MatcherKind::kFlann && map.keypoints.size() >= kMinDescriptors && map.descriptors.cols > kHuLength;
   IndexOptions options;
   options.type = flann ? MatcherType::kFlann : MatcherType::kBruteForce;
   options.seed = seed;
   return CreateDescriptorIndex(map.descriptors, options);
 }
 
-std::vector<CombinationRun> RunExperiment(const FloorPicture& map, const std::vector<FrameBag>& bags,
+std::vector<CombinationRun> RunExperiment(const FloorImage& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options) {
   return Experiment(map, bags, plan, options).Run();
 }

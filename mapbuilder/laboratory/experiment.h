@@ -9,7 +9,7 @@
 #include "core/fusion/jump_filter.h"
 #include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/combination.h"
-#include "mapbuilder/laboratory/picture_features.h"
+#include "mapbuilder/laboratory/image_features.h"
 #include "mapbuilder/laboratory/pose_from_matches.h"
 #include "mapbuilder/laboratory/test_frames.h"
 
@@ -54,7 +54,7 @@ struct FrameOutcome {
 struct CombinationRun {
   Combination combination;
   std::string method;                  ///< instead of a combination: a method that has no keypoints; empty otherwise
-  std::string why_not;                 ///< not empty: the combination is impossible, there are no outcomes
+  std::string failure_reason;          ///< not empty: the combination is impossible, there are no outcomes
   int map_keypoints = 0;               ///< described ones
   double map_ms = 0.0;                 ///< detecting and describing the map's
   std::vector<FrameOutcome> outcomes;  ///< bag by bag
@@ -62,7 +62,7 @@ struct CombinationRun {
 
 /// Runs every combination of the plan on every frame. Detections are shared by descriptors, descriptions by matchers,
 /// matches by filters. The map and the frames have the same resolution, and the truth is in the map's frame.
-std::vector<CombinationRun> RunExperiment(const FloorPicture& map, const std::vector<FrameBag>& bags,
+std::vector<CombinationRun> RunExperiment(const FloorImage& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options);
 
 /// The map's descriptors, ready to be searched; very few, and Hu moments, by brute force anyway.

@@ -15,26 +15,26 @@
 namespace floorloc {
 namespace {
 
-// Every picture of every set is manipulated in its own way, and in the same way for all features.
-CopyOptions CopiesOf(std::size_t picture, const FeatureEvaluationOptions& options) {
+// Every image of every set is manipulated in its own way, and in the same way for all features.
+CopyOptions CopiesOf(std::size_t image, const FeatureEvaluationOptions& options) {
   CopyOptions copies;
-  copies.features = options.features_per_picture;
-  copies.seed = options.seed * 1000U + static_cast<std::uint32_t>(picture);
+  copies.features = options.features_per_image;
+  copies.seed = options.seed * 1000U + static_cast<std::uint32_t>(image);
   return copies;
 }
 
-std::vector<SetScore> ScoreSet(const PictureSet& set, const FeatureEvaluationOptions& options) {
-  std::vector<cv::Mat> pictures;
+std::vector<SetScore> ScoreSet(const ImageSet& set, const FeatureEvaluationOptions& options) {
+  std::vector<cv::Mat> images;
   for (const std::filesystem::path& file : set.files) {
-    pictures.push_back(ReadPicture(file));
+    images.push_back(ReadImage(file));
   }
-  ProgressBar progress("features of " + set.name, static_cast<std::int64_t>(pictures.size() * options.features.size()),
+  ProgressBar progress("features of " + set.name, static_cast<std::int64_t>(images.size() * options.features.size()),
                        options.progress);
   std::vector<SetScore> scores;
   for (const DetectorKind kind : options.features) {
     SetScore score{set.name, kind, {}};
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      score.pictures.push_back(MeasurePicture(pictures[i], kind, CopiesOf(i, options)));
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      score.images.push_back(MeasureImage(images[i], kind, CopiesOf(i, options)));
       progress.Advance();
     }
     scores.push_back(score);
@@ -50,7 +50,7 @@ void DrawMatches(const cv::Mat& gray, const cv::Mat& copy, const CopyMatches& fo
   std::vector<char> wrong(right);
   std::transform(right.begin(), right.end(), wrong.begin(), [](char is_right) { return is_right == 0 ? 1 : 0; });
   cv::Mat drawing;
-  const auto& a = found.picture.keypoints;
+  const auto& a = found.image.keypoints;
   const auto& b = found.copy.keypoints;
   cv::drawMatches(gray, a, copy, b, found.matches, drawing, red, red, wrong,
                   cv::DrawMatchesFlags::NOT_DRAW_SINGLE_POINTS);
@@ -61,29 +61,28 @@ void DrawMatches(const cv::Mat& gray, const cv::Mat& copy, const CopyMatches& fo
   WriteFileAtomically(file, std::string(jpeg.begin(), jpeg.end()));
 }
 
-// The matches of a set's first picture under every condition, right ones green and wrong ones red.
-void DrawFirstPicture(const PictureSet& set, const std::vector<SetScore>& scores,
-                      const FeatureEvaluationOptions& options) {
-  const cv::Mat gray = ReadPicture(set.files.front());
+// The matches of a set's first image under every condition, right ones green and wrong ones red.
+void DrawFirstImage(const ImageSet& set, const std::vector<SetScore>& scores, const FeatureEvaluationOptions& options) {
+  const cv::Mat gray = ReadImage(set.files.front());
   const CopyOptions copies = CopiesOf(0, options);
   for (const SetScore& score : scores) {
     for (const Condition condition : kConditions) {
-      const CopyMatches found = MatchWithCopy(gray, score.pictures.front().setting, condition, copies);
+      const CopyMatches found = MatchWithCopy(gray, score.images.front().setting, condition, copies);
       const std::string name = set.name + "-" + ToString(condition) + "-" + ToString(score.kind) + ".jpg";
-      DrawMatches(gray, Manipulate(gray, condition, copies.seed), found, options.pictures_folder / name);
+      DrawMatches(gray, Manipulate(gray, condition, copies.seed), found, options.image_folder / name);
     }
   }
 }
 
 std::vector<cv::Mat> ReadSequence(const std::filesystem::path& folder, int following) {
-  std::vector<std::filesystem::path> files = PicturesOf(folder);
+  std::vector<std::filesystem::path> files = ImagesOf(folder);
   if (files.size() < 2) {
-    throw InputError(folder, "has fewer than two pictures; a sequence needs a first one and some that follow");
+    throw InputError(folder, "has fewer than two images; a sequence needs a first one and some that follow");
   }
   files.resize(std::min(files.size(), static_cast<std::size_t>(following) + 1));
   std::vector<cv::Mat> frames;
   for (const std::filesystem::path& file : files) {
-    frames.push_back(ReadPicture(file));
+    frames.push_back(ReadImage(file));
   }
   return frames;
 }
@@ -112,14 +111,14 @@ std::vector<FollowingScore> ScoreSequences(const FeatureEvaluationOptions& optio
 void AddSetTables(const FeatureEvaluationOptions& options, LaboratoryReport* report) {
   std::vector<SetScore> all;
   std::vector<ResultTable> tables;
-  for (const PictureSet& set : options.sets) {
+  for (const ImageSet& set : options.sets) {
     const std::vector<SetScore> scores = ScoreSet(set, options);
-    if (!options.pictures_folder.empty()) {
-      DrawFirstPicture(set, scores, options);
+    if (!options.image_folder.empty()) {
+      DrawFirstImage(set, scores, options);
     }
     tables.push_back(ConditionTable(tables.empty() ? 2 : 3, scores));
     all.insert(all.end(), scores.begin(), scores.end());
-    report->conditions.push_back(set.name + ": " + std::to_string(set.files.size()) + " pictures");
+    report->conditions.push_back(set.name + ": " + std::to_string(set.files.size()) + " images");
   }
   report->tables.push_back(TimeTable(all));
   report->tables.insert(report->tables.end(), tables.begin(), tables.end());
@@ -142,17 +141,17 @@ void AddDriveTable(const FeatureEvaluationOptions& options, LaboratoryReport* re
   }
   const std::vector<DriveScore> scores = ScoreDrive(options.drive, options.features, options.progress);
   report->tables.push_back(DriveTable(scores));
-  if (!options.pictures_folder.empty()) {
-    DrawDrive(scores, options.pictures_folder);
+  if (!options.image_folder.empty()) {
+    DrawDrive(scores, options.image_folder);
   }
 }
 
 }  // namespace
 
 void FeatureEvaluationOptions::Check() const {
-  constexpr int kMostFeatures = 100'000;
-  const auto is_count = [](int count) { return count > 0 && count <= kMostFeatures; };
-  if (!is_count(features_per_picture) ||
+  constexpr int kMaxFeatures = 100'000;
+  const auto is_count = [](int count) { return count > 0 && count <= kMaxFeatures; };
+  if (!is_count(features_per_image) ||
       !std::all_of(features_of_sequences.begin(), features_of_sequences.end(), is_count)) {
     throw std::invalid_argument("the number of features must be from 1 to 100000");
   }

@@ -7,30 +7,30 @@
 
 #include "mapbuilder/batch/progress.h"
 #include "mapbuilder/laboratory/combination.h"
+#include "mapbuilder/laboratory/image_set.h"
 #include "mapbuilder/laboratory/laboratory.h"
-#include "mapbuilder/laboratory/picture_set.h"
 
 namespace floorloc {
 
-/// What is evaluated on what. Where there are no pictures for a table, it is left out.
+/// What is evaluated on what. Where there are no images for a table, it is left out.
 struct FeatureEvaluationOptions {
-  std::vector<PictureSet> sets;                  ///< tables 1 to 3
-  std::vector<std::filesystem::path> sequences;  ///< folders of pictures in a row: tables 4 and 5
+  std::vector<ImageSet> sets;                    ///< tables 1 to 3
+  std::vector<std::filesystem::path> sequences;  ///< folders of images in a row: tables 4 and 5
   std::vector<DetectorKind> features = {DetectorKind::kOrb, DetectorKind::kAkaze, DetectorKind::kBrisk,
                                         DetectorKind::kSift, DetectorKind::kSurf};
   std::filesystem::path drive;  ///< with groundtruth.tum, in the survey format: table 6
-  int features_per_picture = 300;
+  int features_per_image = 300;
   std::vector<int> features_of_sequences = {50, 250, 450, 650};
   int following_frames = 29;
-  std::uint32_t seed = 1;                 ///< of the manipulations
-  std::filesystem::path pictures_folder;  ///< pictures of matches and paths go there; empty: nowhere
+  std::uint32_t seed = 1;              ///< of the manipulations
+  std::filesystem::path image_folder;  ///< images of matches and paths go there; empty: nowhere
   ProgressOutput progress;
 
   /// Throws std::invalid_argument.
   void Check() const;
 };
 
-/// The evaluation of features for visual odometry by Filipecka (2023), tables 1 to 6, on any pictures. Throws
+/// The evaluation of features for visual odometry by Filipecka (2023), tables 1 to 6, on any images. Throws
 /// InputError or std::invalid_argument.
 LaboratoryReport EvaluateFeatures(const FeatureEvaluationOptions& options);
 

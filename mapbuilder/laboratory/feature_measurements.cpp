@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-#include "mapbuilder/laboratory/picture_features.h"
+#include "mapbuilder/laboratory/image_features.h"
 
 namespace floorloc {
 namespace {
@@ -29,53 +29,53 @@ double MedianMilliseconds(const TunedFeature& feature, const cv::Mat& gray) {
 std::size_t CountConsistent(const DescribedFeatures& first, const DescribedFeatures& second,
                             const std::vector<cv::DMatch>& matches) {
   constexpr double kRadiusPx = 3.0;
-  constexpr std::size_t kByChance = 10;
+  constexpr std::size_t kMinMatches = 10;
   std::vector<cv::Point2f> from;
   std::vector<cv::Point2f> to;
   for (const cv::DMatch& match : matches) {
     from.push_back(first.keypoints[static_cast<std::size_t>(match.queryIdx)].pt);
     to.push_back(second.keypoints[static_cast<std::size_t>(match.trainIdx)].pt);
   }
-  if (matches.size() < kByChance) {
+  if (matches.size() < kMinMatches) {
     return 0;
   }
   std::vector<std::uint8_t> agrees;
   const cv::Mat homography = cv::findHomography(from, to, cv::RANSAC, kRadiusPx, agrees);
   const auto count = static_cast<std::size_t>(std::count(agrees.begin(), agrees.end(), 1));
-  return homography.empty() || count < kByChance ? 0 : count;
+  return homography.empty() || count < kMinMatches ? 0 : count;
 }
 
 }  // namespace
 
-double CopyMatches::MatchedPercent() const { return Percent(matches.size(), picture.keypoints.size()); }
+double CopyMatches::MatchedPercent() const { return Percent(matches.size(), image.keypoints.size()); }
 
 double CopyMatches::RightPercent() const {
-  return Percent(static_cast<std::size_t>(std::count(right.begin(), right.end(), true)), picture.keypoints.size());
+  return Percent(static_cast<std::size_t>(std::count(right.begin(), right.end(), true)), image.keypoints.size());
 }
 
 CopyMatches MatchWithCopy(const cv::Mat& gray, const FeatureSetting& setting, Condition condition,
                           const CopyOptions& options) {
   const TunedFeature feature(setting);
   CopyMatches found;
-  found.picture = feature.DetectAndDescribe(gray);
+  found.image = feature.DetectAndDescribe(gray);
   found.copy = feature.DetectAndDescribe(Manipulate(gray, condition, options.seed));
-  found.matches = MatchCrossChecked(found.picture, found.copy);
+  found.matches = MatchCrossChecked(found.image, found.copy);
   for (const cv::DMatch& match : found.matches) {
-    const cv::Point2f& place = found.picture.keypoints[static_cast<std::size_t>(match.queryIdx)].pt;
+    const cv::Point2f& position = found.image.keypoints[static_cast<std::size_t>(match.queryIdx)].pt;
     const cv::Point2f& matched = found.copy.keypoints[static_cast<std::size_t>(match.trainIdx)].pt;
-    const cv::Point2f miss = matched - PlaceInCopy(place, condition, gray.size());
+    const cv::Point2f miss = matched - PointInCopy(position, condition, gray.size());
     found.right.push_back(std::hypot(miss.x, miss.y) <= options.right_radius_px);
   }
   return found;
 }
 
-PictureScore MeasurePicture(const cv::Mat& gray, DetectorKind kind, const CopyOptions& options) {
-  PictureScore score;
+ImageScore MeasureImage(const cv::Mat& gray, DetectorKind kind, const CopyOptions& options) {
+  ImageScore score;
   score.setting = SettingFor(kind, gray, options.features);
   score.milliseconds = MedianMilliseconds(TunedFeature(score.setting), gray);
   for (std::size_t i = 0; i < kConditions.size(); ++i) {
     const CopyMatches found = MatchWithCopy(gray, score.setting, kConditions[i], options);
-    score.features = static_cast<int>(found.picture.keypoints.size());
+    score.features = static_cast<int>(found.image.keypoints.size());
     score.matched_percent[i] = found.MatchedPercent();
     score.right_percent[i] = found.RightPercent();
   }

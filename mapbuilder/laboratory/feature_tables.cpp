@@ -35,7 +35,7 @@ std::vector<DetectorKind> KindsOf(const Scores& scores) {
   return kinds;
 }
 
-// The setting, or the first and the last of them where pictures need different ones.
+// The setting, or the first and the last of them where images need different ones.
 template <typename Scores>
 std::string SettingsText(const Scores& scores) {
   std::vector<FeatureSetting> settings;
@@ -55,7 +55,7 @@ std::string SettingsText(const Scores& scores) {
 ResultTable TimeTable(const std::vector<SetScore>& scores) {
   ResultTable table;
   table.title = "Table 1: time to detect and describe";
-  table.notes = {"milliseconds of work per picture, with the settings that find about as many features as wanted"};
+  table.notes = {"milliseconds of work per image, with the settings that find about as many features as wanted"};
   table.columns = {{"feature", "algorithm", 0}};
   for (const DetectorKind kind : KindsOf(scores)) {
     std::vector<TableCell> row = {ToString(kind)};
@@ -68,9 +68,9 @@ ResultTable TimeTable(const std::vector<SetScore>& scores) {
         table.columns.push_back({score.set + "_features", "features", 0});
         table.columns.push_back({score.set + "_setting", "setting", 0});
       }
-      row.emplace_back(MeanOf(score.pictures, [](const PictureScore& p) { return p.milliseconds; }));
-      row.emplace_back(MeanOf(score.pictures, [](const PictureScore& p) { return p.features; }));
-      row.emplace_back(SettingsText(score.pictures));
+      row.emplace_back(MeanOf(score.images, [](const ImageScore& p) { return p.milliseconds; }));
+      row.emplace_back(MeanOf(score.images, [](const ImageScore& p) { return p.features; }));
+      row.emplace_back(SettingsText(score.images));
     }
     table.rows.push_back(row);
   }
@@ -81,7 +81,7 @@ ResultTable ConditionTable(int number, const std::vector<SetScore>& scores) {
   ResultTable table;
   table.title =
       "Table " + std::to_string(number) + ": keypoints matched with a manipulated copy, " + scores.front().set;
-  table.notes = {"% of the picture's features that the cross-checked matcher gives a partner, right or wrong;",
+  table.notes = {"% of the image's features that the cross-checked matcher gives a partner, right or wrong;",
                  "and % whose partner is where the manipulation put them: only these are worth anything"};
   table.columns = {{"feature", "algorithm", 0}};
   for (const Condition condition : kConditions) {
@@ -92,8 +92,8 @@ ResultTable ConditionTable(int number, const std::vector<SetScore>& scores) {
   for (const SetScore& score : scores) {
     std::vector<TableCell> row = {ToString(score.kind)};
     for (std::size_t i = 0; i < kConditions.size(); ++i) {
-      row.emplace_back(MeanOf(score.pictures, [i](const PictureScore& p) { return p.matched_percent[i]; }));
-      row.emplace_back(MeanOf(score.pictures, [i](const PictureScore& p) { return p.right_percent[i]; }));
+      row.emplace_back(MeanOf(score.images, [i](const ImageScore& p) { return p.matched_percent[i]; }));
+      row.emplace_back(MeanOf(score.images, [i](const ImageScore& p) { return p.right_percent[i]; }));
     }
     table.rows.push_back(row);
   }
@@ -102,8 +102,8 @@ ResultTable ConditionTable(int number, const std::vector<SetScore>& scores) {
 
 ResultTable FollowingTable(const std::vector<FollowingScore>& scores) {
   ResultTable table;
-  table.title = "Table 4: first picture matched with the following ones";
-  table.notes = {"% of the first picture's features that have a partner, the mean over all following pictures;",
+  table.title = "Table 4: first image matched with the following ones";
+  table.notes = {"% of the first image's features that have a partner, the mean over all following images;",
                  "and % that agree with one homography (right ones, where the scene is a floor), where 10 or more do"};
   table.columns = {{"feature", "algorithm", 0},         {"wanted", "wanted", 0},
                    {"features", "features", 0},         {"setting", "setting", 0},
@@ -121,8 +121,8 @@ ResultTable FollowingTable(const std::vector<FollowingScore>& scores) {
 ResultTable CorrelationTable(const std::vector<FollowingScore>& scores) {
   ResultTable table;
   table.title = "Table 5: correlation of the matched percentage with the number of features";
-  table.notes = {"Pearson's r over all following pictures and settings of table 4, and its two-sided p",
-                 "the pictures of a sequence are much alike, so that p is smaller than it should be"};
+  table.notes = {"Pearson's r over all following images and settings of table 4, and its two-sided p",
+                 "the images of a sequence are similar, so that p is smaller than it should be"};
   table.columns = {{"feature", "algorithm", 0}, {"r", "r", 3}, {"p", "p", 4}, {"samples", "samples", 0}};
   for (const DetectorKind kind : KindsOf(scores)) {
     std::vector<double> features;

@@ -9,11 +9,11 @@
 
 namespace floorloc {
 
-/// What one kind of features did on the pictures of a set.
+/// What one kind of features did on the images of a set.
 struct SetScore {
   std::string set;
   DetectorKind kind = DetectorKind::kOrb;
-  std::vector<PictureScore> pictures;
+  std::vector<ImageScore> images;
 };
 
 /// What one kind of features, about `wanted` of them, did on all sequences.
@@ -23,7 +23,7 @@ struct FollowingScore {
   std::vector<SequenceScore> sequences;
 };
 
-/// Table 1: time per picture. scores: set by set, each with the same kinds.
+/// Table 1: time per image. scores: set by set, each with the same kinds.
 ResultTable TimeTable(const std::vector<SetScore>& scores);
 
 /// Tables 2 and 3: matches with the manipulated copies, of one set's scores.

@@ -25,7 +25,7 @@ td.word,th.word{text-align:left}tr:hover td{background:#f6f9fb}
 std::vector<const RunSummary*> Possible(const LaboratoryReport& report) {
   std::vector<const RunSummary*> possible;
   for (const RunSummary& summary : report.summaries) {
-    if (summary.why_not.empty()) {
+    if (summary.failure_reason.empty()) {
       possible.push_back(&summary);
     }
   }
@@ -34,7 +34,7 @@ std::vector<const RunSummary*> Possible(const LaboratoryReport& report) {
 
 std::string DetectorOf(const RunSummary& s) { return s.method.empty() ? ToString(s.combination.detector) : s.method; }
 
-// What a bar of success stands for: the pair with its matcher, whatever the filter.
+// What a bar of success shows: the pair with its matcher, whatever the filter.
 std::string PairName(const RunSummary& s) {
   return s.method.empty()
              ? DetectorOf(s) + "/" + ToString(s.combination.descriptor) + " " + ToString(s.combination.matcher)
@@ -92,11 +92,11 @@ std::string ErrorOverTime(const LaboratoryReport& report) {
 
 std::string KeypointBars(const LaboratoryReport& report) {
   std::vector<SvgBar> bars;
-  std::vector<std::string> seen;
+  std::vector<std::string> names;
   for (const RunSummary* s : Possible(report)) {
     const std::string detector = DetectorOf(*s);
-    if (s->method.empty() && std::find(seen.begin(), seen.end(), detector) == seen.end()) {
-      seen.push_back(detector);
+    if (s->method.empty() && std::find(names.begin(), names.end(), detector) == names.end()) {
+      names.push_back(detector);
       bars.push_back({detector + " in a frame", s->keypoints, detector, ""});
       bars.push_back({"found again in the map", s->keypoints * s->repeatability, detector, ""});
     }

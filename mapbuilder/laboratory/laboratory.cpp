@@ -110,10 +110,10 @@ std::vector<std::string> DescribeConditions(const LaboratoryOptions& o, const Se
   std::for_each(bags.begin(), bags.end(), [&](const FrameBag& bag) { frames += bag.frames.size(); });
   std::vector<std::string> lines;
   lines.push_back("map: one mosaic of " + std::to_string(floor.frames) + " survey frames, " +
-                  Format(floor.picture.AreaM2(), 2) + " m2 at " + Format(1e3 * floor.picture.resolution_m(), 2) +
+                  Format(floor.image.AreaM2(), 2) + " m2 at " + Format(1e3 * floor.image.resolution_m(), 2) +
                   " mm per pixel, placed by " + (floor.true_poses ? "groundtruth.tum" : "the map builder"));
   lines.push_back("frames: " + std::to_string(frames) + " in " + std::to_string(bags.size()) + " folder(s); " +
-                  (settings.normalize ? "contrast evened out" : "grey levels as they are") + "; " +
+                  (settings.normalize ? "contrast normalized" : "grey levels as they are") + "; " +
                   (settings.keypoints > 0
                        ? "at most " + std::to_string(settings.keypoints) + " keypoints per frame, the map as dense"
                        : std::string("all keypoints that the detectors find")) +
@@ -128,7 +128,7 @@ std::vector<std::string> DescribeConditions(const LaboratoryOptions& o, const Se
   lines.push_back("pose: " +
                   std::string(settings.experiment.pose.fit == PoseFit::kLeastSquares
                                   ? "least squares over the matches that are left"
-                                  : "mean of the matches that are left, weighted by 1 / distance") +
+                                  : "mean of the remaining matches, weighted by 1 / distance") +
                   "; jump filter: " + Format(1e2 * o.jump.max_distance_m, 0) + " cm and " +
                   Format(o.jump.max_angle_rad * 180.0 / std::numbers::pi, 0) +
                   " degrees from the last accepted pose, moved by odometry where there is any");
@@ -141,7 +141,7 @@ std::vector<RunSummary> SummarizeByBag(const std::vector<CombinationRun>& runs, 
                                        const Tolerance& tolerance) {
   std::vector<RunSummary> summaries;
   for (const CombinationRun& run : runs) {
-    if (!run.why_not.empty()) {
+    if (!run.failure_reason.empty()) {
       summaries.push_back(SummarizeRun(run, bags, tolerance));
       continue;
     }
@@ -160,7 +160,7 @@ void RunStills(const LaboratoryOptions& o, const std::vector<CombinationRun>& ru
   for (const CombinationRun& run : runs) {
     const Combination wanted{DetectorKind::kSurf, DescriptorKind::kSurf, MatcherKind::kBruteForce, MatchFilter::kRatio,
                              false};
-    if (run.combination == wanted && run.why_not.empty()) {
+    if (run.combination == wanted && run.failure_reason.empty()) {
       by_bag = CompareStills(SummarizeByBag({run}, bags, o.tolerance));
       by_bag.title = "Test 4: the bags compared (surf/surf, brute force, ratio)";
       report->tables.push_back(by_bag);
@@ -174,7 +174,7 @@ void RunStills(const LaboratoryOptions& o, const std::vector<CombinationRun>& ru
 void RunThesisTest(const LaboratoryOptions& o, const Settings& settings, const WholeFloor& floor,
                    const std::vector<FrameBag>& bags, LaboratoryReport* report) {
   const CombinationPlan plan = ThesisPlan(o);
-  const FloorPicture& map = floor.picture;
+  const FloorImage& map = floor.image;
   if (o.thesis_test == 1) {
     report->tables.push_back(CountFeatures(map, Or(o.detectors, ThesisDetectors()), settings.experiment));
   } else if (o.thesis_test == 2) {
@@ -193,12 +193,12 @@ void RunThesisTest(const LaboratoryOptions& o, const Settings& settings, const W
 
 void RunComparison(const LaboratoryOptions& o, const Settings& settings, const WholeFloor& floor,
                    const std::vector<FrameBag>& bags, LaboratoryReport* report) {
-  std::vector<CombinationRun> runs = RunExperiment(floor.picture, bags, ComparisonPlan(o), settings.experiment);
+  std::vector<CombinationRun> runs = RunExperiment(floor.image, bags, ComparisonPlan(o), settings.experiment);
   if (o.templates) {
     TemplateSearchOptions search;
     search.threads = o.threads;
     search.progress = o.progress;
-    runs.push_back(RunTemplateSearch(floor.picture, bags, search));
+    runs.push_back(RunTemplateSearch(floor.image, bags, search));
     report->conditions.push_back("template: " + std::to_string(search.headings) + " headings on a map of at most " +
                                  std::to_string(search.max_map_pixels) + " pixels, refined; " +
                                  std::to_string(runs.back().outcomes.size()) + " frame(s) only");
@@ -239,13 +239,13 @@ LaboratoryReport RunLaboratory(const LaboratoryOptions& options) {
   std::vector<FrameBag> bags = ReadBags(options, settings, resolution_m);
   WholeFloor floor = ComposeWholeFloor(options.survey, {options.threads, options.progress});
   if (settings.normalize) {
-    floor.picture = Normalized(floor.picture);
+    floor.image = Normalized(floor.image);
   }
   if (settings.keypoints > 0) {
-    settings.experiment.detection.keypoints_per_m2 = settings.keypoints / bags.front().frames.front().picture.AreaM2();
+    settings.experiment.detection.keypoints_per_m2 = settings.keypoints / bags.front().frames.front().image.AreaM2();
   }
   if (!floor.true_poses) {
-    AlignTruthToMap(floor.picture, settings.experiment, &bags);
+    AlignTruthToMap(floor.image, settings.experiment, &bags);
   }
   LaboratoryReport report;
   report.title = options.thesis_test > 0 ? "Feature laboratory, test " + std::to_string(options.thesis_test)

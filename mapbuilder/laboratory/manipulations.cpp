@@ -65,9 +65,9 @@ cv::Mat WithFog(const cv::Mat& gray, std::mt19937& rng) {
 }
 
 cv::Mat WithBrightness(const cv::Mat& gray, std::mt19937& rng) {
-  constexpr double kMostGreyLevels = 0.2 * 255.0;
+  constexpr double kMaxGreyLevels = 0.2 * 255.0;
   cv::Mat copy;
-  gray.convertTo(copy, CV_8U, 1.0, Uniform(rng, -kMostGreyLevels, kMostGreyLevels));
+  gray.convertTo(copy, CV_8U, 1.0, Uniform(rng, -kMaxGreyLevels, kMaxGreyLevels));
   return copy;
 }
 
@@ -107,11 +107,11 @@ cv::Mat Manipulate(const cv::Mat& gray, Condition condition, std::uint32_t seed)
   return {};
 }
 
-cv::Point2f PlaceInCopy(const cv::Point2f& place, Condition condition, const cv::Size& size) {
+cv::Point2f PointInCopy(const cv::Point2f& position, Condition condition, const cv::Size& size) {
   if (condition != Condition::kRotation) {
-    return place;
+    return position;
   }
-  return {static_cast<float>(size.width - 1) - place.x, static_cast<float>(size.height - 1) - place.y};
+  return {static_cast<float>(size.width - 1) - position.x, static_cast<float>(size.height - 1) - position.y};
 }
 
 }  // namespace floorloc

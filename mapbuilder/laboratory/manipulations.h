@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// What may happen to a picture, in the manner of the usual tools for augmenting data.
+/// What may happen to an image, in the manner of the usual tools for augmenting data.
 enum class Condition {
   kShadow,      ///< one or two random pentagons in the lower half are half as bright
   kFog,         ///< a patchy white veil of random density, and blurred by up to a 30th of the width
@@ -25,7 +25,7 @@ const char* ToString(Condition condition);
 /// A manipulated copy; the same seed does the same. gray: CV_8UC1, not empty.
 cv::Mat Manipulate(const cv::Mat& gray, Condition condition, std::uint32_t seed);
 
-/// Where a point of the picture is in the copy, px.
-cv::Point2f PlaceInCopy(const cv::Point2f& place, Condition condition, const cv::Size& size);
+/// Where a point of the image is in the copy, px.
+cv::Point2f PointInCopy(const cv::Point2f& position, Condition condition, const cv::Size& size);
 
 }  // namespace floorloc

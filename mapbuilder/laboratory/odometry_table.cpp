@@ -64,7 +64,7 @@ DriveScore Score(const std::string& name, const Trajectory& truth, const Traject
   try {
     score.evaluation = EvaluateTrajectory(truth, path, options);
   } catch (const std::invalid_argument& error) {
-    score.why_not = error.what();
+    score.failure_reason = error.what();
   }
   return score;
 }
@@ -90,7 +90,7 @@ std::vector<DriveScore> ScoreDrive(const std::filesystem::path& drive, const std
                                    const ProgressOutput& progress) {
   const Survey survey = ReadSurvey(drive);
   if (survey.ground_truth.empty()) {
-    throw InputError(drive, "has no groundtruth.tum; without it there are no errors to tell");
+    throw InputError(drive, "has no groundtruth.tum; without it there are no errors");
   }
   std::vector<DetectorKind> kinds = features;
   std::erase_if(kinds, [](DetectorKind kind) { return !CanTrack(kind); });
@@ -127,7 +127,7 @@ ResultTable DriveTable(const std::vector<DriveScore>& scores) {
       row.emplace_back();
     } else {
       row.resize(table.columns.size() - 1);
-      row.emplace_back(score.why_not);
+      row.emplace_back(score.failure_reason);
     }
     table.rows.push_back(row);
   }

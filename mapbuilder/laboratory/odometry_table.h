@@ -16,8 +16,8 @@ namespace floorloc {
 /// What one way to know the path of a drive has achieved.
 struct DriveScore {
   std::string name;                                ///< a kind of features, or sensors
-  std::optional<TrajectoryEvaluation> evaluation;  ///< empty: see why_not
-  std::string why_not;
+  std::optional<TrajectoryEvaluation> evaluation;  ///< empty: see failure_reason
+  std::string failure_reason;
   int lost_frames = 0;
 };
 
@@ -31,7 +31,7 @@ std::vector<DriveScore> ScoreDrive(const std::filesystem::path& drive, const std
 /// Table 6: absolute position errors.
 ResultTable DriveTable(const std::vector<DriveScore>& scores);
 
-/// One picture per score: the path coloured by error, and error over time. Throws InputError.
+/// One image per score: the path coloured by error, and error over time. Throws InputError.
 void DrawDrive(const std::vector<DriveScore>& scores, const std::filesystem::path& folder);
 
 }  // namespace floorloc

@@ -59,8 +59,8 @@ Pose2 FitWeightedMean(const std::vector<OrientedMatch>& oriented, const std::vec
     mass += weight;
   }
   const double yaw = oriented.front().Yaw() + turn / mass;
-  const Eigen::Vector2d place = target / mass - Pose2(0.0, 0.0, yaw) * Eigen::Vector2d(source / mass);
-  return {place.x(), place.y(), yaw};
+  const Eigen::Vector2d position = target / mass - Pose2(0.0, 0.0, yaw) * Eigen::Vector2d(source / mass);
+  return {position.x(), position.y(), yaw};
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ RunSummary SummarizeRun(const CombinationRun& run, const std::vector<FrameBag>& 
   RunSummary summary;
   summary.combination = run.combination;
   summary.method = run.method;
-  summary.why_not = run.why_not;
+  summary.failure_reason = run.failure_reason;
   summary.map_keypoints = run.map_keypoints;
   summary.bag = bag ? bags[static_cast<std::size_t>(*bag)].name : "";
   std::vector<Fix> fixes;
@@ -79,7 +79,7 @@ std::vector<TableCell> CombinationCells(const RunSummary& s) {
   }
   const std::string detector = ToString(s.combination.detector);
   const std::string descriptor = ToString(s.combination.descriptor);
-  if (!s.why_not.empty()) {
+  if (!s.failure_reason.empty()) {
     return {word(detector), word(descriptor), {}, {}};
   }
   return {word(detector), word(descriptor), word(ToString(s.combination.matcher)), word(FilterName(s.combination))};
@@ -112,9 +112,9 @@ ResultTable MakeComparisonTable(const std::vector<RunSummary>& summaries) {
   }
   for (const RunSummary& s : summaries) {
     std::vector<TableCell> row = CombinationCells(s);
-    if (!s.why_not.empty()) {
+    if (!s.failure_reason.empty()) {
       row.resize(table.columns.size() - 1);
-      row.emplace_back(s.why_not);
+      row.emplace_back(s.failure_reason);
     } else {
       const bool points = s.method.empty();  // other methods have no keypoints to count
       const auto count = [&](double value) { return points ? NumberCell(value) : TableCell(); };

@@ -14,7 +14,7 @@ namespace floorloc {
 struct RunSummary {
   Combination combination;
   std::string method;
-  std::string why_not;
+  std::string failure_reason;
   std::string bag;  ///< empty: all bags together
   int map_keypoints = 0;
   double keypoints = 0.0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// Where the frame's picture was found, and how well it correlates there.
+// Where the frame's image was found, and how well it correlates there.
 struct Found {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  // of the patch, map frame
   double yaw_rad = 0.0;
@@ -30,28 +30,28 @@ struct FramePatch {
     cv::Mat framed, distance;
     cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
     cv::distanceTransform(framed, distance, cv::DIST_L2, 5);
-    cv::Point place;
-    cv::minMaxLoc(distance, nullptr, &radius_px, nullptr, &place);
-    centre_px = {place.x - 1.0, place.y - 1.0};
+    cv::Point position;
+    cv::minMaxLoc(distance, nullptr, &radius_px, nullptr, &position);
+    centre_px = {position.x - 1.0, position.y - 1.0};
   }
 };
 
-FloorPicture Reduced(const FloorPicture& picture, double factor) {
-  FloorPicture reduced = picture;
-  const cv::Size size(std::max(1, static_cast<int>(picture.gray.cols / factor)),
-                      std::max(1, static_cast<int>(picture.gray.rows / factor)));
-  cv::resize(picture.gray, reduced.gray, size, 0, 0, cv::INTER_AREA);
-  cv::resize(picture.mask, reduced.mask, size, 0, 0, cv::INTER_NEAREST);
-  const Eigen::Vector2d scale(static_cast<double>(picture.gray.cols) / size.width,
-                              static_cast<double>(picture.gray.rows) / size.height);
-  reduced.axes_m = picture.axes_m * scale.asDiagonal();
+FloorImage Reduced(const FloorImage& image, double factor) {
+  FloorImage reduced = image;
+  const cv::Size size(std::max(1, static_cast<int>(image.gray.cols / factor)),
+                      std::max(1, static_cast<int>(image.gray.rows / factor)));
+  cv::resize(image.gray, reduced.gray, size, 0, 0, cv::INTER_AREA);
+  cv::resize(image.mask, reduced.mask, size, 0, 0, cv::INTER_NEAREST);
+  const Eigen::Vector2d scale(static_cast<double>(image.gray.cols) / size.width,
+                              static_cast<double>(image.gray.rows) / size.height);
+  reduced.axes_m = image.axes_m * scale.asDiagonal();
   const Eigen::Vector2d first = 0.5 * scale - Eigen::Vector2d(0.5, 0.5);
-  reduced.origin_m = picture.FromPixel(first.x(), first.y());
+  reduced.origin_m = image.FromPixel(first.x(), first.y());
   return reduced;
 }
 
-// The frame turned by a heading, as a square in the map picture's pixels.
-cv::Mat TurnedPatch(const FloorPicture& frame, const FramePatch& patch, double yaw_rad, const FloorPicture& map) {
+// The frame turned by a heading, as a square in the map image's pixels.
+cv::Mat TurnedPatch(const FloorImage& frame, const FramePatch& patch, double yaw_rad, const FloorImage& map) {
   const int side = static_cast<int>(std::sqrt(2.0) * patch.radius_px * frame.resolution_m() / map.resolution_m());
   const Eigen::Matrix2d base_from_map = Pose2(0.0, 0.0, -yaw_rad).rotation();
   // Patch pixel -> offset in the map -> offset in base -> frame pixel.
@@ -68,25 +68,26 @@ cv::Mat TurnedPatch(const FloorPicture& frame, const FramePatch& patch, double y
   return turned;
 }
 
-// The best place of the patch within a part of the map's picture.
-Found BestPlace(const FloorPicture& map, const cv::Rect& part, const cv::Mat& patch, double yaw_rad) {
+// The best place of the patch within a part of the map's image.
+Found BestMatch(const FloorImage& map, const cv::Rect& part, const cv::Mat& patch, double yaw_rad) {
   Found found;
   if (part.width < patch.cols || part.height < patch.rows || patch.empty()) {
     return found;
   }
   cv::Mat correlation;
   cv::matchTemplate(map.gray(part), patch, correlation, cv::TM_CCOEFF_NORMED);
-  cv::Point place;
-  cv::minMaxLoc(correlation, nullptr, &found.correlation, nullptr, &place);
-  found.centre_m = map.FromPixel(part.x + place.x + 0.5 * (patch.cols - 1), part.y + place.y + 0.5 * (patch.rows - 1));
+  cv::Point position;
+  cv::minMaxLoc(correlation, nullptr, &found.correlation, nullptr, &position);
+  found.centre_m =
+      map.FromPixel(part.x + position.x + 0.5 * (patch.cols - 1), part.y + position.y + 0.5 * (patch.rows - 1));
   found.yaw_rad = yaw_rad;
   return found;
 }
 
 Found Better(const Found& a, const Found& b) { return b.correlation > a.correlation ? b : a; }
 
-// Around what a coarser picture told, in a few headings.
-Found Refine(const FloorPicture& map, const FloorPicture& frame, const FramePatch& patch, const Found& coarse,
+// Around the result on a coarser image, in a few headings.
+Found Refine(const FloorImage& map, const FloorImage& frame, const FramePatch& patch, const Found& coarse,
              double step_rad) {
   const double resolution_m = map.resolution_m();
   const int reach = static_cast<int>(patch.radius_px * frame.resolution_m() / resolution_m) + 8;
@@ -97,19 +98,19 @@ Found Refine(const FloorPicture& map, const FloorPicture& frame, const FramePatc
   Found best;
   for (const double turn : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
     const double yaw = coarse.yaw_rad + turn * step_rad;
-    best = Better(best, BestPlace(map, part, TurnedPatch(frame, patch, yaw, map), yaw));
+    best = Better(best, BestMatch(map, part, TurnedPatch(frame, patch, yaw, map), yaw));
   }
   return best;
 }
 
-Pose2 BasePose(const FloorPicture& frame, const FramePatch& patch, const Found& found) {
+Pose2 BasePose(const FloorImage& frame, const FramePatch& patch, const Found& found) {
   const Eigen::Vector2d patch_in_base = frame.FromPixel(patch.centre_px.x(), patch.centre_px.y());
-  const Eigen::Vector2d place = found.centre_m - Pose2(0.0, 0.0, found.yaw_rad) * patch_in_base;
-  return {place.x(), place.y(), found.yaw_rad};
+  const Eigen::Vector2d position = found.centre_m - Pose2(0.0, 0.0, found.yaw_rad) * patch_in_base;
+  return {position.x(), position.y(), found.yaw_rad};
 }
 
-// levels: the floor's picture, coarsest first.
-FrameOutcome Search(const std::vector<FloorPicture>& levels, const FloorPicture& frame, int headings) {
+// levels: the floor's image, coarsest first.
+FrameOutcome Search(const std::vector<FloorImage>& levels, const FloorImage& frame, int headings) {
   const double start_ms = ThreadMilliseconds();
   const FramePatch patch(frame.mask);
   const cv::Rect everywhere({0, 0}, levels.front().gray.size());
@@ -117,7 +118,7 @@ FrameOutcome Search(const std::vector<FloorPicture>& levels, const FloorPicture&
   Found best;
   for (int i = 0; i < headings; ++i) {
     const double yaw = WrapAngle(i * step_rad);
-    best = Better(best, BestPlace(levels.front(), everywhere, TurnedPatch(frame, patch, yaw, levels.front()), yaw));
+    best = Better(best, BestMatch(levels.front(), everywhere, TurnedPatch(frame, patch, yaw, levels.front()), yaw));
   }
   for (std::size_t level = 0; level < levels.size() && best.correlation > -1.0; ++level) {
     const Found finer = Refine(levels[level], frame, patch, best, 0.5 * step_rad);
@@ -135,9 +136,9 @@ FrameOutcome Search(const std::vector<FloorPicture>& levels, const FloorPicture&
 
 }  // namespace
 
-CombinationRun RunTemplateSearch(const FloorPicture& map, const std::vector<FrameBag>& bags,
+CombinationRun RunTemplateSearch(const FloorImage& map, const std::vector<FrameBag>& bags,
                                  const TemplateSearchOptions& options) {
-  std::vector<FloorPicture> levels;
+  std::vector<FloorImage> levels;
   const double pixels = static_cast<double>(map.gray.total());
   for (double factor = std::max(1.0, std::sqrt(pixels / options.max_map_pixels)); factor > 1.0; factor *= 0.5) {
     levels.push_back(Reduced(map, factor));
@@ -158,7 +159,7 @@ CombinationRun RunTemplateSearch(const FloorPicture& map, const std::vector<Fram
   ParallelFor(static_cast<int>(run.outcomes.size()), options.threads, [&](int i) {
     FrameOutcome& outcome = run.outcomes[static_cast<std::size_t>(i)];
     const FrameBag& bag = bags[static_cast<std::size_t>(outcome.bag)];
-    const FloorPicture& frame = bag.frames[static_cast<std::size_t>(outcome.frame)].picture;
+    const FloorImage& frame = bag.frames[static_cast<std::size_t>(outcome.frame)].image;
     FrameOutcome searched = Search(levels, frame, options.headings);
     searched.bag = outcome.bag;
     searched.frame = outcome.frame;

@@ -31,8 +31,8 @@ FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOption
   ParallelFor(static_cast<int>(bag.frames.size()), options.threads, [&](int i) {
     TestFrame& frame = bag.frames[static_cast<std::size_t>(i)];
     const cv::Mat raw = ReadGrayImage(folder / frame.filename, camera.width_px, camera.height_px);
-    const FloorPicture picture = FloorPicture::FromGround(rectifier.Rectify(raw));
-    frame.picture = options.normalize ? Normalized(picture) : picture;
+    const FloorImage image = FloorImage::FromGround(rectifier.Rectify(raw));
+    frame.image = options.normalize ? Normalized(image) : image;
   });
   return bag;
 }

@@ -55,15 +55,15 @@ struct DetectorMatches {
   std::vector<std::vector<TableCell>> cells;  // matcher, descriptor
 };
 
-DetectorMatches MatchDetector(const FloorPicture& map, const TestFrame& frame, DetectorKind kind,
+DetectorMatches MatchDetector(const FloorImage& map, const TestFrame& frame, DetectorKind kind,
                               const CombinationPlan& plan, const ExperimentOptions& options) {
   DetectorMatches result;
   result.cells.resize(plan.matchers.size());
   const std::vector<DescriptorKind> descriptors = DescriptorsOf(plan.pairs);
-  DetectedPicture in_map, in_frame;
+  DetectedImage in_map, in_frame;
   bool detected = false;
   for (const DescriptorKind descriptor : descriptors) {
-    if (!WhyNot(kind, descriptor).empty()) {
+    if (!IncompatibilityReason(kind, descriptor).empty()) {
       for (auto& row : result.cells) {
         row.emplace_back("not possible");
       }
@@ -72,13 +72,13 @@ DetectorMatches MatchDetector(const FloorPicture& map, const TestFrame& frame, D
     if (!detected) {
       const auto detector = CreateDetector(kind, options.detection.settings);
       in_map = DetectKeypoints(map, *detector, options.detection);
-      in_frame = DetectKeypoints(frame.picture, *detector, options.detection);
+      in_frame = DetectKeypoints(frame.image, *detector, options.detection);
       result.frame_features = in_frame.size();
       detected = true;
     }
-    const auto describer = CreateDescriber(kind, descriptor, options.detection.settings);
-    const Features map_features = DescribeKeypoints(map, in_map, *describer).features;
-    const Features frame_features = DescribeKeypoints(frame.picture, in_frame, *describer).features;
+    const auto descriptor_extractor = CreateDescriptorExtractor(kind, descriptor, options.detection.settings);
+    const Features map_features = DescribeKeypoints(map, in_map, *descriptor_extractor).features;
+    const Features frame_features = DescribeKeypoints(frame.image, in_frame, *descriptor_extractor).features;
     const double ratio =
         options.thesis_ratios ? ThesisRatio(descriptor, options.pose.max_ratio) : options.pose.max_ratio;
     for (std::size_t m = 0; m < plan.matchers.size(); ++m) {
@@ -89,32 +89,32 @@ DetectorMatches MatchDetector(const FloorPicture& map, const TestFrame& frame, D
 }
 
 // A nearest neighbour: how clear it is, and whether it is right.
-struct JudgedMatch {
+struct ClassifiedMatch {
   double ratio = 1.0;
   bool right = false;
 };
 
-std::vector<JudgedMatch> JudgeMatches(const FloorPicture& map, const std::vector<FrameBag>& bags,
-                                      const DetectorDescriptor& pair, const ExperimentOptions& options) {
+std::vector<ClassifiedMatch> ClassifyMatches(const FloorImage& map, const std::vector<FrameBag>& bags,
+                                             const DetectorDescriptor& pair, const ExperimentOptions& options) {
   const auto detector = CreateDetector(pair.first, options.detection.settings);
-  const auto describer = CreateDescriber(pair.first, pair.second, options.detection.settings);
+  const auto descriptor_extractor = CreateDescriptorExtractor(pair.first, pair.second, options.detection.settings);
   const Features in_map =
-      DescribeKeypoints(map, DetectKeypoints(map, *detector, options.detection), *describer).features;
-  std::vector<JudgedMatch> judged;
+      DescribeKeypoints(map, DetectKeypoints(map, *detector, options.detection), *descriptor_extractor).features;
+  std::vector<ClassifiedMatch> judged;
   if (in_map.keypoints.empty()) {
     return judged;
   }
   const auto index = CreateIndex(in_map, MatcherKind::kBruteForce, options.seed);
   for (const FrameBag& bag : bags) {
     for (const TestFrame& frame : bag.frames) {
-      const DetectedPicture detected = DetectKeypoints(frame.picture, *detector, options.detection);
-      const Features features = DescribeKeypoints(frame.picture, detected, *describer).features;
+      const DetectedImage detected = DetectKeypoints(frame.image, *detector, options.detection);
+      const Features features = DescribeKeypoints(frame.image, detected, *descriptor_extractor).features;
       if (features.keypoints.empty()) {
         continue;
       }
       const std::vector<Match> matches = FindNearest(*index, features.descriptors);
-      const std::vector<bool> right = FindRightMatches(matches, features.keypoints, in_map.keypoints,
-                                                       frame.truth_from_base, options.pose.inlier_radius_m);
+      const std::vector<bool> right = FindCorrectMatches(matches, features.keypoints, in_map.keypoints,
+                                                         frame.truth_from_base, options.pose.inlier_radius_m);
       for (std::size_t i = 0; i < matches.size(); ++i) {
         const double second = std::max(matches[i].second_distance, 1e-6F);
         judged.push_back({matches[i].distance / second, right[i]});
@@ -131,11 +131,11 @@ struct BestRatio {
   int wrong = 0;
 };
 
-BestRatio ChooseRatio(const std::vector<JudgedMatch>& matches) {
+BestRatio ChooseRatio(const std::vector<ClassifiedMatch>& matches) {
   BestRatio best;
   for (int percent = 30; percent <= 100; ++percent) {
     BestRatio candidate{percent / 100.0, 0, 0};
-    for (const JudgedMatch& match : matches) {
+    for (const ClassifiedMatch& match : matches) {
       if (match.ratio < candidate.ratio) {
         (match.right ? candidate.right : candidate.wrong) += 1;
       }
@@ -170,7 +170,7 @@ CombinationPlan ThesisStillsPlan() {
            {MatchFilter::kRatio, true}}};
 }
 
-ResultTable CountFeatures(const FloorPicture& map, const std::vector<DetectorKind>& detectors,
+ResultTable CountFeatures(const FloorImage& map, const std::vector<DetectorKind>& detectors,
                           const ExperimentOptions& options) {
   ResultTable table;
   table.title = "Test 1: number of features detected in the map";
@@ -183,11 +183,11 @@ ResultTable CountFeatures(const FloorPicture& map, const std::vector<DetectorKin
     const DetectorKind kind = detectors[static_cast<std::size_t>(i)];
     std::vector<TableCell>& row = table.rows[static_cast<std::size_t>(i)];
     row = {std::string(ToString(kind))};
-    if (kind == DetectorKind::kSurf && !WhyNot(kind, DescriptorKind::kSift).empty()) {
-      row.emplace_back(WhyNot(kind, DescriptorKind::kSift));
+    if (kind == DetectorKind::kSurf && !IncompatibilityReason(kind, DescriptorKind::kSift).empty()) {
+      row.emplace_back(IncompatibilityReason(kind, DescriptorKind::kSift));
       return;
     }
-    const DetectedPicture detected =
+    const DetectedImage detected =
         DetectKeypoints(map, *CreateDetector(kind, options.detection.settings), options.detection);
     const auto count = static_cast<double>(detected.size());
     row.insert(row.end(), {count, count / (100.0 * map.AreaM2()), detected.detect_ms});
@@ -195,7 +195,7 @@ ResultTable CountFeatures(const FloorPicture& map, const std::vector<DetectorKin
   return table;
 }
 
-ResultTable CountMatches(const FloorPicture& map, const TestFrame& frame, const CombinationPlan& plan,
+ResultTable CountMatches(const FloorImage& map, const TestFrame& frame, const CombinationPlan& plan,
                          const ExperimentOptions& options) {
   ResultTable table;
   table.title = "Test 2: matches between the map and " + frame.filename + ", which it was made of";
@@ -222,7 +222,7 @@ ResultTable CountMatches(const FloorPicture& map, const TestFrame& frame, const 
   return table;
 }
 
-ResultTable FindBestRatios(const FloorPicture& map, const std::vector<FrameBag>& bags,
+ResultTable FindBestRatios(const FloorImage& map, const std::vector<FrameBag>& bags,
                            const std::vector<DetectorDescriptor>& pairs, const ExperimentOptions& options) {
   ResultTable table;
   table.title = "Test 3: optimal ratio for the rejection of wrong matches";
@@ -233,13 +233,13 @@ ResultTable FindBestRatios(const FloorPicture& map, const std::vector<FrameBag>&
   ProgressBar progress("test 3", static_cast<std::int64_t>(pairs.size()), options.progress);
   ParallelFor(static_cast<int>(pairs.size()), options.threads, [&](int i) {
     const DetectorDescriptor& pair = pairs[static_cast<std::size_t>(i)];
-    const std::string why_not = WhyNot(pair.first, pair.second);
+    const std::string failure_reason = IncompatibilityReason(pair.first, pair.second);
     std::vector<TableCell>& row = table.rows[static_cast<std::size_t>(i)];
     row = {std::string(ToString(pair.second)), {}, std::string(ToString(pair.first)), {}, {}};
-    if (!why_not.empty()) {
-      row.emplace_back(why_not);
+    if (!failure_reason.empty()) {
+      row.emplace_back(failure_reason);
     } else {
-      const BestRatio best = ChooseRatio(JudgeMatches(map, bags, pair, options));
+      const BestRatio best = ChooseRatio(ClassifyMatches(map, bags, pair, options));
       row[1] = best.right > 0 ? TableCell(best.ratio) : TableCell();
       row[3] = static_cast<double>(best.right);
       row[4] = static_cast<double>(best.wrong);
@@ -275,8 +275,8 @@ ResultTable CompareStills(const std::vector<RunSummary>& summaries) {
   for (const RunSummary& s : summaries) {
     const auto word = [](const std::string& text) { return TableCell(text); };
     const Combination& c = s.combination;
-    if (!s.why_not.empty()) {
-      table.rows.push_back({word(s.why_not), {}, {}, word(ToString(c.descriptor)), word(ToString(c.detector))});
+    if (!s.failure_reason.empty()) {
+      table.rows.push_back({word(s.failure_reason), {}, {}, word(ToString(c.descriptor)), word(ToString(c.detector))});
       continue;
     }
     const Score& score = s.score;

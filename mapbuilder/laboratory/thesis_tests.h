@@ -12,17 +12,17 @@ namespace floorloc {
 // with its columns, on any floor.
 
 /// Test 1: how many features each detector finds in the map.
-ResultTable CountFeatures(const FloorPicture& map, const std::vector<DetectorKind>& detectors,
+ResultTable CountFeatures(const FloorImage& map, const std::vector<DetectorKind>& detectors,
                           const ExperimentOptions& options);
 
 /// Test 2: how many matches pass the ratio test between the map and a frame that it was made of; FLANN's are means over
 /// ten seeds.
-ResultTable CountMatches(const FloorPicture& map, const TestFrame& frame, const CombinationPlan& plan,
+ResultTable CountMatches(const FloorImage& map, const TestFrame& frame, const CombinationPlan& plan,
                          const ExperimentOptions& options);
 
 /// Test 3: the ratio that leaves most right matches over wrong ones, for each pair (brute force). The thesis judged by
 /// eye; here the true poses judge.
-ResultTable FindBestRatios(const FloorPicture& map, const std::vector<FrameBag>& bags,
+ResultTable FindBestRatios(const FloorImage& map, const std::vector<FrameBag>& bags,
                            const std::vector<DetectorDescriptor>& pairs, const ExperimentOptions& options);
 
 /// Test 4: the nine parameters of every combination in every bag.

@@ -19,7 +19,7 @@ struct TruthAndFix {
   Pose2 MapFromTruth() const { return map_from_base * truth_from_base.Inverse(); }
 };
 
-std::vector<TruthAndFix> LocalizeFrames(const FloorPicture& map, const std::vector<FrameBag>& bags,
+std::vector<TruthAndFix> LocalizeFrames(const FloorImage& map, const std::vector<FrameBag>& bags,
                                         const ExperimentOptions& options) {
   const CombinationPlan plan{
       {{DetectorKind::kSift, DescriptorKind::kSift}}, {MatcherKind::kFlann}, {{MatchFilter::kRatioRansac, false}}};
@@ -47,7 +47,7 @@ std::vector<TruthAndFix> Agreeing(const std::vector<TruthAndFix>& all, const Pos
 
 }  // namespace
 
-void AlignTruthToMap(const FloorPicture& map, const ExperimentOptions& options, std::vector<FrameBag>* bags) {
+void AlignTruthToMap(const FloorImage& map, const ExperimentOptions& options, std::vector<FrameBag>* bags) {
   const std::vector<TruthAndFix> all = LocalizeFrames(map, *bags, options);
   std::vector<TruthAndFix> best;
   for (const TruthAndFix& proposal : all) {
@@ -58,14 +58,14 @@ void AlignTruthToMap(const FloorPicture& map, const ExperimentOptions& options, 
   }
   if (best.size() < 2) {
     throw InputError(
-        "the frames' groundtruth.tum cannot be brought into the map's frame, since no two frames are localized alike; "
+        "the frames' groundtruth.tum cannot be brought into the map's frame, since no two fixes agree; "
         "add groundtruth.tum to the survey");
   }
   std::vector<PosePair> pairs;
   for (const TruthAndFix& one : best) {
     pairs.push_back({StampedPose3::FromPose2(0, one.map_from_base), StampedPose3::FromPose2(0, one.truth_from_base)});
   }
-  // Frames that stand in one place fix the shift but not the turn: then the best proposal has to do.
+  // Frames at one position fix the shift but not the turn: then the best proposal is taken.
   double spread_m = 0.0;
   for (const TruthAndFix& one : best) {
     spread_m = std::max(spread_m, (one.map_from_base.translation() - best.front().map_from_base.translation()).norm());

@@ -13,19 +13,19 @@
 namespace floorloc {
 namespace {
 
-constexpr double kCloseEnough = 0.02;  // of the wanted number
+constexpr double kCountTolerance = 0.02;  // of the wanted number
 
 // OpenCV's defaults, and how far down to go where they find too little.
 constexpr double kOrbThreshold = 20.0;
 constexpr double kSiftThreshold = 0.04;
-constexpr double kLeastOrbThreshold = 2.0;
-constexpr double kLeastSiftThreshold = 0.001;
+constexpr double kMinOrbThreshold = 2.0;
+constexpr double kMinSiftThreshold = 0.001;
 
 struct Range {
   double low, high;
 };
 
-// Thresholds between which every picture has its own.
+// Thresholds between which every image has its own.
 Range ThresholdsOf(DetectorKind kind) {
   switch (kind) {
     case DetectorKind::kAkaze:
@@ -61,9 +61,10 @@ std::function<DescribedFeatures(const cv::Mat&)> Create(const FeatureSetting& se
   const int whole_threshold = static_cast<int>(setting.threshold);
   switch (setting.kind) {
     case DetectorKind::kOrb:
-      return WithOpenCv(cv::ORB::create(setting.most, 1.2F, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, whole_threshold));
+      return WithOpenCv(
+          cv::ORB::create(setting.max_features, 1.2F, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, whole_threshold));
     case DetectorKind::kSift:
-      return WithOpenCv(cv::SIFT::create(setting.most, 3, setting.threshold));
+      return WithOpenCv(cv::SIFT::create(setting.max_features, 3, setting.threshold));
     case DetectorKind::kBrisk:
       return WithOpenCv(cv::BRISK::create(whole_threshold));
     case DetectorKind::kAkaze:
@@ -81,7 +82,8 @@ int Count(const FeatureSetting& setting, const cv::Mat& gray) {
 // Keeps the strongest `wanted`; lowers the threshold until there are as many.
 FeatureSetting KeepStrongest(FeatureSetting setting, const cv::Mat& gray, double least_threshold) {
   constexpr double kStep = 0.7;
-  while (Count(setting, gray) < (1.0 - kCloseEnough) * setting.most && setting.threshold * kStep >= least_threshold) {
+  while (Count(setting, gray) < (1.0 - kCountTolerance) * setting.max_features &&
+         setting.threshold * kStep >= least_threshold) {
     setting.threshold *= kStep;
   }
   return setting;
@@ -94,7 +96,7 @@ FeatureSetting SearchThreshold(DetectorKind kind, const cv::Mat& gray, int wante
   Range range = ThresholdsOf(kind);
   FeatureSetting best{kind, range.low, 0};
   int best_miss = std::numeric_limits<int>::max();
-  for (int step = 0; step < kMaxSteps && best_miss > kCloseEnough * wanted; ++step) {
+  for (int step = 0; step < kMaxSteps && best_miss > kCountTolerance * wanted; ++step) {
     const double middle = std::sqrt(range.low * range.high);
     const FeatureSetting setting{kind, whole ? std::round(middle) : middle, 0};
     if (whole && (setting.threshold <= range.low || setting.threshold >= range.high)) {
@@ -117,7 +119,7 @@ std::string ToString(const FeatureSetting& setting) {
   text.precision(3);
   const bool orb = setting.kind == DetectorKind::kOrb;
   if (orb || setting.kind == DetectorKind::kSift) {
-    text << "nfeatures = " << setting.most << ", ";
+    text << "nfeatures = " << setting.max_features << ", ";
   }
   text << "threshold = " << (orb ? std::floor(setting.threshold) : setting.threshold);
   return text.str();
@@ -129,9 +131,9 @@ FeatureSetting SettingFor(DetectorKind kind, const cv::Mat& gray, int wanted) {
   assert(wanted > 0);
   switch (kind) {
     case DetectorKind::kOrb:
-      return KeepStrongest({kind, kOrbThreshold, wanted}, gray, kLeastOrbThreshold);
+      return KeepStrongest({kind, kOrbThreshold, wanted}, gray, kMinOrbThreshold);
     case DetectorKind::kSift:
-      return KeepStrongest({kind, kSiftThreshold, wanted}, gray, kLeastSiftThreshold);
+      return KeepStrongest({kind, kSiftThreshold, wanted}, gray, kMinSiftThreshold);
     default:
       return SearchThreshold(kind, gray, wanted);
   }

@@ -17,7 +17,7 @@ struct FeatureSetting {
   /// Least response, in the unit of the method: FAST's grey levels for ORB and BRISK (whole numbers), the contrast for
   /// SIFT, the determinant of the Hessian for AKAZE and SURF.
   double threshold = 0.0;
-  int most = 0;  ///< the strongest are kept; ORB and SIFT only, 0 for the others
+  int max_features = 0;  ///< the strongest are kept; ORB and SIFT only, 0 for the others
 };
 
 /// "nfeatures = 300, threshold = 20", "threshold = 0.0044", ...
@@ -39,12 +39,12 @@ class TunedFeature {
   std::function<DescribedFeatures(const cv::Mat&)> detect_and_describe_;
 };
 
-/// The setting with which about `wanted` features are found in the picture, as near as the method lets one come:
-/// ORB and SIFT keep as many, and look with less contrast where there are not enough; of the others the threshold is
+/// The setting with which about `wanted` features are found in the image, as near as the method lets one come: ORB and
+/// SIFT keep as many, and are searched with less contrast where there are not enough; of the others the threshold is
 /// searched. wanted > 0.
 FeatureSetting SettingFor(DetectorKind kind, const cv::Mat& gray, int wanted);
 
-/// How many features of one picture have a partner in another: both are each other's nearest (brute force, cross-check;
+/// How many features of one image have a partner in another: both are each other's nearest (brute force, cross-check;
 /// Hamming distance for binary descriptors, L2 for SIFT and SURF). queryIdx is of `first`.
 std::vector<cv::DMatch> MatchCrossChecked(const DescribedFeatures& first, const DescribedFeatures& second);
 

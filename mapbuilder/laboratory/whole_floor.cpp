@@ -37,7 +37,7 @@ Placement PlaceByBuilder(const std::vector<BuildFrame>& frames, const std::vecto
   return PlaceFrames(frames, surveys, placement);
 }
 
-// Collects the finest tiles of a mosaic into one grey picture.
+// Collects the finest tiles of a mosaic into one grey image.
 class MosaicCanvas {
  public:
   MosaicCanvas(const RectM& extent, const MosaicLayout& layout) : layout_(layout) {
@@ -50,21 +50,21 @@ class MosaicCanvas {
   }
 
   void Add(const MosaicTile& tile) {
-    const cv::Rect place((tile.id.x - first_x_) * layout_.tile_px, (last_y_ - tile.id.y) * layout_.tile_px,
-                         layout_.tile_px, layout_.tile_px);
-    if (tile.id.z == layout_.max_zoom && (place & cv::Rect({0, 0}, gray_.size())) == place) {
-      cv::imdecode(tile.jpeg, cv::IMREAD_GRAYSCALE).copyTo(gray_(place));
+    const cv::Rect rect((tile.id.x - first_x_) * layout_.tile_px, (last_y_ - tile.id.y) * layout_.tile_px,
+                        layout_.tile_px, layout_.tile_px);
+    if (tile.id.z == layout_.max_zoom && (rect & cv::Rect({0, 0}, gray_.size())) == rect) {
+      cv::imdecode(tile.jpeg, cv::IMREAD_GRAYSCALE).copyTo(gray_(rect));
     }
   }
 
-  FloorPicture Finish() const {
-    // Tiles are JPEG: what nobody saw is nearly black rather than black.
+  FloorImage Finish() const {
+    // Tiles are JPEG: what was not surveyed is nearly black rather than black.
     cv::Mat mask = gray_ > 3;
     cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::Mat::ones(9, 9, CV_8U));
     const double side = layout_.TileSide(layout_.max_zoom);
     const double half = 0.5 * layout_.resolution_m;
-    return FloorPicture::FromMosaic(gray_, mask, {first_x_ * side + half, (last_y_ + 1) * side - half},
-                                    layout_.resolution_m);
+    return FloorImage::FromMosaic(gray_, mask, {first_x_ * side + half, (last_y_ + 1) * side - half},
+                                  layout_.resolution_m);
   }
 
  private:
@@ -75,7 +75,7 @@ class MosaicCanvas {
   cv::Mat gray_;
 };
 
-FloorPicture Compose(const MosaicInput& input, const WholeFloorOptions& options) {
+FloorImage Compose(const MosaicInput& input, const WholeFloorOptions& options) {
   MosaicOptions mosaic;
   mosaic.jpeg_quality = 97;
   mosaic.resolution_m = input.surveys.front().survey.camera.floor.resolution_m;
@@ -84,7 +84,7 @@ FloorPicture Compose(const MosaicInput& input, const WholeFloorOptions& options)
   const double pixels = input.extent.width_m() * input.extent.height_m() / std::pow(mosaic.resolution_m, 2);
   if (pixels > kMaxPixels) {
     throw InputError(input.surveys.front().survey.folder,
-                     "is too large for one picture (" + std::to_string(static_cast<int>(pixels / 1e6)) +
+                     "is too large for one image (" + std::to_string(static_cast<int>(pixels / 1e6)) +
                          " megapixels); take a part of the survey, or a coarser resolution in floor.yaml");
   }
   const MosaicLayout layout = MakeMosaicLayout(input.extent, mosaic);
@@ -107,7 +107,7 @@ WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const W
   const CoverageGrid coverage(placement.map_from_base, std::vector<RectM>(frames.size(), survey.camera.floor.roi));
   const Exposure exposure = EstimateExposure({frames, surveys, placement.links, placement.map_from_base});
   WholeFloor floor;
-  floor.picture = Compose({frames, surveys, placement.map_from_base, exposure, coverage.Extent()}, options);
+  floor.image = Compose({frames, surveys, placement.map_from_base, exposure, coverage.Extent()}, options);
   floor.true_poses = truth.has_value();
   floor.frames = static_cast<int>(std::count_if(placement.map_from_base.begin(), placement.map_from_base.end(),
                                                 [](const auto& pose) { return pose.has_value(); }));

@@ -5,13 +5,13 @@
 
 #include "core/vision/image/rectifier.h"
 #include "mapbuilder/batch/progress.h"
-#include "mapbuilder/laboratory/picture.h"
+#include "mapbuilder/laboratory/floor_image.h"
 
 namespace floorloc {
 
-/// The floor that the frames are looked for on: one mosaic of the whole survey.
+/// The floor that the frames are localized on: one mosaic of the whole survey.
 struct WholeFloor {
-  FloorPicture picture;     ///< frame: that of the survey's groundtruth.tum, or the builder's
+  FloorImage image;         ///< frame: that of the survey's groundtruth.tum, or the builder's
   bool true_poses = false;  ///< the frames were placed by groundtruth.tum, not by the builder
   int frames = 0;           ///< placed ones
 };
@@ -21,8 +21,8 @@ struct WholeFloorOptions {
   ProgressOutput progress;
 };
 
-/// Composes the mosaic of a survey with the builder's own stages. The frames stand where groundtruth.tum puts them; a
-/// survey without one is placed by the builder. Throws InputError, also for a floor too large for one picture.
+/// Composes the mosaic of a survey with the builder's own stages. The frames have the poses of groundtruth.tum; a
+/// survey without one is placed by the builder. Throws InputError, also for a floor too large for one image.
 WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const WholeFloorOptions& options);
 
 }  // namespace floorloc

@@ -13,10 +13,10 @@
 namespace floorloc {
 namespace {
 
-using MarkerInPicture = std::vector<cv::Point2f>;  // four corners
+using MarkerInImage = std::vector<cv::Point2f>;  // four corners
 
 // Sub-pixel corners; the window stays within the marker's black border and the white around it.
-void Refine(const cv::Mat& smooth, int modules, MarkerInPicture* corners) {
+void Refine(const cv::Mat& smooth, int modules, MarkerInImage* corners) {
   double shortest = cv::norm((*corners)[3] - (*corners)[0]);
   for (std::size_t i = 0; i < 3; ++i) {
     shortest = std::min(shortest, cv::norm((*corners)[i + 1] - (*corners)[i]));
@@ -26,36 +26,36 @@ void Refine(const cv::Mat& smooth, int modules, MarkerInPicture* corners) {
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
 }
 
-std::vector<MarkerSighting> DetectIn(const cv::Mat& raw, const FloorCamera& camera,
-                                     const cv::Ptr<cv::aruco::Dictionary>& dictionary) {
-  std::vector<MarkerInPicture> found;
+std::vector<MarkerDetection> DetectIn(const cv::Mat& raw, const FloorCamera& camera,
+                                      const cv::Ptr<cv::aruco::Dictionary>& dictionary) {
+  std::vector<MarkerInImage> found;
   std::vector<int> ids;
   cv::aruco::detectMarkers(raw, dictionary, found, ids);
-  std::vector<MarkerSighting> sightings;
+  std::vector<MarkerDetection> detections;
   if (found.empty()) {
-    return sightings;
+    return detections;
   }
   cv::Mat smooth;
-  cv::GaussianBlur(raw, smooth, {}, 0.7);  // edges of sharp pictures are staircases
+  cv::GaussianBlur(raw, smooth, {}, 0.7);  // edges of sharp images are staircases
   for (std::size_t i = 0; i < found.size(); ++i) {
     Refine(smooth, dictionary->markerSize + 2, &found[i]);
-    MarkerSighting sighting;
-    sighting.id = ids[i];
+    MarkerDetection detection;
+    detection.id = ids[i];
     bool on_floor = true;
     for (std::size_t c = 0; c < 4; ++c) {
-      sighting.corners_m[c] = camera.FloorFromRawPixel({found[i][c].x, found[i][c].y});
-      on_floor = on_floor && sighting.corners_m[c].allFinite();
+      detection.corners_m[c] = camera.FloorFromRawPixel({found[i][c].x, found[i][c].y});
+      on_floor = on_floor && detection.corners_m[c].allFinite();
     }
     if (on_floor) {
-      sightings.push_back(sighting);
+      detections.push_back(detection);
     }
   }
-  return sightings;
+  return detections;
 }
 
 }  // namespace
 
-double MarkerSighting::MeanSideM() const {
+double MarkerDetection::MeanSideM() const {
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     sum += (corners_m[(i + 1) % 4] - corners_m[i]).norm();
@@ -63,7 +63,7 @@ double MarkerSighting::MeanSideM() const {
   return 0.25 * sum;
 }
 
-bool MarkerSighting::IsSquare(double tolerance) const {
+bool MarkerDetection::IsSquare(double tolerance) const {
   const double side = MeanSideM();
   for (std::size_t i = 0; i < 4; ++i) {
     if (std::abs((corners_m[(i + 1) % 4] - corners_m[i]).norm() - side) > tolerance * side) {
@@ -75,11 +75,11 @@ bool MarkerSighting::IsSquare(double tolerance) const {
   return std::abs(diagonals) < 2.0 * tolerance * side;
 }
 
-std::vector<MarkerSighting> DetectMarkers(const std::vector<BuildFrame>& frames,
-                                          const std::vector<LoadedSurvey>& surveys,
-                                          const MarkerDetectionOptions& options) {
+std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames,
+                                           const std::vector<LoadedSurvey>& surveys,
+                                           const MarkerDetectionOptions& options) {
   const cv::Ptr<cv::aruco::Dictionary> dictionary = FindArucoDictionary(options.dictionary);
-  std::vector<std::vector<MarkerSighting>> per_frame(frames.size());
+  std::vector<std::vector<MarkerDetection>> per_frame(frames.size());
   ProgressBar progress("markers", static_cast<std::int64_t>(frames.size()), options.progress);
   ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
@@ -93,11 +93,11 @@ std::vector<MarkerSighting> DetectMarkers(const std::vector<BuildFrame>& frames,
     }
     progress.Advance();
   });
-  std::vector<MarkerSighting> all;
+  std::vector<MarkerDetection> all;
   for (std::size_t i = 0; i < per_frame.size(); ++i) {
-    for (MarkerSighting& sighting : per_frame[i]) {
-      sighting.frame = static_cast<int>(i);
-      all.push_back(sighting);
+    for (MarkerDetection& detection : per_frame[i]) {
+      detection.frame = static_cast<int>(i);
+      all.push_back(detection);
     }
   }
   return all;

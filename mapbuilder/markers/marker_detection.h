@@ -18,7 +18,7 @@ struct MarkerDetectionOptions {
 };
 
 /// A marker on the floor, seen by one frame.
-struct MarkerSighting {
+struct MarkerDetection {
   int frame = 0;
   int id = 0;
   /// Base frame, metres: from the corner that is the upper left one when the marker is upright, clockwise.
@@ -30,10 +30,10 @@ struct MarkerSighting {
   bool IsSquare(double tolerance) const;
 };
 
-/// Finds the markers in the frames' pictures, which are read again: nobody without markers pays for them. In the order
-/// of the frames; pictures that cannot be read have none.
-std::vector<MarkerSighting> DetectMarkers(const std::vector<BuildFrame>& frames,
-                                          const std::vector<LoadedSurvey>& surveys,
-                                          const MarkerDetectionOptions& options);
+/// Finds the markers in the frames' images, which are read again, so that builds without markers have no cost. In the
+/// order of the frames; images that cannot be read have none.
+std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames,
+                                           const std::vector<LoadedSurvey>& surveys,
+                                           const MarkerDetectionOptions& options);
 
 }  // namespace floorloc

@@ -10,7 +10,7 @@
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
-#include "mapbuilder/markers/marker_places.h"
+#include "mapbuilder/markers/marker_positions.h"
 
 namespace floorloc {
 namespace {
@@ -69,7 +69,7 @@ void RemoveKeypointsOn(const std::array<Eigen::Vector2d, 4>& corners, double mar
   }
 }
 
-// A marker's corners, as MarkerSighting has them, from its place in the map.
+// A marker's corners, as MarkerDetection has them, from its place in the map.
 std::array<Eigen::Vector2d, 4> CornersInMap(const KnownMarker& marker, double size_m) {
   const Pose2 map_from_marker(marker.center_in_map_m.x(), marker.center_in_map_m.y(), *marker.yaw_rad);
   const double half = 0.5 * size_m;
@@ -78,7 +78,7 @@ std::array<Eigen::Vector2d, 4> CornersInMap(const KnownMarker& marker, double si
 }
 
 // A marker as all placed frames of one survey see it: the mean of its corners in the map. Between surveys it may move.
-struct SeenInMap {
+struct MarkerInMap {
   int id = 0;
   int frames = 0;
   std::array<Eigen::Vector2d, 4> corners_m;
@@ -90,26 +90,26 @@ struct SeenInMap {
   }
 };
 
-std::vector<SeenInMap> CollectInMap(const std::vector<MarkerSighting>& sightings, const std::vector<BuildFrame>& frames,
-                                    const Placement& placement) {
-  std::map<std::pair<int, int>, SeenInMap> seen;  // by id and survey
-  for (const MarkerSighting& sighting : sightings) {
-    const auto frame = static_cast<std::size_t>(sighting.frame);
+std::vector<MarkerInMap> CollectInMap(const std::vector<MarkerDetection>& detections,
+                                      const std::vector<BuildFrame>& frames, const Placement& placement) {
+  std::map<std::pair<int, int>, MarkerInMap> located;  // by id and survey
+  for (const MarkerDetection& detection : detections) {
+    const auto frame = static_cast<std::size_t>(detection.frame);
     if (!placement.map_from_base[frame]) {
       continue;
     }
     const std::array<Eigen::Vector2d, 4> origin{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
                                                 Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-    SeenInMap& marker =
-        seen.try_emplace({sighting.id, frames[frame].survey}, SeenInMap{sighting.id, 0, origin}).first->second;
+    MarkerInMap& marker =
+        located.try_emplace({detection.id, frames[frame].survey}, MarkerInMap{detection.id, 0, origin}).first->second;
     ++marker.frames;
     for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d corner = *placement.map_from_base[frame] * sighting.corners_m[i];
+      const Eigen::Vector2d corner = *placement.map_from_base[frame] * detection.corners_m[i];
       marker.corners_m[i] += (corner - marker.corners_m[i]) / marker.frames;
     }
   }
-  std::vector<SeenInMap> all;
-  for (const auto& [key, marker] : seen) {
+  std::vector<MarkerInMap> all;
+  for (const auto& [key, marker] : located) {
     all.push_back(marker);
   }
   return all;
@@ -124,11 +124,11 @@ double MarginOf(const MarkerOptions& options) {
 MarkerSurvey::MarkerSurvey(const MarkerOptions& options, const FrameSet& set)
     : options_(options), known_(ParseMarkersCsv(ReadTextFile(options.file), options.file)) {
   for (const LoadedSurvey& loaded : set.surveys) {
-    own_control_points_.push_back(loaded.survey.control_points.size());
+    survey_control_points_.push_back(loaded.survey.control_points.size());
   }
-  sightings_ = DetectMarkers(set.frames, set.surveys, options.detection);
+  detections_ = DetectMarkers(set.frames, set.surveys, options.detection);
   CheckSizes();
-  CheckKnown();
+  CheckKnownMarkers();
 }
 
 const KnownMarker* MarkerSurvey::Find(int id) const {
@@ -139,18 +139,18 @@ const KnownMarker* MarkerSurvey::Find(int id) const {
 
 void MarkerSurvey::CheckSizes() {
   const double size_m = options_.detection.size_m;
-  const std::size_t all = sightings_.size();
-  std::erase_if(sightings_, [](const MarkerSighting& sighting) { return !sighting.IsSquare(kSquareTolerance); });
-  if (sightings_.empty()) {
+  const std::size_t all = detections_.size();
+  std::erase_if(detections_, [](const MarkerDetection& detection) { return !detection.IsSquare(kSquareTolerance); });
+  if (detections_.empty()) {
     throw InputError(options_.file, "no marker of " + options_.detection.dictionary +
-                                        " was seen in any picture; check --marker-dictionary");
+                                        " was detected in any image; check --marker-dictionary");
   }
   std::vector<double> sides;
-  for (const MarkerSighting& sighting : sightings_) {
-    sides.push_back(sighting.MeanSideM());
+  for (const MarkerDetection& detection : detections_) {
+    sides.push_back(detection.MeanSideM());
   }
   const double median_m = Median(sides);
-  const std::string measured = "the markers measure " + Millimetres(median_m) + " in the pictures, not " +
+  const std::string measured = "the markers measure " + Millimetres(median_m) + " in the images, not " +
                                Millimetres(size_m) +
                                ": check --marker-size (the black square) and the scale of "
                                "floor.yaml";
@@ -160,119 +160,118 @@ void MarkerSurvey::CheckSizes() {
   if (std::abs(median_m / size_m - 1.0) > kDoubtfulScale) {
     warnings_.push_back(measured);
   }
-  std::erase_if(sightings_, [&](const MarkerSighting& sighting) {
-    return std::abs(sighting.MeanSideM() / median_m - 1.0) > kSizeTolerance;
+  std::erase_if(detections_, [&](const MarkerDetection& detection) {
+    return std::abs(detection.MeanSideM() / median_m - 1.0) > kSizeTolerance;
   });
-  if (all > sightings_.size()) {
-    warnings_.push_back(std::to_string(all - sightings_.size()) + " of " + std::to_string(all) +
-                        " sightings of markers are no squares of --marker-size and were not used: a marker that does "
-                        "not lie flat, or a pattern that looks like one");
+  if (all > detections_.size()) {
+    warnings_.push_back(std::to_string(all - detections_.size()) + " of " + std::to_string(all) +
+                        " detections of markers are not squares of --marker-size and were not used: a marker that does "
+                        "not lie flat, or a pattern that resembles one");
   }
 }
 
-void MarkerSurvey::CheckKnown() {
+void MarkerSurvey::CheckKnownMarkers() {
   std::map<int, int> count;
-  for (const MarkerSighting& sighting : sightings_) {
-    ++count[sighting.id];
+  for (const MarkerDetection& detection : detections_) {
+    ++count[detection.id];
   }
   int fixed = 0;
   for (const KnownMarker& marker : known_) {
     if (!count.contains(marker.id)) {
       warnings_.push_back("marker " + std::to_string(marker.id) + " (" + options_.file.string() + ":" +
-                          std::to_string(marker.line) + ") is in no picture");
+                          std::to_string(marker.line) + ") is in no image");
     } else {
       fixed += marker.yaw_rad ? 2 : 1;
     }
   }
   for (const auto& [id, frames] : count) {
     if (Find(id) == nullptr) {
-      warnings_.push_back("marker " + std::to_string(id) + " is in " + std::to_string(frames) +
-                          " pictures but not in " + options_.file.string() + ": it is masked, and its place not used");
+      warnings_.push_back("marker " + std::to_string(id) + " is in " + std::to_string(frames) + " images but not in " +
+                          options_.file.string() + ": it is masked, and not used otherwise");
     }
   }
   if (fixed < 2) {
     throw InputError(options_.file,
-                     fixed == 0 ? "none of its markers is in the pictures; check the ids and --marker-dictionary"
-                                : "only one of its markers is in the pictures, which does not fix the map's heading; "
+                     fixed == 0 ? "none of its markers is in the images; check the ids and --marker-dictionary"
+                                : "only one of its markers is in the images, which does not fix the map's heading; "
                                   "survey two, or give its yaw");
   }
 }
 
-FrameSet MarkerSurvey::MaskSeen(FrameSet set) const {
-  for (const MarkerSighting& sighting : sightings_) {
-    RemoveKeypointsOn(sighting.corners_m, MarginOf(options_),
-                      &set.frames[static_cast<std::size_t>(sighting.frame)].features);
+FrameSet MarkerSurvey::MaskDetected(FrameSet set) const {
+  for (const MarkerDetection& detection : detections_) {
+    RemoveKeypointsOn(detection.corners_m, MarginOf(options_),
+                      &set.frames[static_cast<std::size_t>(detection.frame)].features);
   }
   return set;
 }
 
 FrameSet MarkerSurvey::AddControlPoints(FrameSet set) const {
   for (std::size_t s = 0; s < set.surveys.size(); ++s) {
-    set.surveys[s].survey.control_points.resize(own_control_points_[s]);
+    set.surveys[s].survey.control_points.resize(survey_control_points_[s]);
   }
-  for (const MarkerSighting& sighting : sightings_) {
-    const KnownMarker* marker = Find(sighting.id);
-    if (marker == nullptr || left_out_.contains(sighting.id)) {
+  for (const MarkerDetection& detection : detections_) {
+    const KnownMarker* marker = Find(detection.id);
+    if (marker == nullptr || excluded_.contains(detection.id)) {
       continue;
     }
-    const BuildFrame& frame = set.frames[static_cast<std::size_t>(sighting.frame)];
+    const BuildFrame& frame = set.frames[static_cast<std::size_t>(detection.frame)];
     Survey& survey = set.surveys[static_cast<std::size_t>(frame.survey)].survey;
     const auto add = [&](const Eigen::Vector2d& in_base_m, const Eigen::Vector2d& in_map_m) {
       survey.control_points.push_back({frame.info.filename, survey.camera.RawPixelFromFloor(in_base_m), in_map_m});
     };
     if (!marker->yaw_rad) {
-      add(sighting.Center(), marker->center_in_map_m);
+      add(detection.Center(), marker->center_in_map_m);
       continue;
     }
     const std::array<Eigen::Vector2d, 4> in_map = CornersInMap(*marker, options_.detection.size_m);
     for (std::size_t i = 0; i < 4; ++i) {
-      add(sighting.corners_m[i], in_map[i]);
+      add(detection.corners_m[i], in_map[i]);
     }
   }
   return set;
 }
 
-bool MarkerSurvey::LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement) {
-  std::vector<SeenInMap> seen = CollectInMap(sightings_, frames, placement);
-  std::erase_if(seen, [&](const SeenInMap& marker) { return Find(marker.id) == nullptr; });
-  std::vector<MarkerPlace> places;
-  for (const SeenInMap& marker : seen) {
-    places.push_back({marker.Center(), Find(marker.id)->center_in_map_m});
+bool MarkerSurvey::ExcludeContradicting(const std::vector<BuildFrame>& frames, const Placement& placement) {
+  std::vector<MarkerInMap> located = CollectInMap(detections_, frames, placement);
+  std::erase_if(located, [&](const MarkerInMap& marker) { return Find(marker.id) == nullptr; });
+  std::vector<MarkerPosition> positions;
+  for (const MarkerInMap& marker : located) {
+    positions.push_back({marker.Center(), Find(marker.id)->center_in_map_m});
   }
-  const std::vector<double> residuals = places.size() < 2 ? std::vector<double>{} : RobustResiduals(places);
-  for (const std::size_t i : FindContradicting(places)) {
-    if (left_out_.insert(seen[i].id).second) {
-      warnings_.push_back("marker " + std::to_string(seen[i].id) + " (" + options_.file.string() + ":" +
-                          std::to_string(Find(seen[i].id)->line) + ") is off by " + Millimetres(residuals[i]) +
-                          " against the other markers, and not used: was it moved, or its place mistyped?");
+  const std::vector<double> residuals = positions.size() < 2 ? std::vector<double>{} : RobustResiduals(positions);
+  for (const std::size_t i : FindContradicting(positions)) {
+    if (excluded_.insert(located[i].id).second) {
+      warnings_.push_back("marker " + std::to_string(located[i].id) + " (" + options_.file.string() + ":" +
+                          std::to_string(Find(located[i].id)->line) + ") is off by " + Millimetres(residuals[i]) +
+                          " against the other markers, and not used: was it moved, or its position mistyped?");
     }
   }
-  for (const SeenInMap& marker : seen) {
+  for (const MarkerInMap& marker : located) {
     const std::optional<double>& yaw = Find(marker.id)->yaw_rad;
-    if (yaw && std::abs(WrapAngle(marker.Yaw() - *yaw)) > kWrongYawRad && left_out_.insert(marker.id).second) {
-      warnings_.push_back("marker " + std::to_string(marker.id) + " lies otherwise than its yaw in " +
-                          options_.file.string() +
-                          " says, and is not used: it is that of its x axis, to the right when "
+    if (yaw && std::abs(WrapAngle(marker.Yaw() - *yaw)) > kWrongYawRad && excluded_.insert(marker.id).second) {
+      warnings_.push_back("marker " + std::to_string(marker.id) + " has another yaw than in " + options_.file.string() +
+                          ", and is not used: the yaw is that of its x axis, to the right when "
                           "the marker is upright, in radians");
     }
   }
-  if (places.size() == 2 && residuals[0] > kMaxPairErrorM) {
-    warnings_.push_back("markers " + std::to_string(seen[0].id) + " and " + std::to_string(seen[1].id) + " are " +
-                        Millimetres(2.0 * residuals[0]) + " nearer or farther in the map than " +
+  if (positions.size() == 2 && residuals[0] > kMaxPairErrorM) {
+    warnings_.push_back("markers " + std::to_string(located[0].id) + " and " + std::to_string(located[1].id) + " are " +
+                        Millimetres(2.0 * residuals[0]) + " nearer or farther apart in the map than " +
                         options_.file.string() + " says: one of them was moved or mistyped, or the scale is wrong");
   }
-  const bool any =
-      std::any_of(seen.begin(), seen.end(), [&](const SeenInMap& marker) { return left_out_.contains(marker.id); });
-  const auto left =
-      std::count_if(seen.begin(), seen.end(), [&](const SeenInMap& marker) { return !left_out_.contains(marker.id); });
+  const bool any = std::any_of(located.begin(), located.end(),
+                               [&](const MarkerInMap& marker) { return excluded_.contains(marker.id); });
+  const auto left = std::count_if(located.begin(), located.end(),
+                                  [&](const MarkerInMap& marker) { return !excluded_.contains(marker.id); });
   if (any && left < 2) {
-    throw InputError(options_.file, "its markers contradict each other; measure their places again");
+    throw InputError(options_.file, "its markers contradict each other; measure their positions again");
   }
   return any;
 }
 
 FrameSet MarkerSurvey::MaskInMap(const Placement& placement, FrameSet set) const {
-  for (const SeenInMap& marker : CollectInMap(sightings_, set.frames, placement)) {
+  for (const MarkerInMap& marker : CollectInMap(detections_, set.frames, placement)) {
     for (std::size_t i = 0; i < set.frames.size(); ++i) {
       if (!placement.map_from_base[i]) {
         continue;
@@ -289,9 +288,9 @@ FrameSet MarkerSurvey::MaskInMap(const Placement& placement, FrameSet set) const
 
 std::vector<MarkerFit> MarkerSurvey::Fits(const std::vector<BuildFrame>& frames, const Placement& placement) const {
   std::vector<MarkerFit> fits;
-  for (const SeenInMap& marker : CollectInMap(sightings_, frames, placement)) {
+  for (const MarkerInMap& marker : CollectInMap(detections_, frames, placement)) {
     const KnownMarker* known = Find(marker.id);
-    MarkerFit fit{marker.id, known != nullptr, known != nullptr && !left_out_.contains(marker.id), marker.frames, 0.0};
+    MarkerFit fit{marker.id, known != nullptr, known != nullptr && !excluded_.contains(marker.id), marker.frames, 0.0};
     if (known != nullptr) {
       fit.error_m = (marker.Center() - known->center_in_map_m).norm();
     }

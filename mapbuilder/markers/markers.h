@@ -13,7 +13,7 @@
 namespace floorloc {
 
 struct MarkerOptions {
-  std::filesystem::path file;  ///< CSV of known markers; empty: no markers are sought
+  std::filesystem::path file;  ///< CSV of known markers; empty: no markers are detected
   MarkerDetectionOptions detection;
   double margin_m = -1.0;  ///< printed paper around a marker's black square; negative: a quarter of its size
 };
@@ -27,7 +27,7 @@ struct MarkerFit {
   double error_m = 0.0;  ///< of its place in the map, for a known one
 };
 
-/// The markers of one build: what of the map they fix, and what of the pictures they hide.
+/// The markers of one build: the constraints they give to the map, and the parts of the images they cover.
 class MarkerSurvey {
  public:
   /// Reads the file and finds the markers in all frames. Throws InputError when the file is wrong, when none of its
@@ -35,7 +35,7 @@ class MarkerSurvey {
   MarkerSurvey(const MarkerOptions& options, const FrameSet& set);
 
   /// The frames without the keypoints on markers that a frame sees whole.
-  FrameSet MaskSeen(FrameSet set) const;
+  FrameSet MaskDetected(FrameSet set) const;
 
   /// The surveys with the known markers among their control points: their centres, or all corners where the yaw is
   /// known. Those of an earlier call are replaced.
@@ -44,7 +44,7 @@ class MarkerSurvey {
   /// Compares the markers' places in the map with the file (least median of squares over all pairs of markers, then
   /// residuals). A marker that contradicts the others is named in a warning, and not used any more: true when there is
   /// one; the control points have to be added and the frames placed again.
-  bool LeaveOutContradicting(const std::vector<BuildFrame>& frames, const Placement& placement);
+  bool ExcludeContradicting(const std::vector<BuildFrame>& frames, const Placement& placement);
 
   /// The frames without the keypoints on markers, those that see a marker in part included.
   FrameSet MaskInMap(const Placement& placement, FrameSet set) const;
@@ -57,13 +57,13 @@ class MarkerSurvey {
  private:
   const KnownMarker* Find(int id) const;
   void CheckSizes();
-  void CheckKnown();
+  void CheckKnownMarkers();
 
   MarkerOptions options_;
   std::vector<KnownMarker> known_;
-  std::vector<MarkerSighting> sightings_;
-  std::vector<std::size_t> own_control_points_;  // number of control points of each survey that came with it
-  std::set<int> left_out_;
+  std::vector<MarkerDetection> detections_;
+  std::vector<std::size_t> survey_control_points_;  // number of control points of each survey that came with it
+  std::set<int> excluded_;
   std::vector<std::string> warnings_;
 };
 

@@ -15,7 +15,7 @@
 namespace floorloc {
 namespace {
 
-// Frames that are looked for in the whole first map.
+// Frames that are localized in the whole first map.
 constexpr std::size_t kProbes = 400;
 
 // Found frames that must agree, and how well: maps drift.
@@ -31,9 +31,9 @@ constexpr double kRadiusRad = 0.06;
 constexpr double kSystematicM = 2e-4;
 constexpr double kSystematicRad = 4e-4;
 
-class Tier {
+class MapAligner {
  public:
-  Tier(const OldMap& first, const OldMap& second, const TieOptions& options)
+  MapAligner(const BaseMap& first, const BaseMap& second, const MapAlignmentOptions& options)
       : first_(first),
         second_(second),
         options_(options),
@@ -44,7 +44,7 @@ class Tier {
     registration_ = registration_.ScaledTo(Resolution());
   }
 
-  MapTie Run() {
+  MapAlignment Run() {
     const Pose2 first_from_second = options_.same_frame ? Pose2() : FindMotion();
     PoseGraph graph;
     for (const MapFrame& frame : second_.frames) {
@@ -54,30 +54,31 @@ class Tier {
       graph.links.push_back(
           {link.first, link.second, link.first_from_second, link.covariance, link.inliers, link.rms_m});
     }
-    MapTie tie;
-    // Twice: bent once, more frames lie within the search's radius.
+    MapAlignment alignment;
+    // Twice: after the first deformation, more frames lie within the search's radius.
     for (int round = 0; round < 2; ++round) {
       graph.priors = LocateNear(graph.map_from_base);
       if (graph.priors.size() >= kMinAgreeing) {
         OptimizePoses(&graph);
       }
     }
-    tie.shared_frames = static_cast<int>(graph.priors.size());
-    if (tie.shared_frames < kMinAgreeing && !options_.same_frame) {
-      Refuse("too few of their frames show the same floor");
+    alignment.shared_frames = static_cast<int>(graph.priors.size());
+    if (alignment.shared_frames < kMinAgreeing && !options_.same_frame) {
+      ThrowNotMergeable("too few of their frames show the same floor");
     }
     for (std::size_t i = 0; i < second_.frames.size(); ++i) {
       const Pose2 rigid = first_from_second * second_.frames[i].map_from_base;
-      tie.bent_m = std::max(tie.bent_m, rigid.Between(graph.map_from_base[i]).translation().norm());
+      alignment.deformation_m =
+          std::max(alignment.deformation_m, rigid.Between(graph.map_from_base[i]).translation().norm());
     }
-    tie.first_from_base = std::move(graph.map_from_base);
-    return tie;
+    alignment.first_from_base = std::move(graph.map_from_base);
+    return alignment;
   }
 
  private:
   double Resolution() const { return first_.map.info.camera().floor.resolution_m; }
 
-  [[noreturn]] void Refuse(const std::string& why) const {
+  [[noreturn]] void ThrowNotMergeable(const std::string& why) const {
     throw MapError(second_.file.string() + " can't be merged with " + first_.file.string() + ": " + why +
                    "; survey the floor between them, or give --same-frame when both maps have one frame");
   }
@@ -146,34 +147,34 @@ class Tier {
       return Register(frame, view, FindNearest(*index, view.descriptors), first_.map.info.area_m2);
     });
     Pose2 best;
-    int most = 0;
+    int max_agreeing = 0;
     for (const PosePriorFactor& fix : fixes) {
       const Pose2 motion = fix.map_from_base * PoseInSecond(fix.frame).Inverse();
       const auto agreeing =
-          std::count_if(fixes.begin(), fixes.end(), [&](const auto& other) { return Agree(motion, fix, other); });
-      if (agreeing > most) {
-        most = static_cast<int>(agreeing);
+          std::count_if(fixes.begin(), fixes.end(), [&](const auto& other) { return AgreesWith(motion, fix, other); });
+      if (agreeing > max_agreeing) {
+        max_agreeing = static_cast<int>(agreeing);
         best = motion;
       }
     }
-    if (most < kMinAgreeing) {
-      Refuse("too few of their frames show the same floor");
+    if (max_agreeing < kMinAgreeing) {
+      ThrowNotMergeable("too few of their frames show the same floor");
     }
-    if (2 * most <= static_cast<int>(fixes.size())) {
-      Refuse("the frames that show the same floor do not agree how the maps lie to each other");
+    if (2 * max_agreeing <= static_cast<int>(fixes.size())) {
+      ThrowNotMergeable("the frames that show the same floor do not agree on one alignment of the maps");
     }
     return best;
   }
 
   const Pose2& PoseInSecond(int frame) const { return second_.frames[static_cast<std::size_t>(frame)].map_from_base; }
 
-  bool Agree(const Pose2& motion, const PosePriorFactor& fix, const PosePriorFactor& other) const {
+  bool AgreesWith(const Pose2& motion, const PosePriorFactor& fix, const PosePriorFactor& other) const {
     const Pose2 error = (motion * PoseInSecond(other.frame)).Between(other.map_from_base);
     const double way_m = (fix.map_from_base.translation() - other.map_from_base.translation()).norm();
     return error.translation().norm() < kAgreeM + kAgreeShare * way_m && std::abs(error.yaw()) < kAgreeRad;
   }
 
-  // Near where the frames are thought to be.
+  // Near the frames' predicted poses.
   std::vector<PosePriorFactor> LocateNear(const std::vector<Pose2>& first_from_base) {
     std::vector<int> all;
     for (std::size_t i = 0; i < second_.frames.size(); ++i) {
@@ -190,9 +191,9 @@ class Tier {
     });
   }
 
-  const OldMap& first_;
-  const OldMap& second_;
-  const TieOptions& options_;
+  const BaseMap& first_;
+  const BaseMap& second_;
+  const MapAlignmentOptions& options_;
   MapViews views_;
   GuidedMatcher guided_;
   RegistrationOptions registration_;
@@ -200,8 +201,8 @@ class Tier {
 
 }  // namespace
 
-MapTie TieMaps(const OldMap& first, const OldMap& second, const TieOptions& options) {
-  return Tier(first, second, options).Run();
+MapAlignment AlignMaps(const BaseMap& first, const BaseMap& second, const MapAlignmentOptions& options) {
+  return MapAligner(first, second, options).Run();
 }
 
 }  // namespace floorloc

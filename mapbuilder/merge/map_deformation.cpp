@@ -8,24 +8,24 @@
 
 namespace floorloc {
 
-FrameMotions::FrameMotions(const OldMap& map, const std::vector<Pose2>& new_from_base) {
+MapDeformation::MapDeformation(const BaseMap& map, const std::vector<Pose2>& new_from_base) {
   for (const FloorCamera& camera : map.map.info.cameras) {
     cell_m_ = std::max({cell_m_, camera.floor.roi.width_m(), camera.floor.roi.height_m()});
   }
   for (std::size_t i = 0; i < map.frames.size(); ++i) {
     const MapFrame& frame = map.frames[i];
     const RectM& floor = map.map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi;
-    const Motion motion{frame.map_from_base * floor.Center(), new_from_base[i] * frame.map_from_base.Inverse()};
-    const int number = static_cast<int>(motions_.size());
+    const LocalMotion motion{frame.map_from_base * floor.Center(), new_from_base[i] * frame.map_from_base.Inverse()};
+    const int number = static_cast<int>(local_motions_.size());
     old_cells_[CellKey(motion.center, cell_m_)].push_back(number);
     new_cells_[CellKey(motion.new_from_old * motion.center, cell_m_)].push_back(number);
-    motions_.push_back(motion);
+    local_motions_.push_back(motion);
   }
 }
 
 // The weights fall to zero at the search's edge, so that the motion is smooth.
-Pose2 FrameMotions::MeanNear(const Eigen::Vector2d& point, const Cells& cells, bool in_new) const {
-  const Motion* nearest = nullptr;
+Pose2 MapDeformation::InterpolateNear(const Eigen::Vector2d& point, const Cells& cells, bool in_new) const {
+  const LocalMotion* nearest = nullptr;
   double total = 0.0;
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   Eigen::Vector2d heading = Eigen::Vector2d::Zero();
@@ -36,7 +36,7 @@ Pose2 FrameMotions::MeanNear(const Eigen::Vector2d& point, const Cells& cells, b
         continue;
       }
       for (const int i : cell->second) {
-        const Motion& motion = motions_[static_cast<std::size_t>(i)];
+        const LocalMotion& motion = local_motions_[static_cast<std::size_t>(i)];
         const Eigen::Vector2d center = in_new ? motion.new_from_old * motion.center : motion.center;
         const double share = std::max(0.0, 1.0 - (center - point).norm() / cell_m_);
         const double weight = share * share;
@@ -50,7 +50,7 @@ Pose2 FrameMotions::MeanNear(const Eigen::Vector2d& point, const Cells& cells, b
     }
   }
   if (total <= 0.0) {
-    return nearest != nullptr ? nearest->new_from_old : motions_.front().new_from_old;
+    return nearest != nullptr ? nearest->new_from_old : local_motions_.front().new_from_old;
   }
   const double yaw = std::atan2(heading.y(), heading.x());
   const Eigen::Vector2d from = in_new ? Eigen::Vector2d(point - shift / total) : point;
@@ -59,10 +59,12 @@ Pose2 FrameMotions::MeanNear(const Eigen::Vector2d& point, const Cells& cells, b
   return {t.x(), t.y(), yaw};
 }
 
-Pose2 FrameMotions::At(const Eigen::Vector2d& point_in_old) const { return MeanNear(point_in_old, old_cells_, false); }
+Pose2 MapDeformation::At(const Eigen::Vector2d& point_in_old) const {
+  return InterpolateNear(point_in_old, old_cells_, false);
+}
 
-Eigen::Vector2d FrameMotions::BackFrom(const Eigen::Vector2d& point_in_new) const {
-  return MeanNear(point_in_new, new_cells_, true).Inverse() * point_in_new;
+Eigen::Vector2d MapDeformation::OldFromNew(const Eigen::Vector2d& point_in_new) const {
+  return InterpolateNear(point_in_new, new_cells_, true).Inverse() * point_in_new;
 }
 
 }  // namespace floorloc

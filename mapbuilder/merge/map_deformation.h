@@ -8,26 +8,26 @@
 
 namespace floorloc {
 
-/// How the floor of a map moves when its frames get new poses: as the frames around, weighted by how near they are.
-class FrameMotions {
+/// Deformation of a map whose frames get new poses: the motion of the frames around, weighted by distance.
+class MapDeformation {
  public:
-  FrameMotions(const OldMap& map, const std::vector<Pose2>& new_from_base);
+  MapDeformation(const BaseMap& map, const std::vector<Pose2>& new_from_base);
 
   /// new_from_old at a point of the old frame.
   Pose2 At(const Eigen::Vector2d& point_in_old) const;
   /// Where a point of the new frame was in the old one.
-  Eigen::Vector2d BackFrom(const Eigen::Vector2d& point_in_new) const;
+  Eigen::Vector2d OldFromNew(const Eigen::Vector2d& point_in_new) const;
 
  private:
-  struct Motion {
+  struct LocalMotion {
     Eigen::Vector2d center = Eigen::Vector2d::Zero();  // of the frame's view, old frame
     Pose2 new_from_old;
   };
   using Cells = std::unordered_map<std::int64_t, std::vector<int>>;
 
-  Pose2 MeanNear(const Eigen::Vector2d& point, const Cells& cells, bool in_new) const;
+  Pose2 InterpolateNear(const Eigen::Vector2d& point, const Cells& cells, bool in_new) const;
 
-  std::vector<Motion> motions_;
+  std::vector<LocalMotion> local_motions_;
   Cells old_cells_, new_cells_;  // of the centers
   double cell_m_ = 1.0;
 };

@@ -7,7 +7,7 @@
 #include "core/map/map_error.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/finished_map/map_info.h"
-#include "mapbuilder/finished_map/map_picture.h"
+#include "mapbuilder/finished_map/map_mosaic.h"
 #include "mapbuilder/merge/join_keypoints.h"
 #include "mapbuilder/merge/map_deformation.h"
 #include "mapbuilder/mosaic/mosaic.h"
@@ -16,7 +16,7 @@
 namespace floorloc {
 namespace {
 
-void CheckAlike(const OldMap& first, const OldMap& second) {
+void CheckCompatible(const BaseMap& first, const BaseMap& second) {
   const auto refuse = [&](const std::string& what) {
     throw MapError(second.file.string() + " has another " + what + " than " + first.file.string() +
                    "; build one of them again with the other's");
@@ -31,31 +31,32 @@ void CheckAlike(const OldMap& first, const OldMap& second) {
 }
 
 // The second map's keypoints go with the frames that saw them.
-MapKeypoints Moved(const MapKeypoints& keypoints, const FrameMotions& motions) {
-  MapKeypoints moved = keypoints;
-  for (Keypoint& k : moved.keypoints) {
-    const Pose2 motion = motions.At(k.Position());
+MapKeypoints Deformed(const MapKeypoints& keypoints, const MapDeformation& deformation) {
+  MapKeypoints deformed = keypoints;
+  for (Keypoint& k : deformed.keypoints) {
+    const Pose2 motion = deformation.At(k.Position());
     const Eigen::Vector2d p = motion * k.Position();
     k.x_m = static_cast<float>(p.x());
     k.y_m = static_cast<float>(p.y());
     k.angle_rad = static_cast<float>(WrapAngle(k.angle_rad + motion.yaw()));
   }
-  return moved;
+  return deformed;
 }
 
-void WriteFramesAndLinks(const OldMap& first, const OldMap& second, const MapTie& tie, MapWriter* writer) {
+void WriteFramesAndLinks(const BaseMap& first, const BaseMap& second, const MapAlignment& alignment,
+                         MapWriter* writer) {
   std::vector<MapFrame> frames = first.frames;
   const int first_count = static_cast<int>(frames.size());
   for (std::size_t i = 0; i < second.frames.size(); ++i) {
     MapFrame frame = second.frames[i];
     frame.survey += first.survey_count();
-    frame.map_from_base = tie.first_from_base[i];
+    frame.map_from_base = alignment.first_from_base[i];
     frames.push_back(std::move(frame));
   }
   std::vector<MapLink> links = first.links;
   for (MapLink link : second.links) {
-    const Pose2& a = tie.first_from_base[static_cast<std::size_t>(link.first)];
-    const Pose2& b = tie.first_from_base[static_cast<std::size_t>(link.second)];
+    const Pose2& a = alignment.first_from_base[static_cast<std::size_t>(link.first)];
+    const Pose2& b = alignment.first_from_base[static_cast<std::size_t>(link.second)];
     link.residual_sigma = LinkResidual(
         {link.first, link.second, link.first_from_second, link.covariance, link.inliers, link.rms_m}, a, b);
     link.first += first_count;
@@ -66,19 +67,19 @@ void WriteFramesAndLinks(const OldMap& first, const OldMap& second, const MapTie
   writer->WriteLinks(links);
 }
 
-// The first map's picture over the second's, which is bent as its frames are.
-void WriteMosaic(const OldMap& first, const OldMap& second, const FrameMotions& motions, const RectM& extent,
+// The first map's mosaic over the second's, which is deformed like its frames.
+void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformation& deformation, const RectM& extent,
                  const MosaicLayout& layout, const MosaicOptions& options, MapWriter* writer) {
-  const MapPicture upper(first.database);
-  const MapPicture lower(second.database);
-  const auto second_from_first = [&](const Eigen::Vector2d& p) { return motions.BackFrom(p); };
+  const MapMosaic upper(first.database);
+  const MapMosaic lower(second.database);
+  const auto second_from_first = [&](const Eigen::Vector2d& p) { return deformation.OldFromNew(p); };
   const MosaicBackground both = [&](const RectM& square, int side_px) {
-    const MosaicPatch a = upper.Cut(square, side_px);
-    const MosaicPatch b = lower.Cut(square, side_px, second_from_first);
+    const MosaicPatch a = upper.ReadPatch(square, side_px);
+    const MosaicPatch b = lower.ReadPatch(square, side_px, second_from_first);
     if (a.bgr.empty() || b.bgr.empty()) {
       return a.bgr.empty() ? b : a;
     }
-    return LayOver(a, b, cv::Mat(side_px, side_px, CV_32F, cv::Scalar(1.0)));
+    return BlendOver(a, b, cv::Mat(side_px, side_px, CV_32F, cv::Scalar(1.0)));
   };
   const std::vector<BuildFrame> no_frames;
   const std::vector<LoadedSurvey> no_surveys;
@@ -91,46 +92,46 @@ void WriteMosaic(const OldMap& first, const OldMap& second, const FrameMotions& 
 }  // namespace
 
 MergeReport MergeMaps(const MergeOptions& options) {
-  const OldMap first(options.first);
-  const OldMap second(options.second);
-  CheckAlike(first, second);
+  const BaseMap first(options.first);
+  const BaseMap second(options.second);
+  CheckCompatible(first, second);
   MapWriter writer(options.out);
-  const MapTie tie = TieMaps(first, second, options.tie);
-  WriteFramesAndLinks(first, second, tie, &writer);
+  const MapAlignment alignment = AlignMaps(first, second, options.alignment);
+  WriteFramesAndLinks(first, second, alignment, &writer);
 
-  const FrameMotions motions(second, tie.first_from_base);
-  const MapKeypoints moved = Moved(second.map.keypoints, motions);
+  const MapDeformation deformation(second, alignment.first_from_base);
+  const MapKeypoints deformed = Deformed(second.map.keypoints, deformation);
   const MapKeypoints keypoints =
-      JoinKeypoints(first.map.keypoints, moved, first.map.info.camera().floor.resolution_m, first.survey_count());
+      JoinKeypoints(first.map.keypoints, deformed, first.map.info.camera().floor.resolution_m, first.survey_count());
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(first.map.info.extractor)->descriptor_type());
 
   const CoverageGrid coverage =
-      CoverageOfAll(first, {tie.first_from_base.begin(), tie.first_from_base.end()}, second.Floors());
+      CoverageOfAll(first, {alignment.first_from_base.begin(), alignment.first_from_base.end()}, second.Floors());
   MosaicOptions mosaic;
   mosaic.tile_px = first.map.mosaic.tile_px;
   mosaic.resolution_m = first.map.mosaic.resolution_m;
   mosaic.jpeg_quality = options.jpeg_quality;
-  mosaic.threads = options.tie.threads;
-  mosaic.progress = options.tie.progress;
+  mosaic.threads = options.alignment.threads;
+  mosaic.progress = options.alignment.progress;
   const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), mosaic);
-  WriteMosaic(first, second, motions, coverage.Extent(), layout, mosaic, &writer);
+  WriteMosaic(first, second, deformation, coverage.Extent(), layout, mosaic, &writer);
 
   MergeReport report;
-  for (const OldMap* map : {&first, &second}) {
+  for (const BaseMap* map : {&first, &second}) {
     const std::vector<std::string> left_behind = map->LayersLeftBehind();
     report.warnings.insert(report.warnings.end(), left_behind.begin(), left_behind.end());
   }
   report.frames = static_cast<int>(first.frames.size() + second.frames.size());
-  report.shared_frames = tie.shared_frames;
-  report.bent_m = tie.bent_m;
+  report.shared_frames = alignment.shared_frames;
+  report.deformation_m = alignment.deformation_m;
   report.keypoints = static_cast<int>(keypoints.size());
-  report.shared_keypoints = static_cast<int>(first.map.keypoints.size() + moved.size() - keypoints.size());
+  report.shared_keypoints = static_cast<int>(first.map.keypoints.size() + deformed.size() - keypoints.size());
   report.area_m2 = coverage.AreaM2();
   MapInfo info = MakeMergedInfo(options.out.stem().string(), first, second);
   info.extent = coverage.Extent();
   info.area_m2 = coverage.AreaM2();
   info.report_json = nlohmann::json{{"shared_frames", report.shared_frames},
-                                    {"bent_m", report.bent_m},
+                                    {"bent_m", report.deformation_m},
                                     {"shared_keypoints", report.shared_keypoints}}
                          .dump();
   report.content_version = writer.Commit(info, layout);

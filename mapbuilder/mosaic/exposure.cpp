@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapbuilder/batch/parallel.h"
-#include "mapbuilder/mosaic/frame_light.h"
+#include "mapbuilder/mosaic/exposure_grid.h"
 
 namespace floorloc {
 namespace {
@@ -24,17 +24,17 @@ double Median(std::vector<double>* values) {
 
 double LogGray(const cv::Vec3b& color) { return std::log((color[0] + color[1] + color[2]) / 3.0); }
 
-bool IsSeen(const cv::Vec3b& color) { return color[1] > 0; }
+bool IsValid(const cv::Vec3b& color) { return color[1] > 0; }
 
 // Log brightness of every cell relative to its frame's middle: the median over the survey's frames.
-cv::Mat LogFlatField(const std::vector<cv::Mat>& light, const cv::Size& cells) {
+cv::Mat LogFlatField(const std::vector<cv::Mat>& cell_colors, const cv::Size& cells) {
   constexpr std::size_t kMaxFrames = 500;
-  const std::size_t step = light.size() / kMaxFrames + 1;
+  const std::size_t step = cell_colors.size() / kMaxFrames + 1;
   std::vector<std::vector<double>> relative(static_cast<std::size_t>(cells.area()));
-  for (std::size_t i = 0; i < light.size(); i += step) {
+  for (std::size_t i = 0; i < cell_colors.size(); i += step) {
     std::vector<double> all;
-    std::for_each(light[i].begin<cv::Vec3b>(), light[i].end<cv::Vec3b>(), [&](const cv::Vec3b& color) {
-      if (IsSeen(color)) {
+    std::for_each(cell_colors[i].begin<cv::Vec3b>(), cell_colors[i].end<cv::Vec3b>(), [&](const cv::Vec3b& color) {
+      if (IsValid(color)) {
         all.push_back(LogGray(color));
       }
     });
@@ -43,8 +43,9 @@ cv::Mat LogFlatField(const std::vector<cv::Mat>& light, const cv::Size& cells) {
     }
     const double middle = Median(&all);
     for (std::size_t c = 0; c < relative.size(); ++c) {
-      const auto& color = light[i].at<cv::Vec3b>(static_cast<int>(c) / cells.width, static_cast<int>(c) % cells.width);
-      if (IsSeen(color)) {
+      const auto& color =
+          cell_colors[i].at<cv::Vec3b>(static_cast<int>(c) / cells.width, static_cast<int>(c) % cells.width);
+      if (IsValid(color)) {
         relative[c].push_back(LogGray(color) - middle);
       }
     }
@@ -62,10 +63,10 @@ cv::Mat LogFlatField(const std::vector<cv::Mat>& light, const cv::Size& cells) {
   return field;
 }
 
-// Per pixel of the rectified picture.
-cv::Mat GainField(const cv::Mat& log_field, const LightGrid& grid) {
+// Per pixel of the rectified image.
+cv::Mat GainField(const cv::Mat& log_field, const ExposureGrid& grid) {
   // Cell (0, 0) has its middle half a cell from the corner.
-  constexpr double kCell = LightGrid::kCellPx;
+  constexpr double kCell = ExposureGrid::kCellPx;
   const cv::Mat cell_from_pixel =
       (cv::Mat_<double>(2, 3) << 1.0 / kCell, 0.0, 0.5 / kCell - 0.5, 0.0, 1.0 / kCell, 0.5 / kCell - 0.5);
   cv::Mat wide;
@@ -76,7 +77,7 @@ cv::Mat GainField(const cv::Mat& log_field, const LightGrid& grid) {
   return cv::max(cv::min(gain, kMaxGain), 1.0 / kMaxGain);
 }
 
-// One equation: log gain of `first` minus that of `second`; a second frame of -1 stands for a known light.
+// One equation: log gain of `first` minus that of `second`; a second frame of -1 is a known exposure.
 struct GainDifference {
   int first = 0;
   int second = 0;
@@ -85,13 +86,13 @@ struct GainDifference {
 
 class GainSolver {
  public:
-  GainSolver(const ExposureInput& input, const std::vector<cv::Mat>& light, const std::vector<LightGrid>& grids,
-             const std::vector<cv::Mat>& log_fields)
-      : input_(input), light_(light), grids_(grids), log_fields_(log_fields) {}
+  GainSolver(const ExposureInput& input, const std::vector<cv::Mat>& cell_colors,
+             const std::vector<ExposureGrid>& grids, const std::vector<cv::Mat>& log_fields)
+      : input_(input), cell_colors_(cell_colors), grids_(grids), log_fields_(log_fields) {}
 
   // Rows of log gains.
   Eigen::MatrixX3d Solve() const {
-    std::vector<std::optional<GainDifference>> found(input_.links.size() + light_.size());
+    std::vector<std::optional<GainDifference>> found(input_.links.size() + cell_colors_.size());
     ParallelFor(static_cast<int>(found.size()), input_.threads, [&](int index) {
       const auto i = static_cast<std::size_t>(index);
       found[i] = i < input_.links.size() ? Compare(input_.links[i])
@@ -110,22 +111,22 @@ class GainSolver {
   // Log of what a cell shows without the camera's own light.
   Eigen::Vector3d LogColor(int frame, int u, int v) const {
     const auto i = static_cast<std::size_t>(frame);
-    const auto& color = light_[i].at<cv::Vec3b>(v, u);
+    const auto& color = cell_colors_[i].at<cv::Vec3b>(v, u);
     const double flat = log_fields_[static_cast<std::size_t>(input_.frames[i].survey)].at<float>(v, u);
     return Eigen::Vector3d(std::log(color[0]), std::log(color[1]), std::log(color[2])).array() - flat;
   }
 
-  const LightGrid& GridOf(int frame) const {
+  const ExposureGrid& GridOf(int frame) const {
     return grids_[static_cast<std::size_t>(input_.frames[static_cast<std::size_t>(frame)].survey)];
   }
 
   // Calls visit(u, v, point in base) for the cells that a frame sees.
   template <typename Visit>
   void ForEachCell(int frame, const Visit& visit) const {
-    const cv::Mat& light = light_[static_cast<std::size_t>(frame)];
-    for (int v = 0; v < light.rows; ++v) {
-      for (int u = 0; u < light.cols; ++u) {
-        if (IsSeen(light.at<cv::Vec3b>(v, u))) {
+    const cv::Mat& cell_colors = cell_colors_[static_cast<std::size_t>(frame)];
+    for (int v = 0; v < cell_colors.rows; ++v) {
+      for (int u = 0; u < cell_colors.cols; ++u) {
+        if (IsValid(cell_colors.at<cv::Vec3b>(v, u))) {
           visit(u, v, GridOf(frame).BaseFromCell(u, v));
         }
       }
@@ -143,12 +144,12 @@ class GainSolver {
 
   std::optional<GainDifference> Compare(const Link& link) const {
     std::array<std::vector<double>, 3> ratios;
-    const cv::Mat& first = light_[static_cast<std::size_t>(link.first)];
+    const cv::Mat& first = cell_colors_[static_cast<std::size_t>(link.first)];
     ForEachCell(link.second, [&](int u, int v, const Eigen::Vector2d& point) {
       const Eigen::Vector2d cell = GridOf(link.first).CellFromBase(link.first_from_second * point);
       const auto fu = static_cast<int>(std::lround(cell.x()));
       const auto fv = static_cast<int>(std::lround(cell.y()));
-      if (fu >= 0 && fv >= 0 && fu < first.cols && fv < first.rows && IsSeen(first.at<cv::Vec3b>(fv, fu))) {
+      if (fu >= 0 && fv >= 0 && fu < first.cols && fv < first.rows && IsValid(first.at<cv::Vec3b>(fv, fu))) {
         const Eigen::Vector3d ratio = LogColor(link.second, u, v) - LogColor(link.first, fu, fv);
         for (std::size_t c = 0; c < 3; ++c) {
           ratios[c].push_back(ratio[static_cast<Eigen::Index>(c)]);
@@ -169,7 +170,7 @@ class GainSolver {
     if (box.isEmpty()) {
       return std::nullopt;
     }
-    const double cell_m = GridOf(frame).ground.resolution_m * LightGrid::kCellPx;
+    const double cell_m = GridOf(frame).ground.resolution_m * ExposureGrid::kCellPx;
     const auto side_px = static_cast<int>(std::ceil(box.sizes().maxCoeff() / cell_m)) + 1;
     const RectM square{box.min().x(), box.min().x() + side_px * cell_m, box.min().y(),
                        box.min().y() + side_px * cell_m};
@@ -180,7 +181,7 @@ class GainSolver {
       const auto column = static_cast<int>((p.x() - square.x_min) / cell_m);
       const auto row = static_cast<int>((square.y_max - p.y()) / cell_m);
       const cv::Rect inside(cv::Point(), older.bgr.size());
-      if (inside.contains({column, row}) && older.seen.at<std::uint8_t>(row, column) != 0) {
+      if (inside.contains({column, row}) && older.valid.at<std::uint8_t>(row, column) != 0) {
         const auto& color = older.bgr.at<cv::Vec3b>(row, column);
         const Eigen::Vector3d own = LogColor(frame, u, v);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -196,7 +197,7 @@ class GainSolver {
   // Minimises the sum of rho(g_first - g_second - log ratio) + small * g^2 over the log gains g; rho is Geman and
   // McClure's, by reweighting.
   Eigen::MatrixX3d RobustLeastSquares(const std::vector<GainDifference>& differences) const {
-    const auto n = static_cast<Eigen::Index>(light_.size());
+    const auto n = static_cast<Eigen::Index>(cell_colors_.size());
     Eigen::MatrixX3d gains = Eigen::MatrixX3d::Zero(n, 3);
     std::vector<double> weights(differences.size(), 1.0);
     constexpr int kRounds = 4;
@@ -221,7 +222,7 @@ class GainSolver {
 
   Eigen::MatrixX3d LeastSquares(const std::vector<GainDifference>& differences,
                                 const std::vector<double>& weights) const {
-    const auto n = static_cast<Eigen::Index>(light_.size());
+    const auto n = static_cast<Eigen::Index>(cell_colors_.size());
     const double pull = input_.background ? 1e-5 : 1e-2;
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(n, 3);
@@ -246,8 +247,8 @@ class GainSolver {
   }
 
   const ExposureInput& input_;
-  const std::vector<cv::Mat>& light_;
-  const std::vector<LightGrid>& grids_;
+  const std::vector<cv::Mat>& cell_colors_;
+  const std::vector<ExposureGrid>& grids_;
   const std::vector<cv::Mat>& log_fields_;
 };
 
@@ -260,20 +261,20 @@ cv::Vec3f Exposure::GainOf(std::size_t frame) const {
 
 Exposure EstimateExposure(const ExposureInput& input) {
   Exposure exposure;
-  exposure.light = MeasureLight({input.frames, input.surveys, input.map_from_base, input.threads});
-  const std::vector<LightGrid> grids = MakeLightGrids(input.surveys);
+  exposure.cell_colors = MeasureCellColors({input.frames, input.surveys, input.map_from_base, input.threads});
+  const std::vector<ExposureGrid> grids = MakeExposureGrids(input.surveys);
   std::vector<cv::Mat> log_fields;
   for (std::size_t s = 0; s < grids.size(); ++s) {
     std::vector<cv::Mat> of_survey;
     for (std::size_t i = 0; i < input.frames.size(); ++i) {
       if (input.frames[i].survey == static_cast<int>(s)) {
-        of_survey.push_back(exposure.light[i]);
+        of_survey.push_back(exposure.cell_colors[i]);
       }
     }
-    log_fields.push_back(LogFlatField(of_survey, grids[s].seen.size()));
+    log_fields.push_back(LogFlatField(of_survey, grids[s].valid.size()));
     exposure.flat_field.push_back(GainField(log_fields.back(), grids[s]));
   }
-  const Eigen::MatrixX3d log_gains = GainSolver(input, exposure.light, grids, log_fields).Solve();
+  const Eigen::MatrixX3d log_gains = GainSolver(input, exposure.cell_colors, grids, log_fields).Solve();
   for (Eigen::Index i = 0; i < log_gains.rows(); ++i) {
     const double mean = log_gains.row(i).mean();
     exposure.frame_gain.push_back(std::clamp(std::exp(mean), 1.0 / kMaxGain, kMaxGain));

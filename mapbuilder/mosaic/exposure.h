@@ -11,12 +11,12 @@
 
 namespace floorloc {
 
-/// What to multiply a rectified picture with, so that the mosaic shows the floor and not the camera.
+/// Gains that make a rectified image independent of camera and illumination.
 struct Exposure {
   std::vector<double> frame_gain;        ///< per frame
   std::vector<cv::Vec3f> white_balance;  ///< per frame: factors of blue, green and red; may be empty
-  std::vector<cv::Mat> flat_field;       ///< per survey: CV_32F gain of every pixel of the rectified picture
-  std::vector<cv::Mat> light;            ///< per frame, as MeasureLight() gives it; may be empty
+  std::vector<cv::Mat> flat_field;       ///< per survey: CV_32F gain of every pixel of the rectified image
+  std::vector<cv::Mat> cell_colors;      ///< per frame, as MeasureCellColors() gives it; may be empty
 
   /// Of blue, green and red of a frame.
   cv::Vec3f GainOf(std::size_t frame) const;
@@ -27,13 +27,13 @@ struct ExposureInput {
   const std::vector<LoadedSurvey>& surveys;
   const std::vector<Link>& links;
   const std::vector<std::optional<Pose2>>& map_from_base;
-  MosaicBackground background = nullptr;  ///< whose light the frames shall take on; may be empty
+  MosaicBackground background = nullptr;  ///< whose exposure the frames shall match; may be empty
   int threads = 0;
 };
 
 /// Vignetting and lamps that ride on the robot from the median over a survey's frames; then gains per frame and channel
 /// from the floor that linked frames share, within and across surveys: robust least squares on log gains, so that
-/// shadows and lamps count little. Throws InputError for a picture that can't be read.
+/// shadows and lamps count little. Throws InputError for an image that can't be read.
 Exposure EstimateExposure(const ExposureInput& input);
 
 }  // namespace floorloc

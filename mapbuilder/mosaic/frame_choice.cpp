@@ -17,9 +17,9 @@ struct Ranking {
   float depth_px = 0.0F;
 
   void Insert(Entry entry) {
-    for (Entry& place : entries) {
-      if (entry.weight > place.weight) {
-        std::swap(entry, place);
+    for (Entry& other : entries) {
+      if (entry.weight > other.weight) {
+        std::swap(entry, other);
       }
     }
   }
@@ -33,7 +33,7 @@ float WeightOf(float depth_px, float border_px) {
 NodeChoice Share(const Ranking& ranking) {
   NodeChoice choice;
   choice.depth_px = ranking.depth_px;
-  // What the best frame that was left out weighs is taken off all: whoever comes or goes does so with nothing.
+  // What the best frame that was left out weighs is taken off all: frames appear and vanish with weight zero.
   const float left_out = ranking.entries.back().weight;
   float detail_sum = 0.0F;
   float light_sum = 0.0F;
@@ -44,12 +44,12 @@ NodeChoice Share(const Ranking& ranking) {
       break;
     }
     choice.chosen[i] = {entry.candidate, weight * weight * weight, weight};
-    detail_sum += choice.chosen[i].detail_share;
-    light_sum += choice.chosen[i].light_share;
+    detail_sum += choice.chosen[i].high_band_weight;
+    light_sum += choice.chosen[i].low_band_weight;
   }
   for (NodeChoice::Chosen& chosen : choice.chosen) {
-    chosen.detail_share /= std::max(detail_sum, 1e-12F);
-    chosen.light_share /= std::max(light_sum, 1e-12F);
+    chosen.high_band_weight /= std::max(detail_sum, 1e-12F);
+    chosen.low_band_weight /= std::max(light_sum, 1e-12F);
   }
   return choice;
 }

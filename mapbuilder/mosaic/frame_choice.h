@@ -15,9 +15,9 @@ struct NodeChoice {
   static constexpr int kFrames = 3;  ///< more only blur the mosaic by what their poses are off
 
   struct Chosen {
-    int candidate = -1;         ///< -1: none
-    float detail_share = 0.0F;  ///< changes over short distances: misplaced frames don't blur each other
-    float light_share = 0.0F;   ///< changes over long distances: light fades slowly
+    int candidate = -1;             ///< -1: none
+    float high_band_weight = 0.0F;  ///< of the high band, changes over short distances
+    float low_band_weight = 0.0F;   ///< of the low band, changes over long distances
   };
   std::array<Chosen, kFrames> chosen;
   float depth_px = 0.0F;  ///< of the deepest frame's view

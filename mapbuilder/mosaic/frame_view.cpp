@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Stands for every place that is not in the picture.
+// Represents every position outside of the image.
 constexpr float kFarOutsidePx = -1e6F;
 
 cv::Mat DepthOf(const cv::Mat& mask) {
@@ -47,17 +47,19 @@ float FrameView::BorderPx(const MosaicGrid& grid) const {
   return static_cast<float>(kDiagonal * MosaicGrid::kCellPx * grid.step_m() / survey_->rectifier->grid().resolution_m);
 }
 
-float FrameView::Look(const cv::Mat& picture, const Eigen::Vector2d& point_in_map, float outside) const {
+float FrameView::SampleRectified(const cv::Mat& image, const Eigen::Vector2d& point_in_map, float outside) const {
   const Eigen::Vector2d px = survey_->rectifier->grid().PixelFromBase(base_from_map_ * point_in_map);
   const auto u = static_cast<int>(std::lround(px.x()));
   const auto v = static_cast<int>(std::lround(px.y()));
-  return u >= 0 && v >= 0 && u < picture.cols && v < picture.rows ? picture.at<float>(v, u) : outside;
+  return u >= 0 && v >= 0 && u < image.cols && v < image.rows ? image.at<float>(v, u) : outside;
 }
 
-float FrameView::Depth(const Eigen::Vector2d& point_in_map) const { return Look(survey_->depth, point_in_map, 0.0F); }
+float FrameView::Depth(const Eigen::Vector2d& point_in_map) const {
+  return SampleRectified(survey_->depth, point_in_map, 0.0F);
+}
 
 float FrameView::FlatGain(const Eigen::Vector2d& point_in_map) const {
-  return Look(survey_->flat_gain, point_in_map, 1.0F);
+  return SampleRectified(survey_->flat_gain, point_in_map, 1.0F);
 }
 
 cv::Vec2f FrameView::RawPixel(const Eigen::Vector2d& point_in_map) const {

@@ -15,8 +15,8 @@ namespace floorloc {
 /// What all frames of a survey have in common.
 struct SurveyView {
   std::shared_ptr<const Rectifier> rectifier;
-  cv::Mat depth;      ///< CV_32F, of the rectified picture: pixels to the border of what is seen; 0 outside
-  cv::Mat flat_gain;  ///< CV_32F, of the rectified picture
+  cv::Mat depth;      ///< CV_32F, of the rectified image: pixels to the border of what is seen; 0 outside
+  cv::Mat flat_gain;  ///< CV_32F, of the rectified image
 
   SurveyView(const LoadedSurvey& survey, cv::Mat flat_gain);
 };
@@ -30,17 +30,17 @@ class FrameView {
   Eigen::Vector2d MapFromBase(const Eigen::Vector2d& p) const { return map_from_base_ * p; }
   /// The nodes that the frame can touch, one more at each side; may be empty.
   cv::Rect Footprint(const MosaicGrid& grid) const;
-  /// Cells that come nearer to the view's border than this reach across it, pixels of the rectified picture.
+  /// Cells that come nearer to the view's border than this reach across it, pixels of the rectified image.
   float BorderPx(const MosaicGrid& grid) const;
-  /// How far inside the frame's view a map point lies, pixels of the rectified picture; 0 outside.
+  /// How far inside the frame's view a map point lies, pixels of the rectified image; 0 outside.
   float Depth(const Eigen::Vector2d& point_in_map) const;
-  /// What evens out the light there; 1 outside.
+  /// Gain of the flat field there; 1 outside.
   float FlatGain(const Eigen::Vector2d& point_in_map) const;
-  /// Outside the picture where the camera does not see the point.
+  /// Outside the image where the camera does not see the point.
   cv::Vec2f RawPixel(const Eigen::Vector2d& point_in_map) const;
 
  private:
-  float Look(const cv::Mat& picture, const Eigen::Vector2d& point_in_map, float outside) const;
+  float SampleRectified(const cv::Mat& image, const Eigen::Vector2d& point_in_map, float outside) const;
 
   const SurveyView* survey_;
   Eigen::Isometry2d map_from_base_;

@@ -64,7 +64,7 @@ class Composer {
   // Depth first: only one patch per level is in memory.
   MosaicPatch Compose(const TileId& tile) {
     if (!Overlaps(SquareOf(tile))) {
-      return MosaicPatch::Unseen(layout_.tile_px);
+      return MosaicPatch::Empty(layout_.tile_px);
     }
     if (tile.z == block_zoom_) {
       return ComposeBlock(tile);
@@ -84,7 +84,7 @@ class Composer {
     const int tiles_per_side = 1 << (layout_.max_zoom - block_zoom_);
     const MosaicPatch whole = blender_.Blend(SquareOf(block), tiles_per_side * layout_.tile_px);
     if (whole.empty()) {
-      return MosaicPatch::Unseen(layout_.tile_px);
+      return MosaicPatch::Empty(layout_.tile_px);
     }
     std::vector<MosaicPatch> level = CutTiles(whole, tiles_per_side);
     for (int z = layout_.max_zoom;; --z) {
@@ -102,9 +102,9 @@ class Composer {
     std::vector<MosaicPatch> tiles;
     for (int y = 0; y < tiles_per_side; ++y) {
       for (int x = 0; x < tiles_per_side; ++x) {
-        const cv::Rect place(x * layout_.tile_px, (tiles_per_side - 1 - y) * layout_.tile_px, layout_.tile_px,
-                             layout_.tile_px);
-        tiles.push_back({whole.bgr(place), whole.seen(place)});
+        const cv::Rect rect(x * layout_.tile_px, (tiles_per_side - 1 - y) * layout_.tile_px, layout_.tile_px,
+                            layout_.tile_px);
+        tiles.push_back({whole.bgr(rect), whole.valid(rect)});
       }
     }
     return tiles;

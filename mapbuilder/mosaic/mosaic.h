@@ -25,7 +25,7 @@ MosaicLayout MakeMosaicLayout(const RectM& extent, const MosaicOptions& options)
 /// without floor are left out. `sink` gets the finished tiles, from one thread, in a fixed order; the tiles are the
 /// same for any number of threads.
 ///
-/// Time is linear in the floor's area and in the frames. Memory: 256 MiB of pictures, one
+/// Time is linear in the floor's area and in the frames. Memory: 256 MiB of images, one
 /// block of 4 x 4 tiles (20 bytes per pixel; 21 MB with tiles of 256 px), one tile per level of the
 /// pyramid, and about 1.5 kB per frame.
 void ComposeMosaic(const MosaicInput& input, const MosaicLayout& layout, const MosaicOptions& options,

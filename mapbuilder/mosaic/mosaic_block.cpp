@@ -19,7 +19,7 @@ constexpr int kStripeRows = 8;  // of cells
 // A frame's last pixels, where its share has faded to almost nothing and no other frame sees the floor.
 constexpr float kMinShare = 0.02F;
 
-// New pictures reach full strength this deep inside their view.
+// New images reach full strength this deep inside their view.
 constexpr float kBackgroundFadePx = 32.0F;
 
 std::vector<RectM> FloorsInBase(const MosaicInput& input) {
@@ -79,7 +79,7 @@ RectM Grown(const RectM& rect, double by_m) {
   return {rect.x_min - by_m, rect.x_max + by_m, rect.y_min - by_m, rect.y_max + by_m};
 }
 
-// How much new pictures count against older ones, per pixel.
+// How much new images count against older ones, per pixel.
 cv::Mat ShareOfNew(const MosaicGrid& grid, const NodeChoices& choices) {
   cv::Mat at_nodes(grid.nodes(), grid.nodes(), CV_32F);
   std::transform(choices.begin(), choices.end(), at_nodes.begin<float>(),
@@ -100,16 +100,16 @@ BlockBlender::BlockBlender(const MosaicInput& input, double resolution_m, int th
       batch_(BatchFor(input, shrink_)),
       index_(input.map_from_base, FloorsInBase(input)),
       surveys_(ViewsOf(input)),
-      light_(input, index_, surveys_),
-      pictures_([this](int frame) { return Load(frame); }, kKeptBytes) {}
+      exposure_field_(input, index_, surveys_),
+      images_([this](int frame) { return Load(frame); }, kKeptBytes) {}
 
-FloorPicture BlockBlender::Load(int frame) const {
+SourceImage BlockBlender::Load(int frame) const {
   const BuildFrame& f = input_.frames[static_cast<std::size_t>(frame)];
   const LoadedSurvey& from = input_.surveys[static_cast<std::size_t>(f.survey)];
   const Survey& survey = from.survey;
   const CameraModel& camera = survey.camera.camera;
-  return MakeFloorPicture(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), from.raw_mask,
-                          shrink_);
+  return MakeSourceImage(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), from.raw_mask,
+                         shrink_);
 }
 
 MosaicPatch BlockBlender::Blend(const RectM& square, int side_px) {
@@ -117,12 +117,12 @@ MosaicPatch BlockBlender::Blend(const RectM& square, int side_px) {
   const std::vector<int> frames = index_.Touching(Grown(square, 2.0 * kCellPx * grid.step_m()));
   const MosaicPatch older = input_.background ? input_.background(square, side_px) : MosaicPatch();
   if (frames.empty()) {
-    return older.bgr.empty() ? MosaicPatch::Unseen(side_px) : older;
+    return older.bgr.empty() ? MosaicPatch::Empty(side_px) : older;
   }
   sums_.Reset(grid);
   const NodeChoices choices = AddFrames(grid, frames);
   const MosaicPatch newer = Finish(grid);
-  return older.bgr.empty() ? newer : LayOver(newer, older, ShareOfNew(grid, choices));
+  return older.bgr.empty() ? newer : BlendOver(newer, older, ShareOfNew(grid, choices));
 }
 
 NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<int>& frames) {
@@ -140,7 +140,7 @@ NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<in
     ParallelFor(static_cast<int>(layers.size()), threads_, [&](int i) {
       const int candidate = chosen[first + static_cast<std::size_t>(i)];
       const auto c = static_cast<std::size_t>(candidate);
-      const FrameLayer::Source source{candidate, views[c], light_.GainOf(frames[c]), pictures_.Get(frames[c])};
+      const FrameLayer::Source source{candidate, views[c], exposure_field_.GainOf(frames[c]), images_.Get(frames[c])};
       layers[static_cast<std::size_t>(i)].emplace(source, choices, grid);
     });
     ParallelFor(stripes, threads_, [&](int stripe) {
@@ -153,7 +153,7 @@ NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<in
 }
 
 MosaicPatch BlockBlender::Finish(const MosaicGrid& grid) const {
-  MosaicPatch patch = MosaicPatch::Unseen(grid.side_px);
+  MosaicPatch patch = MosaicPatch::Empty(grid.side_px);
   ParallelFor(grid.cells(), threads_, [&](int cell_row) {
     const int end = std::min((cell_row + 1) * kCellPx, grid.side_px);
     for (int row = cell_row * kCellPx; row < end; ++row) {
@@ -169,11 +169,11 @@ void BlockBlender::FinishRow(const MosaicGrid& grid, int row, MosaicPatch* patch
     return;
   }
   const float down = static_cast<float>(row % kCellPx) / kCellPx;
-  const auto* upper = sums_.light.ptr<cv::Vec4f>(row / kCellPx);
-  const auto* lower = sums_.light.ptr<cv::Vec4f>(row / kCellPx + 1);
+  const auto* upper = sums_.low_band.ptr<cv::Vec4f>(row / kCellPx);
+  const auto* lower = sums_.low_band.ptr<cv::Vec4f>(row / kCellPx + 1);
   const auto* color = sums_.color.ptr<cv::Vec4f>(row);
   auto* bgr = patch->bgr.ptr<cv::Vec3b>(row);
-  auto* seen = patch->seen.ptr<std::uint8_t>(row);
+  auto* valid = patch->valid.ptr<std::uint8_t>(row);
   for (int column = 0; column < grid.side_px; ++column) {
     const double x = grid.square.x_min + (column + 0.5) * grid.step_m();
     const float share = color[column][3];
@@ -182,13 +182,13 @@ void BlockBlender::FinishRow(const MosaicGrid& grid, int row, MosaicPatch* patch
     }
     const int node = column / kCellPx;
     const float right = static_cast<float>(column % kCellPx) / kCellPx;
-    const cv::Vec4f left_light = upper[node] + down * (lower[node] - upper[node]);
-    const cv::Vec4f right_light = upper[node + 1] + down * (lower[node + 1] - upper[node + 1]);
-    const cv::Vec4f light = left_light + right * (right_light - left_light);
+    const cv::Vec4f left_low_band = upper[node] + down * (lower[node] - upper[node]);
+    const cv::Vec4f right_low_band = upper[node + 1] + down * (lower[node + 1] - upper[node + 1]);
+    const cv::Vec4f low_band = left_low_band + right * (right_low_band - left_low_band);
     for (int c = 0; c < 3; ++c) {
-      bgr[column][c] = cv::saturate_cast<std::uint8_t>(color[column][c] / share + light[c]);
+      bgr[column][c] = cv::saturate_cast<std::uint8_t>(color[column][c] / share + low_band[c]);
     }
-    seen[column] = 255;
+    valid[column] = 255;
   }
 }
 

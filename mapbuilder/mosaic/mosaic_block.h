@@ -4,25 +4,25 @@
 #include <vector>
 
 #include "mapbuilder/coverage/frame_index.h"
-#include "mapbuilder/mosaic/floor_picture.h"
+#include "mapbuilder/mosaic/exposure_field.h"
 #include "mapbuilder/mosaic/frame_choice.h"
 #include "mapbuilder/mosaic/frame_layer.h"
-#include "mapbuilder/mosaic/light_consensus.h"
 #include "mapbuilder/mosaic/mosaic_input.h"
+#include "mapbuilder/mosaic/source_image.h"
 
 namespace floorloc {
 
-/// Blends frames into square blocks of the mosaic. Keeps the pictures it read last for the blocks that follow.
+/// Blends frames into square blocks of the mosaic. Keeps the images it read last for the blocks that follow.
 class BlockBlender {
  public:
   /// The input must outlive it. resolution_m: of the mosaic.
   BlockBlender(const MosaicInput& input, double resolution_m, int threads);
 
-  /// side_px pixels a side. Throws InputError for a picture that can't be read.
+  /// side_px pixels a side. Throws InputError for an image that can't be read.
   MosaicPatch Blend(const RectM& square, int side_px);
 
  private:
-  FloorPicture Load(int frame) const;
+  SourceImage Load(int frame) const;
   NodeChoices AddFrames(const MosaicGrid& grid, const std::vector<int>& frames);
   MosaicPatch Finish(const MosaicGrid& grid) const;
   void FinishRow(const MosaicGrid& grid, int row, MosaicPatch* patch) const;
@@ -30,11 +30,11 @@ class BlockBlender {
   const MosaicInput& input_;
   int threads_;
   int shrink_;
-  std::size_t batch_;  // pictures in memory at once, beside those kept
+  std::size_t batch_;  // images in memory at once, beside those kept
   FrameIndex index_;
   std::vector<SurveyView> surveys_;
-  LightConsensus light_;
-  PictureCache pictures_;
+  ExposureField exposure_field_;
+  SourceImageCache images_;
   PatchSums sums_;  // of the present block
 };
 

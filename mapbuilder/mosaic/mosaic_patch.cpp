@@ -7,25 +7,27 @@
 namespace floorloc {
 namespace {
 
-bool WhollySeen(const MosaicPatch& patch) { return cv::countNonZero(patch.seen) == patch.seen.rows * patch.seen.cols; }
+bool IsFullyValid(const MosaicPatch& patch) {
+  return cv::countNonZero(patch.valid) == patch.valid.rows * patch.valid.cols;
+}
 
 // Where the i-th of four patches lies in their square.
-cv::Rect PlaceOf(std::size_t i, int side_px) {
+cv::Rect RectOf(std::size_t i, int side_px) {
   const bool right = i % 2 == 1;
   const bool upper = i >= 2;  // y runs up, rows run down
   return {right ? side_px : 0, upper ? 0 : side_px, side_px, side_px};
 }
 
 // Means over the seen pixels only.
-MosaicPatch ShrinkPartlySeen(const MosaicPatch& whole, const cv::Size& size) {
+MosaicPatch ShrinkPartlyValid(const MosaicPatch& whole, const cv::Size& size) {
   cv::Mat color;
   cv::Mat weight;
   whole.bgr.convertTo(color, CV_32F);  // unseen pixels are zero
-  whole.seen.convertTo(weight, CV_32F, 1.0 / 255.0);
+  whole.valid.convertTo(weight, CV_32F, 1.0 / 255.0);
   cv::resize(color, color, size, 0, 0, cv::INTER_AREA);
   cv::resize(weight, weight, size, 0, 0, cv::INTER_AREA);
   MosaicPatch patch;
-  patch.seen = weight > 0.01F;
+  patch.valid = weight > 0.01F;
   cv::Mat weight3;
   cv::cvtColor(cv::max(weight, 0.01), weight3, cv::COLOR_GRAY2BGR);
   cv::Mat(color / weight3).convertTo(patch.bgr, CV_8UC3);
@@ -34,32 +36,32 @@ MosaicPatch ShrinkPartlySeen(const MosaicPatch& whole, const cv::Size& size) {
 
 }  // namespace
 
-MosaicPatch MosaicPatch::Unseen(int side_px) {
+MosaicPatch MosaicPatch::Empty(int side_px) {
   return {cv::Mat::zeros(side_px, side_px, CV_8UC3), cv::Mat::zeros(side_px, side_px, CV_8UC1)};
 }
 
-bool MosaicPatch::empty() const { return cv::countNonZero(seen) == 0; }
+bool MosaicPatch::empty() const { return cv::countNonZero(valid) == 0; }
 
 MosaicPatch ShrinkFour(const std::array<MosaicPatch, 4>& four) {
   const int side = four.front().bgr.cols;
   const cv::Size size(side, side);
-  MosaicPatch whole = MosaicPatch::Unseen(2 * side);
+  MosaicPatch whole = MosaicPatch::Empty(2 * side);
   for (std::size_t i = 0; i < four.size(); ++i) {
-    four[i].bgr.copyTo(whole.bgr(PlaceOf(i, side)));
-    four[i].seen.copyTo(whole.seen(PlaceOf(i, side)));
+    four[i].bgr.copyTo(whole.bgr(RectOf(i, side)));
+    four[i].valid.copyTo(whole.valid(RectOf(i, side)));
   }
-  if (!std::all_of(four.begin(), four.end(), WhollySeen)) {
-    return ShrinkPartlySeen(whole, size);
+  if (!std::all_of(four.begin(), four.end(), IsFullyValid)) {
+    return ShrinkPartlyValid(whole, size);
   }
   MosaicPatch patch{cv::Mat(), cv::Mat(size, CV_8UC1, cv::Scalar(255))};
   cv::resize(whole.bgr, patch.bgr, size, 0, 0, cv::INTER_AREA);
   return patch;
 }
 
-MosaicPatch LayOver(const MosaicPatch& newer, const MosaicPatch& older, const cv::Mat& share) {
+MosaicPatch BlendOver(const MosaicPatch& newer, const MosaicPatch& older, const cv::Mat& share) {
   cv::Mat newer_share = share.clone();
-  newer_share.setTo(0.0, newer.seen == 0);
-  newer_share.setTo(1.0, older.seen == 0);
+  newer_share.setTo(0.0, newer.valid == 0);
+  newer_share.setTo(1.0, older.valid == 0);
   cv::Mat share3;
   cv::cvtColor(newer_share, share3, cv::COLOR_GRAY2BGR);
   cv::Mat new_color;
@@ -68,7 +70,7 @@ MosaicPatch LayOver(const MosaicPatch& newer, const MosaicPatch& older, const cv
   older.bgr.convertTo(old_color, CV_32F);
   MosaicPatch patch;
   cv::Mat(old_color + share3.mul(new_color - old_color)).convertTo(patch.bgr, CV_8UC3);
-  patch.seen = newer.seen | older.seen;
+  patch.valid = newer.valid | older.valid;
   return patch;
 }
 

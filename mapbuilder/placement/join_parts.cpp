@@ -11,27 +11,27 @@
 namespace floorloc {
 namespace {
 
-// Two links tell the same story when they put a frame this near to the same place; a share of their distance from each
-// other comes on top, for the drift between them.
+// Two links support the same hypothesis when they put a frame this near to the same position; a share of their distance
+// from each other comes on top, for the drift between them.
 constexpr double kSameM = 0.05;
 constexpr double kSameShare = 0.03;
 constexpr double kSameRad = 0.06;
 
-// The best story must have this many times the evidence of the second best.
+// The best hypothesis must have this many times the evidence of the second best.
 constexpr double kMinLead = 1.5;
 
-// Parts of several frames are only joined by several links, on floors that repeat themselves all parts.
+// Parts of several frames are only joined by several links, on repetitive floors all parts.
 constexpr std::size_t kSmallPart = 3;
 constexpr std::size_t kMinLinks = 2;
 
-// More links with a rival than this: the floor repeats itself.
+// More links with a rival than this: the floor is repetitive.
 constexpr double kRepeatingShare = 0.2;
 
-// On floors that repeat themselves, links count from this share of the usual agreement of true ones on.
+// On repetitive floors, links count from this share of the usual agreement of true ones on.
 constexpr double kMinAgreementShare = 0.85;
 
 // The agreement of true links: what the best link of every frame reaches, in the median.
-double UsualAgreement(const std::vector<Link>& candidates) {
+double TypicalAgreement(const std::vector<Link>& candidates) {
   std::map<int, double> best;
   for (const Link& link : candidates) {
     for (const int frame : {link.first, link.second}) {
@@ -49,29 +49,29 @@ double UsualAgreement(const std::vector<Link>& candidates) {
 }
 
 // What a link's agreement says: its inliers count fully on floors that do not repeat themselves. On those that do,
-// look- alike places agree nearly as well as true ones, and what agrees clearly less than usual speaks against a join.
+// aliased places agree nearly as well as true ones, and what agrees clearly less than typical counts against a join.
 class LinkEvidence {
  public:
   explicit LinkEvidence(const std::vector<Link>& candidates)
-      : least_(FloorRepeats(candidates) ? MinAgreement(candidates) : 0.0) {}
+      : min_agreement_(IsRepetitiveFloor(candidates) ? MinAgreement(candidates) : 0.0) {}
 
-  bool DoubtsSingleLinks() const { return least_ > 0.0; }
+  bool RequiresSeveralLinks() const { return min_agreement_ > 0.0; }
   double Of(const Link& link) const {
-    if (least_ <= 0.0) {
+    if (min_agreement_ <= 0.0) {
       return link.inliers;
     }
-    const double span = least_ / kMinAgreementShare - least_;
-    return link.inliers * std::clamp((link.agreement - least_) / span, -1.0, 1.0);
+    const double span = min_agreement_ / kMinAgreementShare - min_agreement_;
+    return link.inliers * std::clamp((link.agreement - min_agreement_) / span, -1.0, 1.0);
   }
 
  private:
-  double least_;
+  double min_agreement_;
 };
 
 // One way to place two parts to each other, with the links that agree with it.
-struct Story {
-  Pose2 first_from_second;  // of the parts' frames
-  Eigen::Vector2d place_m;  // in the first part's frame, of the link that founded it
+struct PoseHypothesis {
+  Pose2 first_from_second;     // of the parts' frames
+  Eigen::Vector2d position_m;  // in the first part's frame, of the link that founded it
   std::vector<const Link*> links;
   double evidence = 0.0;
 };
@@ -102,10 +102,10 @@ class Joiner {
 
  private:
   bool JoinOneRound();
-  std::map<PartPair, std::vector<Story>> CollectStories() const;
-  void Tell(const PartPair& pair, const Link& link, std::vector<Story>* stories) const;
-  const Story* Believable(const PartPair& pair, const std::vector<Story>& stories) const;
-  void Join(const PartPair& pair, const Story& story);
+  std::map<PartPair, std::vector<PoseHypothesis>> CollectHypotheses() const;
+  void AddToHypothesis(const PartPair& pair, const Link& link, std::vector<PoseHypothesis>* hypotheses) const;
+  const PoseHypothesis* AcceptedHypothesis(const PartPair& pair, const std::vector<PoseHypothesis>& hypotheses) const;
+  void Join(const PartPair& pair, const PoseHypothesis& hypothesis);
 
   const Pose2& PoseOf(int frame) const { return part_from_base_[static_cast<std::size_t>(frame)]; }
   int PartOf(int frame) const { return part_[static_cast<std::size_t>(frame)]; }
@@ -120,56 +120,58 @@ class Joiner {
 };
 
 // link: from a frame of pair.first to one of pair.second, or the other way round.
-void Joiner::Tell(const PartPair& pair, const Link& link, std::vector<Story>* stories) const {
+void Joiner::AddToHypothesis(const PartPair& pair, const Link& link, std::vector<PoseHypothesis>* hypotheses) const {
   const bool forward = PartOf(link.first) == pair.first;
   const Pose2& first = PoseOf(forward ? link.first : link.second);
   const Pose2& second = PoseOf(forward ? link.second : link.first);
   const Pose2 motion = forward ? link.first_from_second : link.first_from_second.Inverse();
-  const Pose2 seen = first * motion;
-  const auto agrees = [&](const Story& story) {
-    const Pose2 off = seen.Between(story.first_from_second * second);
-    const double distance = (seen.translation() - story.place_m).norm();
+  const Pose2 measured = first * motion;
+  const auto agrees = [&](const PoseHypothesis& hypothesis) {
+    const Pose2 off = measured.Between(hypothesis.first_from_second * second);
+    const double distance = (measured.translation() - hypothesis.position_m).norm();
     return off.translation().norm() < kSameM + kSameShare * distance && std::abs(off.yaw()) < kSameRad;
   };
-  auto story = std::find_if(stories->begin(), stories->end(), agrees);
-  if (story == stories->end()) {
-    story = stories->insert(stories->end(), {seen * second.Inverse(), seen.translation(), {}, 0.0});
+  auto hypothesis = std::find_if(hypotheses->begin(), hypotheses->end(), agrees);
+  if (hypothesis == hypotheses->end()) {
+    hypothesis = hypotheses->insert(hypotheses->end(), {measured * second.Inverse(), measured.translation(), {}, 0.0});
   }
-  story->links.push_back(&link);
-  story->evidence += evidence_.Of(link);
+  hypothesis->links.push_back(&link);
+  hypothesis->evidence += evidence_.Of(link);
 }
 
-std::map<PartPair, std::vector<Story>> Joiner::CollectStories() const {
-  std::map<PartPair, std::vector<Story>> stories;
+std::map<PartPair, std::vector<PoseHypothesis>> Joiner::CollectHypotheses() const {
+  std::map<PartPair, std::vector<PoseHypothesis>> hypotheses;
   for (const Link& link : candidates_) {
     const auto [first, second] = std::minmax({PartOf(link.first), PartOf(link.second)});
     if (first != second) {
-      Tell({first, second}, link, &stories[{first, second}]);
+      AddToHypothesis({first, second}, link, &hypotheses[{first, second}]);
     }
   }
-  return stories;
+  return hypotheses;
 }
 
-// The story to believe about two parts, or none.
-const Story* Joiner::Believable(const PartPair& pair, const std::vector<Story>& stories) const {
-  const auto best = std::max_element(stories.begin(), stories.end(),
-                                     [](const Story& a, const Story& b) { return a.evidence < b.evidence; });
-  for (auto s = stories.begin(); s != stories.end(); ++s) {
+// The accepted hypothesis about two parts, or none.
+const PoseHypothesis* Joiner::AcceptedHypothesis(const PartPair& pair,
+                                                 const std::vector<PoseHypothesis>& hypotheses) const {
+  const auto best =
+      std::max_element(hypotheses.begin(), hypotheses.end(),
+                       [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.evidence < b.evidence; });
+  for (auto s = hypotheses.begin(); s != hypotheses.end(); ++s) {
     if (s != best && kMinLead * s->evidence > best->evidence) {
       return nullptr;
     }
   }
   const bool small = std::min(SizeOf(pair.first), SizeOf(pair.second)) < kSmallPart;
-  const bool enough = best->links.size() >= kMinLinks || (small && !evidence_.DoubtsSingleLinks());
+  const bool enough = best->links.size() >= kMinLinks || (small && !evidence_.RequiresSeveralLinks());
   return enough && best->evidence > 0.0 ? &*best : nullptr;
 }
 
 // The smaller part moves into the frame of the larger one.
-void Joiner::Join(const PartPair& pair, const Story& story) {
+void Joiner::Join(const PartPair& pair, const PoseHypothesis& hypothesis) {
   const bool second_moves = SizeOf(pair.second) <= SizeOf(pair.first);
   const int moving = second_moves ? pair.second : pair.first;
   const int staying = second_moves ? pair.first : pair.second;
-  const Pose2 motion = second_moves ? story.first_from_second : story.first_from_second.Inverse();
+  const Pose2 motion = second_moves ? hypothesis.first_from_second : hypothesis.first_from_second.Inverse();
   std::vector<int>& frames = members_[static_cast<std::size_t>(moving)];
   for (const int frame : frames) {
     const auto index = static_cast<std::size_t>(frame);
@@ -179,41 +181,41 @@ void Joiner::Join(const PartPair& pair, const Story& story) {
   std::vector<int>& larger = members_[static_cast<std::size_t>(staying)];
   larger.insert(larger.end(), frames.begin(), frames.end());
   frames.clear();
-  for (const Link* link : story.links) {
+  for (const Link* link : hypothesis.links) {
     joining_.push_back(*link);
   }
 }
 
-// Strongest first; a part that has grown in this round waits for the next, since its stories have changed.
+// Strongest first; a part that has grown in this round waits for the next, since its hypotheses have changed.
 bool Joiner::JoinOneRound() {
-  const auto stories = CollectStories();
-  std::vector<std::pair<PartPair, const Story*>> believable;
-  for (const auto& [pair, list] : stories) {
-    if (const Story* story = Believable(pair, list)) {
-      believable.emplace_back(pair, story);
+  const auto hypotheses = CollectHypotheses();
+  std::vector<std::pair<PartPair, const PoseHypothesis*>> accepted;
+  for (const auto& [pair, list] : hypotheses) {
+    if (const PoseHypothesis* hypothesis = AcceptedHypothesis(pair, list)) {
+      accepted.emplace_back(pair, hypothesis);
     }
   }
-  std::stable_sort(believable.begin(), believable.end(),
+  std::stable_sort(accepted.begin(), accepted.end(),
                    [](const auto& a, const auto& b) { return a.second->evidence > b.second->evidence; });
   std::set<int> grown;
-  for (const auto& [pair, story] : believable) {
+  for (const auto& [pair, hypothesis] : accepted) {
     if (!grown.contains(pair.first) && !grown.contains(pair.second)) {
-      Join(pair, *story);
+      Join(pair, *hypothesis);
       grown.insert({pair.first, pair.second});
     }
   }
-  return !believable.empty();
+  return !accepted.empty();
 }
 
 }  // namespace
 
-bool FloorRepeats(const std::vector<Link>& candidates) {
+bool IsRepetitiveFloor(const std::vector<Link>& candidates) {
   const auto rivals =
       std::count_if(candidates.begin(), candidates.end(), [](const Link& link) { return link.rival_agreement > 0.0; });
   return static_cast<double>(rivals) > kRepeatingShare * static_cast<double>(candidates.size());
 }
 
-double MinAgreement(const std::vector<Link>& candidates) { return kMinAgreementShare * UsualAgreement(candidates); }
+double MinAgreement(const std::vector<Link>& candidates) { return kMinAgreementShare * TypicalAgreement(candidates); }
 
 std::vector<Link> FindJoiningLinks(int frame_count, const std::vector<Link>& links,
                                    const std::vector<Link>& candidates) {

@@ -15,11 +15,10 @@ struct Link {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive in the first's frame
   int inliers = 0;
   double rms_m = 0.0;
-  /// How alike the keypoints of the shared floor are, 0 ... 1; 0: not measured.
+  /// Mean similarity of the keypoints of the shared floor, 0 ... 1; 0: not measured.
   double agreement = 0.0;
   /// That of the second best motion that is beyond chance; 0: there was none. Floors that repeat themselves have one.
   double rival_agreement = 0.0;
 };
-
 
 }  // namespace floorloc

@@ -17,16 +17,16 @@ namespace {
 
 constexpr double kGridCellPx = 40.0;
 
-// Keypoints are looked for again within this many inlier radii of where a motion predicts them.
+// Radius of the search around a keypoint's prediction, in inlier radii.
 constexpr double kRefineRadii = 1.5;
 
-// Where nothing says how two frames lie to each other, repeating floors offer several ways that look right. The best
-// must lead by this many standard errors.
+// Without a prior on two frames' relative pose, repetitive floors offer several plausible ones. The best must lead by
+// this many standard errors.
 constexpr double kMinLead = 2.0;
 
-// Keypoints are alike up to this share of differing bits, or this distance as a share of the descriptors' norm.
-constexpr double kAlikeBits = 0.25;
-constexpr double kAlikeNorm = 0.7;
+// Keypoints are similar up to this share of differing bits, or this distance as a share of the descriptors' norm.
+constexpr double kMaxSimilarBits = 0.25;
+constexpr double kMaxSimilarNorm = 0.7;
 
 constexpr int kMinSharedKeypoints = 30;
 
@@ -44,11 +44,11 @@ std::vector<OrientedMatch> FindMatches(const GuidedMatcher& matcher, const Featu
   return ToOrientedMatches(FilterByRatio(matcher.FindNearest(second, guide), ratio), second.keypoints, first.keypoints);
 }
 
-double LargestAlikeDistance(const Features& features) {
+double MaxSimilarDistance(const Features& features) {
   if (features.descriptors.depth() == CV_8U) {
-    return kAlikeBits * 8.0 * features.descriptors.cols;
+    return kMaxSimilarBits * 8.0 * features.descriptors.cols;
   }
-  return kAlikeNorm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
+  return kMaxSimilarNorm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
 }
 
 Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, const RegistrationResult& result,
@@ -66,7 +66,7 @@ Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, 
   return link;
 }
 
-// A motion that is beyond chance, with how alike the frames are under it.
+// A motion that is beyond chance, with the similarity of the frames under it.
 struct Hypothesis {
   Pose2 first_from_second;
   PairAgreement agreement;
@@ -161,20 +161,20 @@ RegistrationOptions PairRegistrationOptions::DefaultRegistration() {
 PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& second, const RectM& floor,
                                const Pose2& first_from_second, const PairRegistrationOptions& options) {
   const RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
-  const double largest = LargestAlikeDistance(second);
-  std::vector<double> alike(second.keypoints.size(), 0.0);
+  const double largest = MaxSimilarDistance(second);
+  std::vector<double> similarity(second.keypoints.size(), 0.0);
   const MatchGuide guide{first_from_second, kRefineRadii * registration.inlier_radius_m, kKeypointAngleNoiseRad};
   for (const Match& match : first.FindNearest(second, guide)) {
-    alike[static_cast<std::size_t>(match.query)] = std::max(0.0, 1.0 - match.distance / largest);
+    similarity[static_cast<std::size_t>(match.query)] = std::max(0.0, 1.0 - match.distance / largest);
   }
   double sum = 0.0;
   double squares = 0.0;
   int shared = 0;
-  for (std::size_t i = 0; i < alike.size(); ++i) {
+  for (std::size_t i = 0; i < similarity.size(); ++i) {
     if (floor.Contains(first_from_second * second.keypoints[i].Position())) {
       ++shared;
-      sum += alike[i];
-      squares += alike[i] * alike[i];
+      sum += similarity[i];
+      squares += similarity[i] * similarity[i];
     }
   }
   if (shared < kMinSharedKeypoints) {

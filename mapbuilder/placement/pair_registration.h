@@ -13,7 +13,7 @@ namespace floorloc {
 
 struct PairRegistrationOptions {
   RegistrationOptions registration = DefaultRegistration();
-  double resolution_m = 7e-4;  ///< of the rectified pictures
+  double resolution_m = 7e-4;  ///< of the rectified images
   float max_ratio_binary = 0.9F;
   float max_ratio_float = 0.85F;
   /// What keypoints alone do not show: calibration and mounting errors, per pair of frames.
@@ -26,15 +26,14 @@ struct PairRegistrationOptions {
   static RegistrationOptions DefaultRegistration();
 };
 
-/// How alike two frames are under a motion between them.
+/// Similarity of two frames under a motion between them.
 struct PairAgreement {
   double mean = 0.0;            ///< similarity over all keypoints of the shared floor, 0 ... 1
   double standard_error = 1.0;  ///< of the mean
 };
 
-/// Looks for every keypoint of the second frame that the motion puts into the first's floor. Unlike the number of
-/// inliers this does not favour the motion with the larger overlap: on a floor that repeats itself, that is often the
-/// wrong one.
+/// Matches every keypoint of the second frame that the motion puts into the first's floor. Unlike the number of inliers
+/// this does not favour the motion with the larger overlap: on a repetitive floor, that is often the wrong one.
 PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& second, const RectM& floor,
                                const Pose2& first_from_second, const PairRegistrationOptions& options);
 

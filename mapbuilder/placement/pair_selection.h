@@ -14,8 +14,8 @@ namespace floorloc {
 struct FramePair {
   int first = 0;
   int second = 0;
-  std::optional<Pose2> first_from_second;  ///< where the second is thought to be, seen from the first
-  double radius_m = 0.0;                   ///< how far off that may be
+  std::optional<Pose2> first_from_second;  ///< predicted pose of the second in the first
+  double radius_m = 0.0;                   ///< uncertainty of the prediction
   double yaw_radius_rad = 0.0;
 };
 

@@ -18,7 +18,7 @@
 namespace floorloc {
 namespace {
 
-// A wheel's error per step, for the weak factor that only matters where pictures say nothing.
+// A wheel's error per step, for the weak factor that only matters where vision gives nothing.
 constexpr double kOdometrySigmaM = 0.02;
 constexpr double kOdometrySigmaShare = 0.1;
 constexpr double kOdometrySigmaRad = 0.05;
@@ -26,7 +26,7 @@ constexpr double kOdometrySigmaRad = 0.05;
 // A part without a known place is put this far to the right of everything else.
 constexpr double kPartGapM = 1.0;
 
-// Look-alike places crowd out the true neighbours on floors that repeat themselves.
+// On repetitive floors, aliased places crowd out the true neighbours.
 constexpr int kSimilarPairsPerFrame = 6;
 constexpr int kSimilarPairsPerFrameIfRepeating = 20;
 
@@ -52,7 +52,7 @@ class Placer {
       JoinSeparateParts();
     }
     CloseLoopsInGrowingRounds();
-    AddOuterKnowledge();
+    AddAbsoluteConstraints();
     return Finish();
   }
 
@@ -67,15 +67,15 @@ class Placer {
   void CloseLoops(int end, const NearbyOptions& options);
   void Optimize(int frame_count);
   std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
-  void AddOuterKnowledge();
+  void AddAbsoluteConstraints();
   // A frame's point whose place in the map is known.
-  struct KnownPlace {
+  struct KnownPoint {
     int frame = 0;
     OrientedMatch pair;
   };
-  void AlignTo(const std::vector<KnownPlace>& places);
+  void AlignTo(const std::vector<KnownPoint>& known_points);
   std::set<int> PartsToKeep(const std::vector<int>& part, int largest) const;
-  void SetPartsApart(const std::vector<int>& part, int largest);
+  void SeparateParts(const std::vector<int>& part, int largest);
   Placement Finish();
   void CountUnmatchedOverlaps(Placement* placement) const;
   void ReportDrift(Placement* placement) const;
@@ -86,12 +86,12 @@ class Placer {
   const std::vector<LoadedSurvey>& surveys_;
   const PlacementOptions& options_;
   PairRegistrationOptions registration_ = options_.registration;
-  double min_agreement_ = 0.0;  // of links, on floors that repeat themselves
+  double min_agreement_ = 0.0;  // of links, on repetitive floors
   int count_;
   std::vector<RectM> floors_;
   std::vector<Pose2> root_pose_;
   PoseGraph graph_;
-  std::vector<Link> candidates_;  // found by appearance, to be believed when others bear them out
+  std::vector<Link> candidates_;  // found by appearance, to be accepted when others confirm them
   std::set<std::pair<int, int>> linked_;
 };
 
@@ -144,10 +144,10 @@ bool Placer::HasSeparateParts() const {
   return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; });
 }
 
-// Parts that neither order nor odometry joins: only appearance can tell where they belong.
+// Parts that neither order nor odometry joins: only appearance can join them.
 void Placer::JoinSeparateParts() {
   AddSimilarCandidates(kSimilarPairsPerFrame);
-  if (FloorRepeats(candidates_)) {
+  if (IsRepetitiveFloor(candidates_)) {
     AddSimilarCandidates(kSimilarPairsPerFrameIfRepeating);
     registration_.measure_agreement = true;
     min_agreement_ = MinAgreement(candidates_);
@@ -160,7 +160,7 @@ void Placer::JoinSeparateParts() {
 }
 
 std::vector<std::optional<Pose2>> Placer::PlacedUpTo(int frame_count) const {
-  // Parts that nothing joins lie on top of each other for now: only the largest may look for neighbours.
+  // Parts that nothing joins lie on top of each other for now: only the largest may search for neighbours.
   const std::vector<int> component = FindComponents(count_, LinksAndOdometry());
   std::map<int, int> size;
   for (const int c : component) {
@@ -230,11 +230,11 @@ void Placer::CloseLoops(int end, const NearbyOptions& options) {
 
 // Moves each part of the graph so that its own pairs (source: where it is, target: where it should be) agree. What
 // knows nothing of its place goes with the first part that does.
-void Placer::AlignTo(const std::vector<KnownPlace>& places) {
+void Placer::AlignTo(const std::vector<KnownPoint>& known_points) {
   const std::vector<int> part = FindComponents(count_, LinksAndOdometry());
   std::map<int, std::vector<OrientedMatch>> pairs;
-  for (const KnownPlace& place : places) {
-    pairs[part[static_cast<std::size_t>(place.frame)]].push_back(place.pair);
+  for (const KnownPoint& known_point : known_points) {
+    pairs[part[static_cast<std::size_t>(known_point.frame)]].push_back(known_point.pair);
   }
   std::map<int, Pose2> motion;
   for (const auto& [number, pairs_of_part] : pairs) {
@@ -251,15 +251,15 @@ void Placer::AlignTo(const std::vector<KnownPlace>& places) {
   }
 }
 
-void Placer::AddOuterKnowledge() {
-  std::vector<KnownPlace> places;
+void Placer::AddAbsoluteConstraints() {
+  std::vector<KnownPoint> known_points;
   std::map<std::pair<int, std::string>, int> by_name;
   for (int i = 0; i < count_; ++i) {
     const BuildFrame& frame = frames_[static_cast<std::size_t>(i)];
     by_name[{frame.survey, frame.info.filename}] = i;
     if (frame.prior) {
       graph_.priors.push_back({i, frame.prior->map_from_base, frame.prior->covariance});
-      places.push_back({i, {PoseOf(i).translation(), frame.prior->map_from_base.translation(), 0.0, 0.0}});
+      known_points.push_back({i, {PoseOf(i).translation(), frame.prior->map_from_base.translation(), 0.0, 0.0}});
     }
   }
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
@@ -269,14 +269,14 @@ void Placer::AddOuterKnowledge() {
       factor.point_in_base_m = surveys_[s].survey.camera.FloorFromRawPixel(point.raw_px);
       factor.point_in_map_m = point.point_in_map_m;
       graph_.control_points.push_back(factor);
-      places.push_back(
+      known_points.push_back(
           {factor.frame, {PoseOf(factor.frame) * factor.point_in_base_m, factor.point_in_map_m, 0.0, 0.0}});
     }
   }
-  if (places.size() == 1) {
-    throw InputError("one control point or pose does not fix the map's place and heading; give at least two");
+  if (known_points.size() == 1) {
+    throw InputError("one control point or pose does not fix the map's position and heading; give at least two");
   }
-  AlignTo(places);
+  AlignTo(known_points);
 }
 
 // Those whose place in the map is known, by two poses or control points; the largest when none is.
@@ -298,7 +298,7 @@ std::set<int> Placer::PartsToKeep(const std::vector<int>& part, int largest) con
 }
 
 // Parts whose relation to the largest is unknown go beside it.
-void Placer::SetPartsApart(const std::vector<int>& part, int largest) {
+void Placer::SeparateParts(const std::vector<int>& part, int largest) {
   if (!graph_.odometry.empty()) {
     return;  // odometry says where they are
   }
@@ -331,7 +331,7 @@ void Placer::CountUnmatchedOverlaps(Placement* placement) const {
   }
   if (graph_.odometry.empty() && graph_.priors.empty() &&
       placement->unmatched_pairs > options_.max_unmatched_share * placement->overlapping_pairs) {
-    throw InputError("the floor repeats itself too much to find the frames' order from the pictures alone (" +
+    throw InputError("the floor is too repetitive to find the frames' order from the images alone (" +
                      std::to_string(placement->unmatched_pairs) + " of " +
                      std::to_string(placement->overlapping_pairs) +
                      " pairs that should show the same floor do not match); survey with odometry.tum, or give --poses");
@@ -368,11 +368,11 @@ Placement Placer::Finish() {
       std::max_element(size.begin(), size.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   if (count_ > 1 && largest->second == 1) {
     throw InputError(
-        "no two frames of the survey show the same floor; survey with at least a third of each picture "
+        "no two frames of the survey show the same floor; survey with at least a third of each image "
         "overlapping the next, and check camera.yaml and floor.yaml");
   }
   if (options_.keep_all) {
-    SetPartsApart(part, largest->first);
+    SeparateParts(part, largest->first);
   }
   Placement placement;
   placement.map_from_base.resize(frames_.size());
@@ -387,7 +387,7 @@ Placement Placer::Finish() {
     } else {
       placement.drop_reason[i] = alone                           ? "matches no other frame"
                                  : keep.contains(largest->first) ? "not connected to the largest part"
-                                                                 : "not connected to a part of known place";
+                                                                 : "not connected to a part of known pose";
     }
   }
   for (const auto& [number, frames_of_part] : size) {

@@ -13,7 +13,7 @@ namespace floorloc {
 
 struct PlacementOptions {
   PairRegistrationOptions registration;
-  bool keep_all = false;  ///< keep parts of the survey that pictures do not connect to the largest one
+  bool keep_all = false;  ///< keep parts of the survey that no links connect to the largest one
   double prior_sigma_m = 0.05;
   double prior_sigma_rad = 0.05;
   /// A map without odometry or poses of which a larger share of the overlaps does not match is folded onto itself and
@@ -30,12 +30,12 @@ struct Placement {
   std::vector<std::string> drop_reason;             ///< per frame; empty when placed
   std::vector<Link> links;                          ///< that the poses agree with
   int rejected_links = 0;                           ///< that they contradict
-  std::vector<int> part_sizes;                      ///< frames of each part that pictures connect, largest first
+  std::vector<int> part_sizes;                      ///< frames of each part that links connect, largest first
   int overlapping_pairs = 0;                        ///< pairs of placed frames that share most of their floor
-  int unmatched_pairs = 0;  ///< those of them whose pictures do not match: many mean a map folded onto itself
+  int unmatched_pairs = 0;  ///< those of them whose images do not match: many mean a map folded onto itself
   double rms_sigma = 0.0;   ///< of the links, standard deviations
   double rms_m = 0.0;       ///< keypoint residual of the links
-  double drift_m = 0.0;     ///< how far odometry strayed from the result, at most; 0 without odometry
+  double drift_m = 0.0;     ///< largest drift of odometry from the result; 0 without odometry
   double drift_rad = 0.0;
 };
 

@@ -50,11 +50,11 @@ class FrameIndex {
       return;
     }
     for (const std::vector<Neighbour>& neighbours : index_->FindNeighbours(descriptors, kNeighbours)) {
-      std::vector<int> seen;
+      std::vector<int> counted;
       for (const Neighbour& n : neighbours) {
         const int frame = owner_[static_cast<std::size_t>(n.index)];
-        if (std::find(seen.begin(), seen.end(), frame) == seen.end()) {
-          seen.push_back(frame);
+        if (std::find(counted.begin(), counted.end(), frame) == counted.end()) {
+          counted.push_back(frame);
           ++(*votes)[frame];
         }
       }

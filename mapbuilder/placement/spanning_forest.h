@@ -13,7 +13,7 @@ namespace floorloc {
 std::vector<int> FindComponents(int frame_count, const std::vector<Link>& links);
 
 /// Chains the links of a maximum spanning forest into start poses: `links` first (most inliers first), then `odometry`
-/// where it joins what they leave apart. The first frame of each tree stands at its pose in `root_pose`.
+/// where it joins what they leave separate. The first frame of each tree has its pose in `root_pose`.
 std::vector<Pose2> ChainPoses(const std::vector<Pose2>& root_pose, const std::vector<Link>& links,
                               const std::vector<Link>& odometry);
 

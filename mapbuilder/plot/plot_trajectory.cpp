@@ -71,15 +71,15 @@ class ErrorColors {
 class PlaneView {
  public:
   explicit PlaneView(const ErrorPlot& plot) {
-    std::vector<Eigen::Vector2d> places = plot.reference_m;
+    std::vector<Eigen::Vector2d> positions = plot.reference_m;
     for (const ErrorSample& sample : plot.samples) {
-      places.push_back(sample.estimate_m);
+      positions.push_back(sample.estimate_m);
     }
-    Eigen::Vector2d low = places.front();
+    Eigen::Vector2d low = positions.front();
     Eigen::Vector2d high = low;
-    for (const Eigen::Vector2d& place : places) {
-      low = low.cwiseMin(place);
-      high = high.cwiseMax(place);
+    for (const Eigen::Vector2d& position : positions) {
+      low = low.cwiseMin(position);
+      high = high.cwiseMax(position);
     }
     const Eigen::Vector2d size = (high - low).cwiseMax(1e-3);
     pixels_per_m_ = 0.92 * std::min(kPlaneArea.width / size.x(), kPlaneArea.height / size.y());

@@ -24,8 +24,8 @@ std::vector<std::string> GroupsOf(std::vector<std::string> groups, const std::ve
 }
 
 const char* ColourOf(const std::vector<std::string>& groups, const std::string& group) {
-  const auto place = std::find(groups.begin(), groups.end(), group) - groups.begin();
-  return kColours[static_cast<std::size_t>(place) % kColours.size()];
+  const auto index = std::find(groups.begin(), groups.end(), group) - groups.begin();
+  return kColours[static_cast<std::size_t>(index) % kColours.size()];
 }
 
 std::string Number(double value, int decimals) {
@@ -40,9 +40,9 @@ struct LogAxis {
   int first_decade = 0, last_decade = 1;
 
   LogAxis(const std::vector<double>& values, double from, double to) : from_px(from), to_px(to) {
-    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-    first_decade = static_cast<int>(std::floor(std::log10(*least)));
-    last_decade = std::max(first_decade + 1, static_cast<int>(std::ceil(std::log10(*greatest))));
+    const auto [minimum, maximum] = std::minmax_element(values.begin(), values.end());
+    first_decade = static_cast<int>(std::floor(std::log10(*minimum)));
+    last_decade = std::max(first_decade + 1, static_cast<int>(std::ceil(std::log10(*maximum))));
   }
   double Pixel(double value) const {
     return from_px + (to_px - from_px) * (std::log10(value) - first_decade) / (last_decade - first_decade);

@@ -11,7 +11,7 @@ struct SvgBar {
   std::string label;
   double value = 0.0;
   std::string group;  ///< bars of a group have one colour
-  std::string note;   ///< stands behind the value
+  std::string note;   ///< follows the value
 };
 
 struct BarChartOptions {
@@ -21,7 +21,7 @@ struct BarChartOptions {
   std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
 };
 
-/// An inline SVG picture.
+/// An inline SVG image.
 std::string BarChart(const std::vector<SvgBar>& bars, const BarChartOptions& options);
 
 struct SvgDot {
@@ -37,7 +37,7 @@ struct ScatterOptions {
   std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
 };
 
-/// An inline SVG picture with logarithmic axes; dots that are not positive have no place on it and are left out.
+/// An inline SVG image with logarithmic axes; dots that are not positive have no place on it and are left out.
 std::string ScatterPlot(const std::vector<SvgDot>& dots, const ScatterOptions& options);
 
 /// Text for HTML and SVG.

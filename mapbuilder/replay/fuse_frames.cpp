@@ -80,10 +80,11 @@ class Run {
   FusedFrame SendFrame(const SurveyFrame& frame) {
     FusedFrame fused;
     fused.localized.frame = frame;
-    const FrameObservation seen = localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms));
+    const FrameObservation observation =
+        localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms));
     const std::optional<PosePrior> prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt;
-    fused.localized.result = localizer_.LocalizeWithGlobalFallback(seen, prior);
-    fused.outcome = tracker_.AddFrame(frame.stamp_ns, seen.features, fused.localized.result);
+    fused.localized.result = localizer_.LocalizeWithGlobalFallback(observation, prior);
+    fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, fused.localized.result);
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {
       drive_.poses.pop_back();  // of the same time, before the frame
@@ -108,7 +109,7 @@ nlohmann::ordered_json ToJson(const FusedPose& pose) {
       {"yaw", pose.map_from_base.yaw()},
       {"covariance", std::vector<double>(pose.covariance.data(), pose.covariance.data() + 9)},
       {"state", ToString(pose.state)},
-      {"in_doubt", pose.in_doubt}};
+      {"in_doubt", pose.contradicted}};
   if (pose.since_fix) {
     json["since_fix"] = {
         {"seconds", pose.since_fix->seconds}, {"metres", pose.since_fix->metres}, {"radians", pose.since_fix->radians}};
@@ -152,7 +153,7 @@ std::string ToJsonLine(const FusedFrame& frame) {
 Trajectory ToTrajectory(const std::vector<FusedPose>& poses) {
   Trajectory trajectory;
   for (const FusedPose& pose : poses) {
-    if (pose.state != TrackingState::kLost && !pose.in_doubt) {
+    if (pose.state != TrackingState::kLost && !pose.contradicted) {
       trajectory.push_back(StampedPose3::FromPose2(pose.stamp_ns, pose.map_from_base));
     }
   }

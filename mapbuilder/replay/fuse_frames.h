@@ -18,7 +18,7 @@ struct FuseFramesOptions {
   ProgressOutput progress;
 };
 
-/// One frame's answer, and what became of it.
+/// One frame's answer, and its outcome.
 struct FusedFrame {
   LocalizedFrame localized;
   FrameOutcome outcome;
@@ -33,15 +33,15 @@ struct FusedDrive {
 /// Throws InputError when the axes of imu.csv are not those of the base frame, by where gravity is.
 void CheckImuAxes(const Survey& survey);
 
-/// Runs a recorded drive through a vehicle's tracker as it would have run then: every message at its time, no look
-/// ahead. Odometry and IMU are used where the folder has them. Throws InputError, also when the IMU's axes are not
+/// Runs a recorded drive through a vehicle's tracker as it would have run then: every message at its time, no
+/// look-ahead. Odometry and IMU are used where the folder has them. Throws InputError, also when the IMU's axes are not
 /// those of the base frame.
 FusedDrive FuseFrames(const Localizer& localizer, const Survey& survey, const FuseFramesOptions& options);
 
 /// One line of the --results file: that of the fix, with the fused pose and what became of the fix.
 std::string ToJsonLine(const FusedFrame& frame);
 
-/// The poses that the tracker stands behind: without those where it was lost or contradicted by the last picture.
+/// The poses that the tracker reports as localized: without those where it was lost or contradicted by the last image.
 Trajectory ToTrajectory(const std::vector<FusedPose>& poses);
 
 }  // namespace floorloc

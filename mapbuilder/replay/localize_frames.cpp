@@ -23,9 +23,9 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
 
 bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
-// The ground truth's frame is the surveyor's, the map's its own: some frames that are sought on the whole map tell how
-// they lie to each other. Each proposes a motion, be it an accepted fix or not; the one that most others agree with is
-// taken.
+// The ground truth's frame is the surveyor's, the map's its own: some frames that are localized on the whole map give
+// how they lie to each other. Each proposes a motion, be it an accepted fix or not; the one that most others agree with
+// is taken.
 Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey) {
   constexpr std::size_t kFrames = 30;
   constexpr double kAgreeM = 0.05;
@@ -38,7 +38,7 @@ Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, co
       truth_and_fix.emplace_back(*truth, fix.result.map_from_base);
     }
   }
-  Pose2 best;  // where none tells, the frames are taken to be the same
+  Pose2 best;  // without any, the frames are taken to be the same
   std::ptrdiff_t best_count = 0;
   for (const auto& proposal : truth_and_fix) {
     const Pose2 map_from_truth = proposal.second * proposal.first.Inverse();
@@ -91,10 +91,10 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
     }
     LocalizedFrame localized;
     localized.frame = frame;
-    const FrameObservation seen = localizer.Observe(rectifier, ReadFrame(survey, frame, &localized.decode_ms));
-    localized.result = localizer.Localize(seen, prior);
-    if (prior && !Found(localized)) {  // lost: perhaps carried elsewhere
-      localized.result = localizer.Localize(seen, std::nullopt);
+    const FrameObservation observation = localizer.Observe(rectifier, ReadFrame(survey, frame, &localized.decode_ms));
+    localized.result = localizer.Localize(observation, prior);
+    if (prior && !Found(localized)) {  // lost: perhaps kidnapped
+      localized.result = localizer.Localize(observation, std::nullopt);
     }
     if (Found(localized) && odom_from_base) {
       map_from_odom = localized.result.map_from_base * odom_from_base->Inverse();

@@ -14,7 +14,7 @@ namespace floorloc {
 
 enum class PriorSource {
   kNone,      ///< every frame on the whole map
-  kOdometry,  ///< from the last fix, carried on by odometry; the whole map until there is one and after a loss
+  kOdometry,  ///< from the last fix, propagated by odometry; the whole map until there is one and after a loss
   kTruth,     ///< from groundtruth.tum, brought into the map's frame by a few frames localized without it
 };
 
@@ -36,7 +36,7 @@ struct LocalizedFrame {
   double decode_ms = 0.0;
 };
 
-/// Reads a frame's picture (CV_8UC1) and says how long it took. Throws InputError.
+/// Reads a frame's image (CV_8UC1) and says how long it took. Throws InputError.
 cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms);
 
 /// Localizes every frame of a folder, in order. Throws InputError.

@@ -167,7 +167,7 @@ std::vector<MonocularFrame> TrackMonocularFrames(const CameraRecording& recordin
     const auto position = PositionAt(options.positions, frame.stamp_ns);
     if (!options.positions.empty() && !position) {
       throw InputError(recording.ImagePath(frame),
-                       "is before or after the positions that tell the scale; give positions of the whole time");
+                       "does not overlap the positions that give the scale; give positions for the whole time");
     }
     MonocularFrame tracked;
     tracked.frame = frame;

@@ -15,12 +15,12 @@ namespace floorloc {
 struct PlanarFramesOptions {
   ExtractorOptions extractor;
   PlanarOdometryOptions odometry;  ///< the resolution is the survey's
-  bool use_wheels = false;         ///< odometry.tum tells where each frame is sought
+  bool use_wheels = false;         ///< each frame is searched around the prediction of odometry.tum
   int threads = 1;                 ///< for the features; 0: one per core
   ProgressOutput progress;
 };
 
-/// One frame of a camera that looks at the floor.
+/// One frame of a camera over the floor.
 struct PlanarFrame {
   SurveyFrame frame;
   PlanarOdometryResult result;
@@ -43,11 +43,11 @@ std::string ToJsonLine(const PlanarFrame& frame);
 
 struct MonocularFramesOptions {
   MonocularOdometryOptions odometry;
-  Trajectory positions;  ///< of the camera, in any fixed frame: they tell the scale; may be empty
+  Trajectory positions;  ///< of the camera, in any fixed frame: they give the scale; may be empty
   ProgressOutput progress;
 };
 
-/// One frame of a camera that looks anywhere.
+/// One frame of a camera in any orientation.
 struct MonocularFrame {
   SurveyFrame frame;
   MonocularOdometryResult result;

@@ -21,13 +21,13 @@ struct Axis {
   double low = 0.0, high = 1.0, step = 0.2;
   double from_px = 0.0, to_px = 1.0;
 
-  Axis(double least, double greatest, double from, double to) : from_px(from), to_px(to) {
-    const double range = std::max(greatest - least, 1e-9 + 1e-6 * std::abs(greatest));
+  Axis(double minimum, double maximum, double from, double to) : from_px(from), to_px(to) {
+    const double range = std::max(maximum - minimum, 1e-9 + 1e-6 * std::abs(maximum));
     const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
     const double mantissa = range / 5.0 / power;
     step = power * (mantissa <= 1.0 ? 1.0 : mantissa <= 2.0 ? 2.0 : mantissa <= 5.0 ? 5.0 : 10.0);
-    low = step * std::floor(least / step + 1e-9);
-    high = std::max(low + step, step * std::ceil(greatest / step - 1e-9));
+    low = step * std::floor(minimum / step + 1e-9);
+    high = std::max(low + step, step * std::ceil(maximum / step - 1e-9));
   }
   double Pixel(double value) const { return from_px + (to_px - from_px) * (value - low) / (high - low); }
   int Decimals() const { return std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9))); }
@@ -64,7 +64,7 @@ std::ostringstream StartChart(const Axis& x, const Axis& y, const ChartTitles& t
 }  // namespace
 
 std::string LineChart(const std::vector<ChartLine>& lines, const ChartTitles& titles) {
-  constexpr std::size_t kMostPoints = 800;
+  constexpr std::size_t kMaxPoints = 800;
   std::vector<double> xs, ys;
   for (const ChartLine& line : lines) {
     for (const auto& [x, y] : line.points) {
@@ -83,7 +83,7 @@ std::string LineChart(const std::vector<ChartLine>& lines, const ChartTitles& ti
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const char* colour = kLineColours[i % kLineColours.size()];
     svg << "<polyline fill='none' stroke-width='1.6' stroke='" << colour << "' points='";
-    const std::size_t step = 1 + lines[i].points.size() / kMostPoints;
+    const std::size_t step = 1 + lines[i].points.size() / kMaxPoints;
     for (std::size_t k = 0; k < lines[i].points.size(); k += step) {
       svg << Px(x.Pixel(lines[i].points[k].first)) << "," << Px(y.Pixel(lines[i].points[k].second)) << " ";
     }

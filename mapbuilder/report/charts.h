@@ -17,7 +17,7 @@ struct ChartTitles {
   std::string description;  ///< for those who can't see it
 };
 
-/// An inline SVG picture of lines over common axes. Lines of many points are thinned.
+/// An inline SVG image of lines over common axes. Lines of many points are thinned.
 std::string LineChart(const std::vector<ChartLine>& lines, const ChartTitles& titles);
 
 /// How many of the values lie in each of about 24 bins; those beyond the 99 % quantile are in the last one.

@@ -55,7 +55,7 @@ const char* ColourOf(Weakness weakness) {
       return "#7a4fb5";
     case Weakness::kFewKeypoints:
       return "#d0312d";
-    case Weakness::kSeenOnce:
+    case Weakness::kObservedOnce:
       return "#e08a1e";
     case Weakness::kSelfSimilar:
       return "#c2378f";

@@ -23,15 +23,15 @@ std::string Base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-std::string PngUri(const cv::Mat& picture) {
+std::string PngUri(const cv::Mat& image) {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
+  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
   return "data:image/png;base64," + Base64(bytes);
 }
 
-std::string JpegUri(const cv::Mat& picture, int quality) {
+std::string JpegUri(const cv::Mat& image, int quality) {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
   return "data:image/jpeg;base64," + Base64(bytes);
 }
 

@@ -9,8 +9,8 @@
 namespace floorloc {
 
 std::string Base64(std::span<const std::uint8_t> bytes);
-/// "data:image/png;base64,..." of a CV_8UC4 or CV_8UC3 picture (blue first).
-std::string PngUri(const cv::Mat& picture);
-std::string JpegUri(const cv::Mat& picture, int quality);
+/// "data:image/png;base64,..." of a CV_8UC4 or CV_8UC3 image (blue first).
+std::string PngUri(const cv::Mat& image);
+std::string JpegUri(const cv::Mat& image, int quality);
 
 }  // namespace floorloc

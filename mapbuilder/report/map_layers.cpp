@@ -15,7 +15,7 @@
 namespace floorloc {
 namespace {
 
-constexpr std::size_t kMostLinks = 20'000;
+constexpr std::size_t kMaxLinks = 20'000;
 constexpr const char* kGood = "#1d8a5a";
 constexpr const char* kBad = "#c4252d";
 constexpr const char* kUnsure = "#d98a00";
@@ -44,14 +44,14 @@ std::string ImageSvg(const RectM& rect, const std::string& uri, const std::strin
 template <typename T>
 std::string CellsSvg(const MapQuality& quality, const std::vector<T>& values, const ColourScale& scale) {
   const FloorGrid& grid = quality.grid;
-  cv::Mat picture = cv::Mat::zeros(grid.rows(), grid.columns(), CV_8UC4);
+  cv::Mat image = cv::Mat::zeros(grid.rows(), grid.columns(), CV_8UC4);
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
     if (quality.coverage[cell] > 0 && values[cell] >= T(0)) {
       const std::string& colour = scale.colours[scale.ClassOf(static_cast<double>(values[cell]))];
-      picture.at<cv::Vec4b>(grid.rows() - 1 - grid.Row(cell), grid.Column(cell)) = Bgra(colour);
+      image.at<cv::Vec4b>(grid.rows() - 1 - grid.Row(cell), grid.Column(cell)) = Bgra(colour);
     }
   }
-  return ImageSvg(grid.extent(), PngUri(picture), "cells");
+  return ImageSvg(grid.extent(), PngUri(image), "cells");
 }
 
 Eigen::Vector2d ViewCenter(const MapEvidence& evidence, std::size_t frame) {
@@ -72,7 +72,7 @@ std::string PathsByError(const std::vector<SvgPath>& paths, const ColourScale& s
 PageLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
   const ColourScale scale = ErrorScale();
   std::vector<SvgPath> paths(scale.colours.size());
-  const std::size_t step = 1 + evidence.links.size() / kMostLinks;
+  const std::size_t step = 1 + evidence.links.size() / kMaxLinks;
   for (std::size_t i = 0; i < evidence.links.size(); ++i) {
     const std::size_t error_class = scale.ClassOf(quality.link_strain[i].error_m);
     if (i % step != 0 && error_class + 1 < scale.colours.size()) {
@@ -82,7 +82,7 @@ PageLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
     paths[error_class].LineTo(ViewCenter(evidence, static_cast<std::size_t>(evidence.links[i].second)));
   }
   std::string meaning =
-      "Each line is an overlap of two frames, measured from their pictures. Its colour says by how much the frames' "
+      "Each line is an overlap of two frames, measured from their images. Its colour says by how much the frames' "
       "places in the map disagree with that measurement.";
   if (step > 1) {
     meaning += " One line of " + std::to_string(step) + " is drawn, and all of the worst.";
@@ -138,7 +138,7 @@ PageLayer HeldOutLayer(const MapEvidence& evidence, double arm_m) {
   }
   return {"held_out",
           "Held-out frames",
-          "These frames were sought in a map made without them, without any hint where they are: the test of what "
+          "These frames were localized in a map made without them, without a prior: the test of what "
           "robots will meet.",
           {{kGood, "found, at the right place"}, {kUnsure, "not found"}, {kBad, "found at a wrong place"}},
           right.Element("found") + unsure.Element("missed") + wrong.Element("wrong"),
@@ -155,7 +155,7 @@ PageLayer LostLayer(const MapEvidence& evidence, double arm_m) {
   }
   return {"lost",
           "Frames left out",
-          "About where frames were taken that are not in the map, as odometry tells.",
+          "About where frames were taken that are not in the map, by odometry.",
           {{"#444444", "frame left out"}},
           lost.empty() ? "" : lost.Element("lost"),
           false,
@@ -168,7 +168,7 @@ PageLayer ControlPointsLayer(const MapEvidence& evidence, double arm_m) {
   for (const ControlPointError& point : evidence.build.control_points) {
     places.Triangle(point.surveyed_m, arm_m);
     errors.MoveTo(point.surveyed_m);
-    errors.LineTo(point.surveyed_m + kExaggerated * (point.seen_m - point.surveyed_m));
+    errors.LineTo(point.surveyed_m + kExaggerated * (point.observed_m - point.surveyed_m));
   }
   return {"control",
           "Control points",
@@ -180,10 +180,10 @@ PageLayer ControlPointsLayer(const MapEvidence& evidence, double arm_m) {
 }
 
 PageLayer ZonesLayer(const MapQuality& quality) {
-  PageLayer layer{"zones", "Weak zones", "Floor where a robot may not find itself. The list above has the numbers.",
+  PageLayer layer{"zones", "Weak zones", "Floor where a robot may fail to localize. The list above has the numbers.",
                   {},      "",           false,
                   true};
-  for (const Weakness weakness : {Weakness::kNotSurveyed, Weakness::kFewKeypoints, Weakness::kSeenOnce,
+  for (const Weakness weakness : {Weakness::kNotSurveyed, Weakness::kFewKeypoints, Weakness::kObservedOnce,
                                   Weakness::kSelfSimilar, Weakness::kStrained, Weakness::kNotFound}) {
     SvgPath path;
     for (const Zone& zone : quality.zones) {
@@ -203,17 +203,17 @@ std::vector<PageLayer> FillingLayers(const MapQuality& quality, const QualityOpt
   std::vector<PageLayer> layers;
   const ColourScale usable = UsableScale(options.needed_keypoints), density = DensityScale();
   const ColourScale coverage = CoverageScale(), distinct = DistinctivenessScale();
-  layers.push_back({"usable", "Hold for robots",
+  layers.push_back({"usable", "Usable keypoints",
                     "Usable keypoints that a robot's camera would see with its view centred here. Keypoints that one "
-                    "frame alone saw, or that have twins elsewhere, count less. Below " +
+                    "frame alone saw, or that have duplicates elsewhere, count less. Below " +
                         FixedText(options.needed_keypoints, 0) + ", frames in bad light are lost.",
                     LegendOf(usable), CellsSvg(quality, quality.usable_in_view, usable), true, false});
-  layers.push_back({"coverage", "Coverage", "How many survey frames saw each place.", LegendOf(coverage),
+  layers.push_back({"coverage", "Coverage", "How many survey frames cover each place.", LegendOf(coverage),
                     CellsSvg(quality, quality.coverage, coverage), true, false});
   layers.push_back({"density", "Keypoint density", "Keypoints per square metre in the map.", LegendOf(density),
                     CellsSvg(quality, quality.keypoints_m2, density), true, false});
   layers.push_back({"distinct", "Self-similarity",
-                    "How distinctive the keypoints in view are. Where the value is low, the floor looks like other "
+                    "How distinctive the keypoints in view are. Where the value is low, the floor resembles other "
                     "places of this map.",
                     LegendOf(distinct), CellsSvg(quality, quality.distinctiveness, distinct), true, false});
   return layers;
@@ -227,28 +227,29 @@ RectM DrawnRect(const MapEvidence& evidence) {
   return {extent.x_min - room_m, extent.x_max + room_m, extent.y_min - room_m, extent.y_max + room_m};
 }
 
-std::string MosaicSvg(const MosaicPicture& mosaic, const MapQuality& quality) {
+std::string MosaicSvg(const MosaicImage& mosaic, const MapQuality& quality) {
   constexpr int kQuality = 72;
   const FloorGrid& grid = quality.grid;
-  cv::Mat unseen(grid.rows(), grid.columns(), CV_8U);
+  cv::Mat uncovered(grid.rows(), grid.columns(), CV_8U);
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
-    unseen.at<std::uint8_t>(grid.rows() - 1 - grid.Row(cell), grid.Column(cell)) = quality.coverage[cell] > 0 ? 0 : 255;
+    uncovered.at<std::uint8_t>(grid.rows() - 1 - grid.Row(cell), grid.Column(cell)) =
+        quality.coverage[cell] > 0 ? 0 : 255;
   }
   // The mosaic is black where it has no floor; dark floor well inside the surveyed cells is not mistaken for that.
-  cv::dilate(unseen, unseen, cv::Mat());
+  cv::dilate(uncovered, uncovered, cv::Mat());
   const RectM rect = grid.extent();
   const double to_cells = mosaic.resolution_m / grid.cell_m();
-  const cv::Mat cells_from_picture =
+  const cv::Mat cells_from_image =
       (cv::Mat_<double>(2, 3) << to_cells, 0.0, (mosaic.extent.x_min - rect.x_min) / grid.cell_m() - 0.5, 0.0, to_cells,
        (rect.y_max - mosaic.extent.y_max) / grid.cell_m() - 0.5);
   cv::Mat mask;
-  cv::warpAffine(unseen, mask, cells_from_picture, mosaic.bgr.size(), cv::INTER_NEAREST | cv::WARP_INVERSE_MAP,
+  cv::warpAffine(uncovered, mask, cells_from_image, mosaic.bgr.size(), cv::INTER_NEAREST | cv::WARP_INVERSE_MAP,
                  cv::BORDER_CONSTANT, cv::Scalar(255));
   cv::Mat dark;
   cv::inRange(mosaic.bgr, cv::Scalar(0, 0, 0), cv::Scalar(12, 12, 12), dark);
-  cv::Mat picture = mosaic.bgr.clone();
-  picture.setTo(cv::Scalar(255, 255, 255), mask & dark);
-  return ImageSvg(mosaic.extent, JpegUri(picture, kQuality), "mosaic");
+  cv::Mat image = mosaic.bgr.clone();
+  image.setTo(cv::Scalar(255, 255, 255), mask & dark);
+  return ImageSvg(mosaic.extent, JpegUri(image, kQuality), "mosaic");
 }
 
 std::vector<PageLayer> MakePageLayers(const MapEvidence& evidence, const MapQuality& quality,

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Something that can be laid over the mosaic.
+/// A layer that can be drawn over the mosaic.
 struct PageLayer {
   std::string key;  ///< for ids, e.g. "coverage"
   std::string title;
@@ -24,7 +24,7 @@ struct PageLayer {
 RectM DrawnRect(const MapEvidence& evidence);
 
 /// The mosaic with at most about 2000 pixels a side, white where there is no floor.
-std::string MosaicSvg(const MosaicPicture& mosaic, const MapQuality& quality);
+std::string MosaicSvg(const MosaicImage& mosaic, const MapQuality& quality);
 
 /// Everything that the map file lets us draw; layers that would be empty are left out.
 std::vector<PageLayer> MakePageLayers(const MapEvidence& evidence, const MapQuality& quality,

@@ -17,8 +17,8 @@ std::string FixedText(double value, int decimals) {
 std::string NumberText(int number) {
   std::string digits = std::to_string(number);
   const std::ptrdiff_t first = number < 0 ? 1 : 0;
-  for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > first; place -= 3) {
-    digits.insert(static_cast<std::size_t>(place), ",");
+  for (auto index = static_cast<std::ptrdiff_t>(digits.size()) - 3; index > first; index -= 3) {
+    digits.insert(static_cast<std::size_t>(index), ",");
   }
   return digits;
 }
@@ -42,9 +42,9 @@ double Quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return 0.0;
   }
-  const auto place = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+  const auto index = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
 }
 
 }  // namespace floorloc

@@ -24,12 +24,12 @@ std::vector<OdometryDrift> FollowOdometry(const MapEvidence& evidence) {
     const Eigen::Vector2d view = evidence.RoiOf(*frames.front()).Center();
     Pose2 before = *frames.front()->odom_from_base;
     for (const MapFrame* frame : frames) {
-      const Pose2 carried = map_from_odom * *frame->odom_from_base;
+      const Pose2 predicted = map_from_odom * *frame->odom_from_base;
       drift.travelled_m += before.Between(*frame->odom_from_base).translation().norm();
       before = *frame->odom_from_base;
-      DriftSample sample{carried * view, frame->map_from_base * view, drift.travelled_m};
-      sample.error_m = (carried.translation() - frame->map_from_base.translation()).norm();
-      sample.error_rad = std::abs(WrapAngle(carried.yaw() - frame->map_from_base.yaw()));
+      DriftSample sample{predicted * view, frame->map_from_base * view, drift.travelled_m};
+      sample.error_m = (predicted.translation() - frame->map_from_base.translation()).norm();
+      sample.error_rad = std::abs(WrapAngle(predicted.yaw() - frame->map_from_base.yaw()));
       drift.largest_m = std::max(drift.largest_m, sample.error_m);
       drift.largest_rad = std::max(drift.largest_rad, sample.error_rad);
       drift.samples.push_back(sample);

@@ -17,7 +17,7 @@ struct DriftSample {
   double error_rad = 0.0;
 };
 
-/// How odometry strayed from the map over one survey, both made to agree at its first frame.
+/// Drift of odometry from the map over one survey, both made to agree at its first frame.
 struct OdometryDrift {
   int survey = 0;
   std::vector<DriftSample> samples;

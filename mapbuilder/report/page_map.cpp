@@ -27,7 +27,7 @@ std::string Legend(const PageLayer& layer) {
   return html + "</ul>";
 }
 
-// Drawn once, used by the map and by the pictures.
+// Drawn once, used by the map and by the images.
 std::string Definitions(const ReportPage& page, const std::vector<PageLayer>& layers) {
   std::string svg = "<svg width='0' height='0' style='position:absolute' aria-hidden='true'><defs><g id='mosaic'>" +
                     MosaicSvg(page.mosaic, page.quality) + "</g>";
@@ -89,7 +89,7 @@ std::string MainMap(const ReportPage& page, const std::vector<PageLayer>& layers
        << "<div class='map-tools'><button id='zoom-in' title='closer' aria-label='closer'>+</button><button "
           "id='zoom-out' title='farther' aria-label='farther'>&minus;</button><button id='zoom-all' title='all' "
           "aria-label='show all'>all</button></div><div id='readout'></div></div>\n"
-       << "<p class='map-legend'>The picture is " << LengthText(drawn.width_m()) << " wide; x grows to the right, y "
+       << "<p class='map-legend'>The image is " << LengthText(drawn.width_m()) << " wide; x grows to the right, y "
        << "up.</p>\n";
   for (const PageLayer& layer : layers) {
     if (!layer.legend.empty()) {
@@ -104,7 +104,7 @@ std::string MainMap(const ReportPage& page, const std::vector<PageLayer>& layers
 std::string Gallery(const ReportPage& page, const std::vector<PageLayer>& layers) {
   const std::string view_box = ViewBox(DrawnRect(page.evidence));
   std::ostringstream html;
-  html << "<section id='layers-section'><h2>Layer by layer</h2><p class='screen-only'>Click a picture to see it large "
+  html << "<section id='layers-section'><h2>Layer by layer</h2><p class='screen-only'>Click an image to see it large "
           "above.</p><div class='gallery'>\n";
   for (const PageLayer& layer : layers) {
     html << "<figure><button data-show='" << layer.key << "' aria-label='Show " << EscapeHtml(layer.title)

@@ -60,7 +60,7 @@ std::string Tiles(const ReportPage& page) {
                                   NumberText(score.localized) + " of " + NumberText(score.frames) + ", " +
                                       NumberText(score.wrong) + " wrong")
                            : Tile("held-out", "Held-out frames found", "-", "not tried");
-  html += Tile("agreement", "Neighbours agree within", LengthText(Quantile(errors, 0.5)),
+  html += Tile("agreement", "Neighbouring frames agree within", LengthText(Quantile(errors, 0.5)),
                "95 %: " + LengthText(Quantile(errors, 0.95)));
   html += Tile("weak", "Weak floor", PercentText(surveyed_m2 > 0.0 ? page.quality.weak_m2 / surveyed_m2 : 0.0),
                AreaText(page.quality.weak_m2));
@@ -83,22 +83,22 @@ std::string DistanceChart(const std::vector<OdometryDrift>& drifts) {
     }
     lines.push_back(std::move(line));
   }
-  return LineChart(lines, {"metres travelled", "drift, cm", "How odometry strayed from the map along the way"});
+  return LineChart(lines, {"metres travelled", "drift, cm", "Drift of odometry from the map along the path"});
 }
 
 std::string ControlPointsTable(const std::vector<ControlPointError>& points) {
-  constexpr std::size_t kMost = 50;
+  constexpr std::size_t kMaxRows = 50;
   std::ostringstream html;
-  html << "<div class='card'><h3>Control points</h3><p>" << points.size() << " sightings, off by "
+  html << "<div class='card'><h3>Control points</h3><p>" << points.size() << " observations, off by "
        << LengthText(ControlPointRms(points)) << " RMS.</p><div class='scroll'><table><tr><th>Frame</th><th "
        << "class='number'>x, m</th><th class='number'>y, m</th><th class='number'>Error</th></tr>";
-  for (std::size_t i = 0; i < std::min(kMost, points.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxRows, points.size()); ++i) {
     const ControlPointError& point = points[i];
     html << "<tr><td>" << EscapeHtml(point.filename) << "</td><td class='number'>" << FixedText(point.surveyed_m.x(), 3)
          << "</td><td class='number'>" << FixedText(point.surveyed_m.y(), 3) << "</td><td class='number'>"
-         << LengthText((point.seen_m - point.surveyed_m).norm()) << "</td></tr>";
+         << LengthText((point.observed_m - point.surveyed_m).norm()) << "</td></tr>";
   }
-  html << "</table></div>" << (points.size() > kMost ? "<p>report.json has all of them.</p>" : "") << "</div>";
+  html << "</table></div>" << (points.size() > kMaxRows ? "<p>report.json has all of them.</p>" : "") << "</div>";
   return html.str();
 }
 
@@ -118,27 +118,26 @@ std::string MarkersTable(const std::vector<MarkerFit>& markers) {
   return html.str();
 }
 
-std::string FieldPicture(const FlatField& field) {
-  const auto [least, greatest] = std::minmax_element(field.gain.begin(), field.gain.end());
+std::string FieldImage(const FlatField& field) {
+  const auto [minimum, maximum] = std::minmax_element(field.gain.begin(), field.gain.end());
   std::ostringstream svg;
   svg << "<svg class='field' viewBox='0 0 " << field.columns << " " << field.rows
-      << "' role='img'><title>Brightness over the picture</title>";
+      << "' role='img'><title>Brightness over the image</title>";
   for (std::size_t i = 0; i < field.gain.size(); ++i) {
     const auto column = static_cast<int>(i) % field.columns, row = static_cast<int>(i) / field.columns;
-    const int grey = static_cast<int>(std::lround(std::clamp(235.0 * *least / field.gain[i], 0.0, 255.0)));
+    const int grey = static_cast<int>(std::lround(std::clamp(235.0 * *minimum / field.gain[i], 0.0, 255.0)));
     svg << "<rect x='" << column << "' y='" << row << "' width='1.02' height='1.02' fill='rgb(" << grey << "," << grey
         << "," << grey << ")'/>";
   }
-  svg << "</svg><p>The darkest part of the picture gets " << PercentText(*least / *greatest)
+  svg << "</svg><p>The darkest part of the image gets " << PercentText(*minimum / *maximum)
       << " of the light of the brightest.</p>";
   return svg.str();
 }
 
 std::string FailuresTable(const MapEvidence& evidence) {
   std::ostringstream html;
-  html << "<div class='card'><h3>Those not found</h3><div class='scroll'><table><tr><th>Frame</th><th "
-          "class='number'>x, m</th><th class='number'>y, m</th><th>Outcome</th><th class='number'>Keypoints that "
-          "fit</th></tr>";
+  html << "<div class='card'><h3>Frames that were not localized</h3><div class='scroll'><table><tr><th>Frame</th><th "
+          "class='number'>x, m</th><th class='number'>y, m</th><th>Outcome</th><th class='number'>Inliers</th></tr>";
   for (const HeldOutFrame& frame : evidence.build.held_out) {
     if (frame.status == "localized") {
       continue;
@@ -164,7 +163,7 @@ std::string VerdictSection(const ReportPage& page) {
 }
 
 std::string ResurveySection(const ReportPage& page) {
-  constexpr std::size_t kMost = 40;
+  constexpr std::size_t kMaxRows = 40;
   const std::vector<Zone>& zones = page.quality.zones;
   std::ostringstream html;
   html << "<section id='resurvey'><h2>Re-survey here</h2>";
@@ -172,10 +171,10 @@ std::string ResurveySection(const ReportPage& page) {
     html << "<p>Nowhere: no hole and no weak place was found.</p></section>\n";
     return html.str();
   }
-  html << "<p>The most important place first. The numbers stand on the map below; click one to go there.</p><div "
+  html << "<p>The most important place first. The numbers are those on the map below; click one to go there.</p><div "
           "class='card scroll'><table><tr><th>No.</th><th class='number'>x, m</th><th class='number'>y, m</th><th "
           "class='number'>Size</th><th>What is wrong</th><th>What to do</th></tr>\n";
-  for (std::size_t i = 0; i < std::min(kMost, zones.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxRows, zones.size()); ++i) {
     const Zone& zone = zones[i];
     html << "<tr data-zone-row='" << i + 1 << "' data-x='" << FixedText(zone.mark.x(), 3) << "' data-y='"
          << FixedText(zone.mark.y(), 3) << "' data-size='"
@@ -188,9 +187,9 @@ std::string ResurveySection(const ReportPage& page) {
          << EscapeHtml(Describe(zone)) << "</td><td>" << EscapeHtml(Advice(zone)) << "</td></tr>\n";
   }
   html << "</table></div>"
-       << (zones.size() > kMost ? "<p>" + NumberText(static_cast<int>(zones.size() - kMost)) +
-                                      " smaller places stand on the map and in report.json.</p>"
-                                : "")
+       << (zones.size() > kMaxRows ? "<p>" + NumberText(static_cast<int>(zones.size() - kMaxRows)) +
+                                         " smaller places are on the map and in report.json.</p>"
+                                   : "")
        << "</section>\n";
   return html.str();
 }
@@ -204,18 +203,18 @@ std::string GeometrySection(const ReportPage& page) {
   const std::vector<OdometryDrift> drifts = FollowOdometry(page.evidence);
   std::ostringstream html;
   html << "<section id='geometry'><h2>Geometry</h2><p>" << NumberText(build.links) << " overlaps were measured; "
-       << NumberText(build.rejected_links) << " more contradicted the rest and were left out; of "
+       << NumberText(build.rejected_links) << " more contradicted the rest and were rejected; of "
        << NumberText(build.overlapping_pairs) << " pairs of frames that share most of their floor, "
        << NumberText(build.unmatched_pairs) << " do not match.</p><div class='two'>";
   if (!errors_mm.empty()) {
     html << "<div class='card'><h3>How well overlaps agree with the map</h3><p>Distance between where a frame is and "
-            "where its neighbour's picture says it is.</p>"
+            "where its neighbour's image says it is.</p>"
          << Histogram(errors_mm, {"mm", "links", "Histogram of the links' errors"}) << "</div>";
   }
   if (!drifts.empty()) {
     html << "<div class='card'><h3>Drift found and removed</h3><p>";
     for (const OdometryDrift& drift : drifts) {
-      html << "Over " << LengthText(drift.travelled_m) << " odometry strayed by up to " << LengthText(drift.largest_m)
+      html << "Over " << LengthText(drift.travelled_m) << " odometry drifted by up to " << LengthText(drift.largest_m)
            << " and " << FixedText(drift.largest_rad * kDegrees, 1) << " degrees. ";
     }
     html << "</p>" << DistanceChart(drifts) << "</div>";
@@ -243,16 +242,17 @@ std::string HeldOutSection(const ReportPage& page) {
     }
   }
   std::ostringstream html;
-  html << "<section id='held-out'><h2>Would a robot find itself?</h2><p>" << score.frames
-       << " frames, spread over the floor, were left out; each was then sought in the map of the others, on the whole "
+  html << "<section id='held-out'><h2>Would a robot localize?</h2><p>" << score.frames
+       << " frames, spread over the floor, were held out; each was then localized in the map of the others, on the "
+          "whole "
           "floor and without any hint. "
        << score.localized << " were found at the right place, " << score.wrong << " at a wrong one; "
        << score.frames - score.localized - score.wrong << " were not found"
        << (score.ambiguous > 0 ? " (" + NumberText(score.ambiguous) + " of them fit several places)" : "")
        << ".</p><div class='two'>";
   if (!errors_mm.empty()) {
-    html << "<div class='card'><h3>Error of those found</h3><p>Median " << LengthText(score.median_m) << " and "
-         << FixedText(score.median_rad * kDegrees, 3) << " degrees, 95 %: " << LengthText(score.p95_m)
+    html << "<div class='card'><h3>Error of the localized frames</h3><p>Median " << LengthText(score.median_m)
+         << " and " << FixedText(score.median_rad * kDegrees, 3) << " degrees, 95 %: " << LengthText(score.p95_m)
          << ". Compared with where the build put them, so errors of the calibration do not show.</p>"
          << Histogram(errors_mm, {"mm", "frames", "Histogram of the errors of held-out frames"}) << "</div>";
   }
@@ -279,22 +279,23 @@ std::string ExposureSection(const ReportPage& page) {
     lines.push_back(std::move(line));
   }
   std::ostringstream html;
-  html << "<section id='exposure'><h2>Light</h2><div class='two'><div class='card'><h3>Exposure over time</h3><p>What "
+  html << "<section id='exposure'><h2>Exposure</h2><div class='two'><div class='card'><h3>Exposure over "
+          "time</h3><p>What "
           "each frame was multiplied with, so that the mosaic is even: "
        << FixedText(Quantile(gains, 0.0), 2) << " to " << FixedText(Quantile(gains, 1.0), 2) << ".</p>"
        << LineChart(lines, {"frame", "gain", "Gain of each frame in the order of the survey"}) << "</div>";
   for (std::size_t i = 0; i < page.evidence.build.flat_fields.size(); ++i) {
-    html << "<div class='card'><h3>Light over the picture"
+    html << "<div class='card'><h3>Brightness over the image"
          << (page.evidence.build.flat_fields.size() > 1 ? ", survey " + std::to_string(i + 1) : "")
-         << "</h3><p>Vignetting and lamps that ride along; evened out in the mosaic.</p>"
-         << FieldPicture(page.evidence.build.flat_fields[i]) << "</div>";
+         << "</h3><p>Vignetting and lamps mounted on the robot; corrected in the mosaic.</p>"
+         << FieldImage(page.evidence.build.flat_fields[i]) << "</div>";
   }
   html << "</div></section>\n";
   return html.str();
 }
 
 std::string DroppedSection(const ReportPage& page) {
-  constexpr std::size_t kMost = 12;
+  constexpr std::size_t kMaxRows = 12;
   const std::vector<DroppedFrame>& dropped = page.evidence.build.dropped;
   if (dropped.empty()) {
     return "";
@@ -309,10 +310,10 @@ std::string DroppedSection(const ReportPage& page) {
        << "<tr><th>Reason</th><th class='number'>Frames</th><th>Files</th></tr>";
   for (const auto& [reason, files] : by_reason) {
     html << "<tr><td>" << EscapeHtml(reason) << "</td><td class='number'>" << files.size() << "</td><td>";
-    for (std::size_t i = 0; i < std::min(kMost, files.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kMaxRows, files.size()); ++i) {
       html << (i > 0 ? ", " : "") << EscapeHtml(files[i]);
     }
-    html << (files.size() > kMost ? ", ... (report.json has all)" : "") << "</td></tr>";
+    html << (files.size() > kMaxRows ? ", ... (report.json has all)" : "") << "</td></tr>";
   }
   html << "</table></div></section>\n";
   return html.str();

@@ -28,12 +28,12 @@ FloorGrid MakeGrid(const MapEvidence& evidence, const QualityOptions& options, d
 
 // Sums over keypoints per cell.
 struct KeypointCells {
-  std::vector<float> all, usable, seen_once, twins, distinctiveness;
+  std::vector<float> all, usable, observed_once, duplicates, distinctiveness;
 };
 
 KeypointCells CountKeypoints(const MapKeypoints& keypoints, const FloorGrid& grid, const QualityOptions& options) {
   KeypointCells cells;
-  for (auto* sums : {&cells.all, &cells.usable, &cells.seen_once, &cells.twins, &cells.distinctiveness}) {
+  for (auto* sums : {&cells.all, &cells.usable, &cells.observed_once, &cells.duplicates, &cells.distinctiveness}) {
     sums->assign(grid.size(), 0.0F);
   }
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
@@ -43,12 +43,12 @@ KeypointCells CountKeypoints(const MapKeypoints& keypoints, const FloorGrid& gri
       continue;
     }
     const bool once = keypoints.observations[i] < 2;
-    const bool twin = keypoints.distinctiveness[i] < options.twin_below;
+    const bool duplicate = keypoints.distinctiveness[i] < options.duplicate_below;
     cells.all[*cell] += 1.0F;
-    cells.seen_once[*cell] += once ? 1.0F : 0.0F;
-    cells.twins[*cell] += twin ? 1.0F : 0.0F;
+    cells.observed_once[*cell] += once ? 1.0F : 0.0F;
+    cells.duplicates[*cell] += duplicate ? 1.0F : 0.0F;
     cells.usable[*cell] +=
-        static_cast<float>((once ? options.weight_seen_once : 1.0) * (twin ? options.weight_twin : 1.0));
+        static_cast<float>((once ? options.weight_observed_once : 1.0) * (duplicate ? options.weight_duplicate : 1.0));
     cells.distinctiveness[*cell] += static_cast<float>(keypoints.distinctiveness[i]) / 255.0F;
   }
   return cells;
@@ -71,7 +71,7 @@ std::vector<float> Covered(const std::vector<int>& coverage) {
 }
 
 // What a frame in the middle of each cell would see. The windows are squares of the view's area.
-void JudgeViews(const KeypointCells& cells, const QualityOptions& options, MapQuality* quality) {
+void AssessViews(const KeypointCells& cells, const QualityOptions& options, MapQuality* quality) {
   const FloorGrid& grid = quality->grid;
   const int half =
       std::max(0, static_cast<int>(std::lround(0.5 * (std::sqrt(quality->view_m2) / grid.cell_m() - 1.0))));
@@ -79,12 +79,12 @@ void JudgeViews(const KeypointCells& cells, const QualityOptions& options, MapQu
   const auto view_cells = static_cast<float>(quality->view_m2 / grid.cell_m2());
   const std::vector<float> covered = grid.WindowSums(Covered(quality->coverage), half);
   const std::vector<float> all = grid.WindowSums(cells.all, half);
-  const std::vector<float> once = grid.WindowSums(cells.seen_once, half);
-  const std::vector<float> twins = grid.WindowSums(cells.twins, half);
+  const std::vector<float> once = grid.WindowSums(cells.observed_once, half);
+  const std::vector<float> duplicates = grid.WindowSums(cells.duplicates, half);
   const std::vector<float> usable = grid.WindowSums(cells.usable, half);
   const std::vector<float> distinct = grid.WindowSums(cells.distinctiveness, half);
-  const auto lost_once = static_cast<float>(1.0 - options.weight_seen_once);
-  const auto lost_twin = static_cast<float>(1.0 - options.weight_twin);
+  const auto lost_once = static_cast<float>(1.0 - options.weight_observed_once);
+  const auto lost_duplicate = static_cast<float>(1.0 - options.weight_duplicate);
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
     quality->distinctiveness[cell] =
         all[cell] > 0.0F && quality->coverage[cell] > 0 ? distinct[cell] / all[cell] : -1.0F;
@@ -97,12 +97,14 @@ void JudgeViews(const KeypointCells& cells, const QualityOptions& options, MapQu
       continue;
     }
     const bool few = static_cast<double>(scale * all[cell]) < options.needed_keypoints;
-    const bool alike = lost_twin * twins[cell] > lost_once * once[cell];
-    quality->weakness[cell] = few ? Weakness::kFewKeypoints : alike ? Weakness::kSelfSimilar : Weakness::kSeenOnce;
+    const bool self_similar = lost_duplicate * duplicates[cell] > lost_once * once[cell];
+    quality->weakness[cell] = few            ? Weakness::kFewKeypoints
+                              : self_similar ? Weakness::kSelfSimilar
+                                             : Weakness::kObservedOnce;
   }
 }
 
-// Per square metre, smoothed over a quarter of a view; negative where no frame looked.
+// Per square metre, smoothed over a quarter of a view; negative where no frame covers the floor.
 std::vector<float> Density(const std::vector<float>& count, const MapQuality& quality) {
   const FloorGrid& grid = quality.grid;
   std::vector<float> density(grid.size(), -1.0F);
@@ -214,7 +216,7 @@ MapQuality MeasureQuality(const MapEvidence& evidence, const QualityOptions& opt
   const KeypointCells cells = CountKeypoints(evidence.map.keypoints, quality.grid, options);
   quality.keypoints_m2 = Density(cells.all, quality);
   quality.usable_m2 = Density(cells.usable, quality);
-  JudgeViews(cells, options, &quality);
+  AssessViews(cells, options, &quality);
   FindHoles(options, &quality);
   MeasureStrain(evidence, &quality);
   MarkStrained(evidence, options, &quality);

@@ -14,24 +14,24 @@ namespace floorloc {
 enum class Weakness : std::uint8_t {
   kNone,
   kNotSurveyed,   ///< a hole or a slit between surveyed floor
-  kFewKeypoints,  ///< nothing to hold on to: plain, blurred or dark
-  kSeenOnce,      ///< keypoints that no second frame confirms
-  kSelfSimilar,   ///< keypoints that have twins elsewhere
-  kStrained,      ///< frames' pictures and poses disagree
+  kFewKeypoints,  ///< too little texture: plain, blurred or dark
+  kObservedOnce,  ///< keypoints that no second frame confirms
+  kSelfSimilar,   ///< keypoints that have duplicates elsewhere
+  kStrained,      ///< frames' images and poses disagree
   kNotFound,      ///< a held-out frame was not localized, or wrongly
 };
 
 struct QualityOptions {
-  double cells_per_view = 8.0;      ///< along the side of a view
-  double max_cells = 60'000.0;      ///< over the surveyed floor; larger floors get larger cells
-  double needed_keypoints = 100.0;  ///< usable ones in view: with fewer, frames in bad light are not found
-  std::uint8_t twin_below = 26;     ///< distinctiveness of a keypoint that is taken for another one
-  double weight_seen_once = 0.5;    ///< what a keypoint that one frame alone saw counts
-  double weight_twin = 0.2;         ///< what a keypoint with a twin counts
-  double strained_sigma = 4.0;      ///< RMS over a frame's links
-  double min_share_in_view = 0.4;   ///< of the view that must be surveyed for a place to be judged
-  double min_zone_views = 0.2;      ///< area of the smallest zone that is reported, views
-  double max_hole_views = 25.0;     ///< larger holes are taken for furniture
+  double cells_per_view = 8.0;        ///< along the side of a view
+  double max_cells = 60'000.0;        ///< over the surveyed floor; larger floors get larger cells
+  double needed_keypoints = 100.0;    ///< usable ones in view: with fewer, frames in bad light are not found
+  std::uint8_t duplicate_below = 26;  ///< keypoints of less distinctiveness count as duplicates
+  double weight_observed_once = 0.5;  ///< weight of a keypoint that only one frame observed
+  double weight_duplicate = 0.2;      ///< weight of a keypoint with a duplicate
+  double strained_sigma = 4.0;        ///< RMS over a frame's links
+  double min_share_in_view = 0.4;     ///< of the view that must be surveyed for a place to be judged
+  double min_zone_views = 0.2;        ///< area of the smallest zone that is reported, views
+  double max_hole_views = 25.0;       ///< larger holes are taken for furniture
 
   void Check() const;
 };
@@ -61,7 +61,7 @@ struct MapQuality {
 
   // Per cell.
   std::vector<int> coverage;           ///< frames that saw it
-  std::vector<float> keypoints_m2;     ///< smoothed over a quarter of a view; negative: no frame looked
+  std::vector<float> keypoints_m2;     ///< smoothed over a quarter of a view; negative: no frame covers it
   std::vector<float> usable_m2;        ///< the same of weighted keypoints
   std::vector<float> usable_in_view;   ///< weighted keypoints in a view around the cell; negative: not judged
   std::vector<float> distinctiveness;  ///< mean 0..1 of the keypoints in view; negative: none

@@ -23,7 +23,7 @@ function zoom(factor, x = view.x + view.width / 2, y = view.y + view.height / 2)
   show({ x: x - (x - view.x) * share, y: y - (y - view.y) * share, width });
 }
 
-/// Map coordinates of the picture (y down) under a pointer event.
+/// Map coordinates of the image (y down) under a pointer event.
 function place(event) {
   const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(map.getScreenCTM().inverse());
   return { x: p.x, y: p.y };

@@ -14,7 +14,7 @@ struct ReportPage {
   const MapQuality& quality;
   const QualityOptions& options;
   const Verdict& verdict;
-  const MosaicPicture& mosaic;
+  const MosaicImage& mosaic;
 };
 
 /// One page that needs nothing but itself: verdict, what to survey again, the mosaic with layers, figures, lists.

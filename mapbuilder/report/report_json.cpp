@@ -89,7 +89,7 @@ Json GeometryJson(const MapEvidence& evidence, const MapQuality& quality) {
     sigmas.push_back(strain.sigma);
   }
   for (const ControlPointError& point : evidence.build.control_points) {
-    points.push_back((point.seen_m - point.surveyed_m).norm());
+    points.push_back((point.observed_m - point.surveyed_m).norm());
   }
   Json drifts = Json::array();
   for (const OdometryDrift& drift : FollowOdometry(evidence)) {

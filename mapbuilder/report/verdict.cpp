@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Shares and counts from which on a map should not be used, or not without a look.
+// Shares and counts from which on a map should not be used, or not unchecked.
 constexpr double kFewFramesUsed = 0.7, kSomeFramesLost = 0.95;
 constexpr double kRarelyFound = 0.75, kNotAlwaysFound = 0.95;
 constexpr double kOftenWrong = 0.02;
@@ -20,54 +20,54 @@ constexpr double kControlPointM = 0.005;
 
 double Share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
-// Sentences in two drawers: what makes the map useless, and what must be looked at.
-struct Complaints {
+// Reasons by severity: those that make the map useless, and those to be checked.
+struct VerdictReasons {
   std::vector<std::string> severe, mild;
 
   void Add(bool is_severe, const std::string& sentence) { (is_severe ? severe : mild).push_back(sentence); }
 };
 
-void JudgeHeldOut(const HeldOutScore& score, Complaints* complaints) {
+void AssessHeldOut(const HeldOutScore& score, VerdictReasons* reasons) {
   if (score.frames == 0) {
-    complaints->Add(false,
-                    "No frame was held out and localized, so nobody has tried yet whether robots find themselves in "
-                    "this map: too few frames, too little overlap, or the build was told not to.");
+    reasons->Add(false,
+                 "No frame was held out and localized, so it is untested whether robots can localize in "
+                 "this map: too few frames, too little overlap, or held-out frames were switched off.");
     return;
   }
   const double found = Share(score.localized, score.frames);
   if (found < kNotAlwaysFound) {
-    complaints->Add(found < kRarelyFound, NumberText(score.frames - score.localized - score.wrong) + " of " +
-                                              NumberText(score.frames) +
-                                              " held-out frames were not localized in a map made without them.");
+    reasons->Add(found < kRarelyFound, NumberText(score.frames - score.localized - score.wrong) + " of " +
+                                           NumberText(score.frames) +
+                                           " held-out frames were not localized in a map made without them.");
   }
   if (score.wrong > 0) {
-    complaints->Add(score.wrong > 1 && Share(score.wrong, score.frames) > kOftenWrong,
-                    NumberText(score.wrong) + " of " + NumberText(score.frames) +
-                        " held-out frames were localized at a wrong place.");
+    reasons->Add(score.wrong > 1 && Share(score.wrong, score.frames) > kOftenWrong,
+                 NumberText(score.wrong) + " of " + NumberText(score.frames) +
+                     " held-out frames were localized at a wrong pose.");
   }
 }
 
-void JudgeFrames(const BuildReport& build, Complaints* complaints) {
+void AssessFrames(const BuildReport& build, VerdictReasons* reasons) {
   const double used = Share(build.frames_used, build.frames);
   if (build.frames > 0 && used < kSomeFramesLost) {
-    complaints->Add(used < kFewFramesUsed, NumberText(build.frames - build.frames_used) + " of " +
-                                               NumberText(build.frames) + (build.extends.empty() ? "" : " new") +
-                                               " frames are not in the map.");
+    reasons->Add(used < kFewFramesUsed, NumberText(build.frames - build.frames_used) + " of " +
+                                            NumberText(build.frames) + (build.extends.empty() ? "" : " new") +
+                                            " frames are not in the map.");
   }
   for (const std::string& warning : AllWarnings(build)) {
-    complaints->Add(false, warning + (warning.ends_with('.') ? "" : "."));
+    reasons->Add(false, warning + (warning.ends_with('.') ? "" : "."));
   }
   if (Share(build.unmatched_pairs, build.overlapping_pairs) > kFolded) {
-    complaints->Add(true, "So many overlapping frames do not match that the map may be folded onto itself.");
+    reasons->Add(true, "So many overlapping frames do not match that the map may be folded onto itself.");
   }
 }
 
-void JudgeFloor(const MapEvidence& evidence, const MapQuality& quality, Complaints* complaints) {
-  double bare_m2 = 0.0, missing_m2 = 0.0, alike_m2 = 0.0, other_m2 = 0.0;
+void AssessFloor(const MapEvidence& evidence, const MapQuality& quality, VerdictReasons* reasons) {
+  double bare_m2 = 0.0, missing_m2 = 0.0, self_similar_m2 = 0.0, other_m2 = 0.0;
   for (const Zone& zone : quality.zones) {
     (zone.weakness == Weakness::kFewKeypoints  ? bare_m2
      : zone.weakness == Weakness::kNotSurveyed ? missing_m2
-     : zone.weakness == Weakness::kSelfSimilar ? alike_m2
+     : zone.weakness == Weakness::kSelfSimilar ? self_similar_m2
                                                : other_m2) += zone.area_m2;
   }
   const double all_m2 = quality.surveyed_m2 + missing_m2;
@@ -75,27 +75,27 @@ void JudgeFloor(const MapEvidence& evidence, const MapQuality& quality, Complain
     return AreaText(area_m2) + " (" + PercentText(Share(area_m2, all_m2)) + ")";
   };
   if (bare_m2 > 0.0) {
-    complaints->Add(Share(bare_m2, all_m2) > kLargelyWeak,
-                    part(bare_m2) + " of the floor has too few keypoints for a robot to hold on to.");
+    reasons->Add(Share(bare_m2, all_m2) > kLargelyWeak,
+                 part(bare_m2) + " of the floor has too few keypoints for a robot to localize.");
   }
   if (missing_m2 > 0.0) {
-    complaints->Add(
+    reasons->Add(
         Share(missing_m2, all_m2) > kLargelyWeak,
         part(missing_m2) + " of floor was missed: it lies between surveyed places, or its frames could not be used.");
   }
-  if (alike_m2 > 0.0) {
-    complaints->Add(false, part(alike_m2) +
-                               " of the floor looks like other places of this map; a robot there needs a rough idea "
-                               "of where it is (a prior).");
+  if (self_similar_m2 > 0.0) {
+    reasons->Add(false, part(self_similar_m2) +
+                            " of the floor resembles other places of this map; a robot there needs a rough idea "
+                            "of where it is (a prior).");
   }
   if (other_m2 > 0.0) {
-    complaints->Add(false, part(other_m2) + " of the floor is weak for other reasons; the list below names them.");
+    reasons->Add(false, part(other_m2) + " of the floor is weak for other reasons; the list below names them.");
   }
   if (!evidence.build.control_points.empty()) {
     const double rms_m = ControlPointRms(evidence.build.control_points);
     if (rms_m > kControlPointM) {
-      complaints->Add(false, "The map misses its control points by " + LengthText(rms_m) +
-                                 " RMS; check their coordinates and pixels.");
+      reasons->Add(false, "The map misses its control points by " + LengthText(rms_m) +
+                              " RMS; check their coordinates and pixels.");
     }
   }
 }
@@ -104,7 +104,7 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
   std::vector<std::string> facts;
   facts.push_back(NumberText(static_cast<int>(evidence.frames.size())) + " frames cover " +
                   AreaText(quality.surveyed_m2) + " of floor; " + NumberText(static_cast<int>(evidence.links.size())) +
-                  " measured overlaps tie them together.");
+                  " measured overlaps connect them.");
   if (score.frames > 0) {
     facts.push_back(NumberText(score.localized) + " of " + NumberText(score.frames) +
                     " frames that were held out were found again without any hint, " + LengthText(score.median_m) +
@@ -119,7 +119,7 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
                     " (95 %: " + LengthText(Quantile(errors, 0.95)) + ").");
   }
   if (evidence.build.drift_m > 0.0) {
-    facts.push_back("Odometry had strayed by up to " + LengthText(evidence.build.drift_m) + "; that is removed.");
+    facts.push_back("Odometry had drifted by up to " + LengthText(evidence.build.drift_m) + "; that is corrected.");
   }
   return facts;
 }
@@ -127,7 +127,7 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
 }  // namespace
 
 const char* ToString(Trust trust) {
-  return trust == Trust::kTrust ? "trust" : trust == Trust::kLookAt ? "look_at" : "survey_again";
+  return trust == Trust::kTrust ? "trust" : trust == Trust::kInspect ? "look_at" : "survey_again";
 }
 
 HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames) {
@@ -152,29 +152,29 @@ HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames) {
 double ControlPointRms(const std::vector<ControlPointError>& points) {
   double sum = 0.0;
   for (const ControlPointError& point : points) {
-    sum += (point.seen_m - point.surveyed_m).squaredNorm();
+    sum += (point.observed_m - point.surveyed_m).squaredNorm();
   }
   return points.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-Verdict Judge(const MapEvidence& evidence, const MapQuality& quality) {
+Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality) {
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
-  Complaints complaints;
-  JudgeHeldOut(score, &complaints);
-  JudgeFrames(evidence.build, &complaints);
-  JudgeFloor(evidence, quality, &complaints);
+  VerdictReasons reasons;
+  AssessHeldOut(score, &reasons);
+  AssessFrames(evidence.build, &reasons);
+  AssessFloor(evidence, quality, &reasons);
   Verdict verdict;
   verdict.facts = Facts(evidence, quality, score);
-  verdict.reasons = complaints.severe;
-  verdict.reasons.insert(verdict.reasons.end(), complaints.mild.begin(), complaints.mild.end());
-  if (!complaints.severe.empty()) {
-    verdict.trust = Trust::kSurveyAgain;
+  verdict.reasons = reasons.severe;
+  verdict.reasons.insert(verdict.reasons.end(), reasons.mild.begin(), reasons.mild.end());
+  if (!reasons.severe.empty()) {
+    verdict.trust = Trust::kResurvey;
     verdict.headline = "Do not use this map yet: survey again";
-  } else if (!complaints.mild.empty()) {
-    verdict.trust = Trust::kLookAt;
-    verdict.headline = quality.zones.empty()       ? "You can trust this map, but read what stands below"
-                       : quality.zones.size() == 1 ? "You can trust this map, but look at one place"
-                                                   : "You can trust this map, but look at " +
+  } else if (!reasons.mild.empty()) {
+    verdict.trust = Trust::kInspect;
+    verdict.headline = quality.zones.empty()       ? "You can trust this map, but read the warnings below"
+                       : quality.zones.size() == 1 ? "You can trust this map, but check one place"
+                                                   : "You can trust this map, but check " +
                                                          NumberText(static_cast<int>(quality.zones.size())) + " places";
   } else {
     verdict.headline = "You can trust this map";

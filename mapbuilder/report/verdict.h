@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-enum class Trust { kTrust, kLookAt, kSurveyAgain };
+enum class Trust { kTrust, kInspect, kResurvey };
 /// "trust", "look_at", "survey_again"
 const char* ToString(Trust trust);
 
@@ -17,7 +17,7 @@ struct Verdict {
   Trust trust = Trust::kTrust;
   std::string headline;
   std::vector<std::string> reasons;  ///< sentences; why it is not better
-  std::vector<std::string> facts;    ///< sentences; what speaks for the map
+  std::vector<std::string> facts;    ///< sentences; what supports it
 };
 
 /// Held-out frames by outcome.
@@ -35,6 +35,6 @@ HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames);
 /// Metres; 0 without points.
 double ControlPointRms(const std::vector<ControlPointError>& points);
 
-Verdict Judge(const MapEvidence& evidence, const MapQuality& quality);
+Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality);
 
 }  // namespace floorloc

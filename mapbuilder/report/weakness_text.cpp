@@ -13,10 +13,10 @@ const char* Name(Weakness weakness) {
       return "missing from the map";
     case Weakness::kFewKeypoints:
       return "too few keypoints";
-    case Weakness::kSeenOnce:
+    case Weakness::kObservedOnce:
       return "seen by one frame only";
     case Weakness::kSelfSimilar:
-      return "looks like other places";
+      return "resembles other places";
     case Weakness::kStrained:
       return "frames disagree";
     case Weakness::kNotFound:
@@ -33,7 +33,7 @@ const char* Key(Weakness weakness) {
       return "not_surveyed";
     case Weakness::kFewKeypoints:
       return "few_keypoints";
-    case Weakness::kSeenOnce:
+    case Weakness::kObservedOnce:
       return "seen_once";
     case Weakness::kSelfSimilar:
       return "self_similar";
@@ -52,11 +52,11 @@ const char* Advice(const Zone& zone) {
     case Weakness::kNotSurveyed:
       return zone.lost_frames > 0
                  ? "Drive over it again, slowly and in good light, with overlap to the floor around it."
-                 : "Drive over it, if the robots go there; ignore it if something stands there.";
+                 : "Drive over it, if the robots go there; ignore it if something is placed there.";
     case Weakness::kFewKeypoints:
       return "Survey it slowly and in good light. If the floor is plain there, robots must cross it by odometry, or "
              "need a marker.";
-    case Weakness::kSeenOnce:
+    case Weakness::kObservedOnce:
       return "Drive over it once more, so that a second frame confirms what is there.";
     case Weakness::kSelfSimilar:
       return "A new survey will not help. Give the robots a prior here, or put something distinctive on the floor.";
@@ -64,7 +64,7 @@ const char* Advice(const Zone& zone) {
       return "Drive over it once more, slowly and with more overlap; check that the floor is flat and the camera is "
              "firmly mounted.";
     case Weakness::kNotFound:
-      return "Drive over it once more, and look at the held-out frame's picture.";
+      return "Drive over it once more, and check the held-out frame's image.";
     case Weakness::kNone:
       break;
   }
@@ -76,14 +76,14 @@ std::string Describe(const Zone& zone) {
   switch (zone.weakness) {
     case Weakness::kFewKeypoints:
     case Weakness::kSelfSimilar:
-    case Weakness::kSeenOnce:
+    case Weakness::kObservedOnce:
       text = "down to " + NumberText(static_cast<int>(std::lround(zone.usable_in_view))) + " usable keypoints in view";
       break;
     case Weakness::kNotSurveyed:
-      text = zone.lost_frames > 0 ? "frames looked here, but could not be used" : "no frame looked here";
+      text = zone.lost_frames > 0 ? "frames covered this place, but could not be used" : "no frame covers this place";
       break;
     case Weakness::kStrained:
-      text = "pictures and poses disagree by more than measuring errors explain";
+      text = "measured overlaps and poses disagree by more than measurement errors explain";
       break;
     default:
       text = "the floor's numbers are fine";

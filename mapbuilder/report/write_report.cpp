@@ -12,10 +12,10 @@ namespace floorloc {
 namespace {
 
 // A mosaic of at most so many pixels a side keeps the page at a few megabytes.
-constexpr double kMostPixels = 2000.0;
+constexpr double kMaxPixels = 2000.0;
 
-MosaicPicture ReadMosaic(const MapDatabase& database, const MapInfo& info) {
-  const double coarsest_m = std::max(info.extent.width_m(), info.extent.height_m()) / kMostPixels;
+MosaicImage ReadMosaic(const MapDatabase& database, const MapInfo& info) {
+  const double coarsest_m = std::max(info.extent.width_m(), info.extent.height_m()) / kMaxPixels;
   return ExportMosaic(database, std::max(info.resolution_m, coarsest_m));
 }
 
@@ -36,8 +36,8 @@ Verdict WriteReport(const std::filesystem::path& map_file, const std::filesystem
   const MapEvidence evidence = ReadMapEvidence(database);
   const QualityOptions options;
   const MapQuality quality = MeasureQuality(evidence, options);
-  const Verdict verdict = Judge(evidence, quality);
-  const MosaicPicture mosaic = ReadMosaic(database, evidence.map.info);
+  const Verdict verdict = AssessMap(evidence, quality);
+  const MosaicImage mosaic = ReadMosaic(database, evidence.map.info);
   PrepareReportFolder(folder);
   WriteFileAtomically(folder / "report.json", ReportJson(evidence, quality, verdict));
   WriteFileAtomically(folder / "report.html", ReportHtml({evidence, quality, options, verdict, mosaic}));

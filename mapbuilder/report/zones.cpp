@@ -24,12 +24,13 @@ std::vector<std::size_t> Neighbours(const FloorGrid& grid, std::size_t cell) {
 }
 
 bool LacksKeypoints(Weakness weakness) {
-  return weakness == Weakness::kFewKeypoints || weakness == Weakness::kSeenOnce || weakness == Weakness::kSelfSimilar;
+  return weakness == Weakness::kFewKeypoints || weakness == Weakness::kObservedOnce ||
+         weakness == Weakness::kSelfSimilar;
 }
 
 // A window around a weak cell may still show some good floor. What is poor by itself belongs to the zone, too: with its
 // density alone, a view would not have the keypoints that are needed.
-void GrowPoorFloor(const QualityOptions& options, MapQuality* quality) {
+void GrowWeakCells(const QualityOptions& options, MapQuality* quality) {
   const FloorGrid& grid = quality->grid;
   const auto needed_m2 = static_cast<float>(options.needed_keypoints / quality->view_m2);
   std::vector<std::size_t> front;
@@ -99,7 +100,7 @@ void Measure(const MapQuality& quality, Zone* zone) {
 }
 
 // What a held-out frame that failed saw is a zone of its own unless another weakness explains it. Where a frame was
-// left out and no other looked, floor is missing, even at the survey's edge.
+// left out and no other covers, floor is missing, even at the survey's edge.
 void MarkFailures(const MapEvidence& evidence, MapQuality* quality) {
   const RectM& roi = evidence.map.info.camera().floor.roi;
   for (const DroppedFrame& frame : evidence.build.dropped) {
@@ -125,11 +126,11 @@ void MarkFailures(const MapEvidence& evidence, MapQuality* quality) {
 // The zone that most of a view's weak cells belong to.
 int ZoneOfView(const std::vector<std::size_t>& view, const std::vector<int>& labels) {
   std::unordered_map<int, int> votes;
-  int best = kNoZone, most = 0;
+  int best = kNoZone, max_votes = 0;
   for (const std::size_t cell : view) {
-    if (labels[cell] != kNoZone && ++votes[labels[cell]] > most) {
+    if (labels[cell] != kNoZone && ++votes[labels[cell]] > max_votes) {
       best = labels[cell];
-      most = votes[best];
+      max_votes = votes[best];
     }
   }
   return best;
@@ -153,7 +154,7 @@ void CountFailures(const MapEvidence& evidence, const std::vector<int>& labels, 
   }
 }
 
-// How bad a view of such floor is; a hole in the map, where nobody is localized, is the measure.
+// How bad a view of such floor is; a hole in the map, where no frame is localized, is the measure.
 double Weight(const Zone& zone, const QualityOptions& options) {
   switch (zone.weakness) {
     case Weakness::kFewKeypoints:
@@ -163,7 +164,7 @@ double Weight(const Zone& zone, const QualityOptions& options) {
       return 1.0;
     case Weakness::kNotFound:
       return 0.8;
-    case Weakness::kSeenOnce:
+    case Weakness::kObservedOnce:
       return 0.5;
     case Weakness::kSelfSimilar:
       return 0.4;
@@ -173,14 +174,14 @@ double Weight(const Zone& zone, const QualityOptions& options) {
   return 0.0;
 }
 
-bool WorthReporting(const Zone& zone, const QualityOptions& options, double view_m2) {
+bool IsReportable(const Zone& zone, const QualityOptions& options, double view_m2) {
   return zone.area_m2 >= options.min_zone_views * view_m2 || zone.held_out_failures > 0;
 }
 
 }  // namespace
 
 void CollectZones(const MapEvidence& evidence, const QualityOptions& options, MapQuality* quality) {
-  GrowPoorFloor(options, quality);
+  GrowWeakCells(options, quality);
   MarkFailures(evidence, quality);
   std::vector<int> labels(quality->grid.size(), kNoZone);
   for (std::size_t cell = 0; cell < quality->grid.size(); ++cell) {
@@ -193,7 +194,7 @@ void CollectZones(const MapEvidence& evidence, const QualityOptions& options, Ma
     Measure(*quality, &zone);
     zone.importance =
         Weight(zone, options) * zone.area_m2 / quality->view_m2 + 2.0 * zone.held_out_failures + 0.3 * zone.lost_frames;
-    if (!WorthReporting(zone, options, quality->view_m2)) {
+    if (!IsReportable(zone, options, quality->view_m2)) {
       for (const std::size_t cell : zone.cells) {
         quality->weakness[cell] = Weakness::kNone;
       }
@@ -201,7 +202,7 @@ void CollectZones(const MapEvidence& evidence, const QualityOptions& options, Ma
       quality->weak_m2 += zone.area_m2;
     }
   }
-  std::erase_if(quality->zones, [&](const Zone& zone) { return !WorthReporting(zone, options, quality->view_m2); });
+  std::erase_if(quality->zones, [&](const Zone& zone) { return !IsReportable(zone, options, quality->view_m2); });
   std::stable_sort(quality->zones.begin(), quality->zones.end(),
                    [](const Zone& a, const Zone& b) { return a.importance > b.importance; });
 }

@@ -13,18 +13,18 @@
 namespace floorloc {
 namespace {
 
-// A survey with a larger share of broken pictures was not copied whole.
+// A survey with a larger share of broken images was not copied whole.
 constexpr double kMaxUnreadableShare = 0.05;
 
 // Fewer keypoints than this never register.
 constexpr std::size_t kMinKeypoints = 12;
 
-// A picture whose brighter parts stay below this grey value shows noise.
+// An image whose brighter parts stay below this grey value shows noise.
 constexpr float kMinBrightLevel = 12.0F;
 constexpr float kMaxClippedShare = 0.5F;
 
 // Sharpness below this share of that before and after means blur: on one floor it varies by about a fifth, and only
-// blur of several pixels halves it. Up to there pictures still register.
+// blur of several pixels halves it. Up to there images still register.
 constexpr float kMinRelativeSharpness = 0.5F;
 constexpr std::size_t kSharpnessNeighbours = 5;
 
@@ -43,7 +43,7 @@ class Screener {
       : surveys_(surveys), frames_(frames), reason_(frames.size()) {}
 
   void FindUnreadable();
-  void FindBadlyExposed();
+  void FindPoorExposure();
   void FindRepeatedFiles();
   void FindBlurred();
   void FindStandstill(const PairRegistrationOptions& registration);
@@ -54,7 +54,7 @@ class Screener {
  private:
   std::vector<int> Remaining(int survey) const;
   bool HasControlPoint(int frame) const;
-  void WarnOfLastingBlur(const std::vector<int>& remaining);
+  void WarnOfPersistentBlur(const std::vector<int>& remaining);
 
   const std::vector<LoadedSurvey>& surveys_;
   const std::vector<BuildFrame>& frames_;
@@ -62,7 +62,7 @@ class Screener {
   std::vector<std::string> warnings_;
 };
 
-// Frames of a survey that nothing speaks against so far, in the order of time.
+// Frames of a survey that were not rejected so far, in order of time.
 std::vector<int> Screener::Remaining(int survey) const {
   std::vector<int> remaining;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -84,8 +84,8 @@ void Screener::FindUnreadable() {
   std::size_t count = 0;
   std::string first;
   for (const LoadedSurvey& loaded : surveys_) {
-    count += loaded.survey.left_out.size();
-    for (const LeftOutFrame& frame : loaded.survey.left_out) {
+    count += loaded.survey.skipped_frames.size();
+    for (const SkippedFrame& frame : loaded.survey.skipped_frames) {
       first = first.empty() ? (loaded.survey.folder / frame.filename).string() + ": the " + frame.reason : first;
     }
   }
@@ -107,15 +107,15 @@ void Screener::FindUnreadable() {
   }
 }
 
-void Screener::FindBadlyExposed() {
+void Screener::FindPoorExposure() {
   std::vector<float> keypoints;
   for (const BuildFrame& frame : frames_) {
     keypoints.push_back(static_cast<float>(frame.features.keypoints.size()));
   }
-  const float usual_keypoints = Median(keypoints);
+  const float median_keypoints = Median(keypoints);
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    const PictureQuality& quality = frames_[i].quality;
-    const bool few = 2.0F * keypoints[i] < usual_keypoints || frames_[i].features.keypoints.size() < kMinKeypoints;
+    const ImageQuality& quality = frames_[i].quality;
+    const bool few = 2.0F * keypoints[i] < median_keypoints || frames_[i].features.keypoints.size() < kMinKeypoints;
     if (!reason_[i].empty()) {
       continue;
     }
@@ -135,7 +135,7 @@ void Screener::FindWithoutTexture() {
   }
 }
 
-// The sensor's noise makes every picture unlike all others: equal ones are copies.
+// Sensor noise makes every image unique: equal ones are copies.
 void Screener::FindRepeatedFiles() {
   std::unordered_map<std::uint64_t, std::size_t> first_with;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -144,7 +144,7 @@ void Screener::FindRepeatedFiles() {
     }
     const auto [first, is_new] = first_with.try_emplace(frames_[i].quality.pixel_hash, i);
     if (!is_new) {
-      reason_[i] = "the same picture as an earlier one";
+      reason_[i] = "the same image as an earlier one";
     }
   }
 }
@@ -166,33 +166,34 @@ void Screener::FindBlurred() {
         reason_[static_cast<std::size_t>(remaining[k])] = "blurred";
       }
     }
-    WarnOfLastingBlur(Remaining(static_cast<int>(s)));
+    WarnOfPersistentBlur(Remaining(static_cast<int>(s)));
   }
 }
 
 // Long stretches of little sharpness may be a smooth floor: they are only named.
-void Screener::WarnOfLastingBlur(const std::vector<int>& remaining) {
+void Screener::WarnOfPersistentBlur(const std::vector<int>& remaining) {
   std::vector<float> sharpness;
   for (const int i : remaining) {
     sharpness.push_back(frames_[static_cast<std::size_t>(i)].quality.sharpness);
   }
-  const float usual = Median(sharpness);
+  const float median_sharpness = Median(sharpness);
   std::vector<std::string> files;
   for (std::size_t k = 0; k < remaining.size(); ++k) {
-    if (sharpness[k] < kMinRelativeSharpness * usual) {
+    if (sharpness[k] < kMinRelativeSharpness * median_sharpness) {
       files.push_back(frames_[static_cast<std::size_t>(remaining[k])].info.filename);
     }
   }
   if (!files.empty()) {
-    warnings_.push_back(std::to_string(files.size()) + " pictures from " + files.front() + " to " + files.back() +
-                        " are less than half as sharp as the others: blurred, or of a smoother floor; look at them");
+    warnings_.push_back(std::to_string(files.size()) + " images from " + files.front() + " to " + files.back() +
+                        " are less than half as sharp as the others: blurred, or of a smoother floor; check them");
   }
 }
 
 void Screener::FindStandstill(const PairRegistrationOptions& registration) {
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
     const FloorPlane& floor = surveys_[s].survey.camera.floor;
-    const StandstillResult still = FindStandingFrames(frames_, Remaining(static_cast<int>(s)), floor.roi, registration);
+    const StandstillResult still =
+        FindStationaryFrames(frames_, Remaining(static_cast<int>(s)), floor.roi, registration);
     for (const int frame : still.repeated) {
       if (!HasControlPoint(frame)) {
         reason_[static_cast<std::size_t>(frame)] = "the robot stood still";
@@ -200,8 +201,8 @@ void Screener::FindStandstill(const PairRegistrationOptions& registration) {
     }
     if (still.moved_by_odometry > 0) {
       warnings_.push_back(std::to_string(still.moved_by_odometry) +
-                          " pictures repeat the one before although odometry moved on: check whether the camera "
-                          "delivered old pictures");
+                          " images repeat the one before although odometry moved on: check whether the camera "
+                          "delivered old images");
     }
   }
 }
@@ -211,7 +212,7 @@ ScreenedFrames Screener::Result() const {
   result.warnings = warnings_;
   for (const LoadedSurvey& loaded : surveys_) {
     const Survey& survey = loaded.survey;
-    for (const LeftOutFrame& frame : survey.left_out) {
+    for (const SkippedFrame& frame : survey.skipped_frames) {
       result.dropped.push_back({frame.filename, frame.reason});
     }
     if (survey.rows_out_of_order > 0) {
@@ -230,7 +231,7 @@ ScreenedFrames Screener::Result() const {
   return result;
 }
 
-// Removes the control points of pictures that are not among the frames, and returns how many.
+// Removes the control points of images that are not among the frames, and returns how many.
 std::size_t RemoveLostControlPoints(FrameSet* set) {
   std::vector<std::set<std::string>> kept(set->surveys.size());
   for (const BuildFrame& frame : set->frames) {
@@ -249,7 +250,7 @@ std::size_t RemoveLostControlPoints(FrameSet* set) {
 ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registration) {
   Screener screener(set.surveys, set.frames);
   screener.FindUnreadable();
-  screener.FindBadlyExposed();
+  screener.FindPoorExposure();
   screener.FindWithoutTexture();
   screener.FindRepeatedFiles();
   screener.FindBlurred();
@@ -263,13 +264,12 @@ ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registr
     }
   }
   if (result.kept.frames.empty()) {
-    throw InputError("no picture of the survey can be used: " + result.dropped.front().filename + " is left out (" +
-                     result.dropped.front().reason + "), and so are all others; look at the pictures");
+    throw InputError("no image of the survey can be used: " + result.dropped.front().filename + " is left out (" +
+                     result.dropped.front().reason + "), and so are all others; check the images");
   }
   result.kept.surveys = std::move(set.surveys);
   if (const std::size_t lost = RemoveLostControlPoints(&result.kept); lost > 0) {
-    result.warnings.push_back(std::to_string(lost) +
-                              " control points are in pictures that were left out, and not used");
+    result.warnings.push_back(std::to_string(lost) + " control points are in images that were left out, and not used");
   }
   return result;
 }

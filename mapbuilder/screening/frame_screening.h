@@ -19,7 +19,7 @@ struct ScreenedFrames {
 
 /// Takes frames out that would harm the map or add nothing to it: unreadable, too dark, overexposed, without texture,
 /// much less sharp than the frames around them, repeated while the robot stood still; with them go their control
-/// points. Throws InputError when more than a few pictures can't be read, or no frame is left.
+/// points. Throws InputError when more than a few images can't be read, or no frame is left.
 ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registration);
 
 }  // namespace floorloc

@@ -48,7 +48,7 @@ double Median(std::vector<double> values) {
 Complex Translation(const Pose2& motion) { return {motion.x(), motion.y()}; }
 
 struct Fit {
-  Complex factor;        // by_pictures = factor * by_odometry
+  Complex factor;        // by_vision = factor * by_odometry
   double scatter = 0.0;  // median share that is left
 };
 
@@ -72,20 +72,20 @@ bool IsSideways(const Pose2& motion) {
   return std::abs(motion.y()) > std::max(kMinMotionM, kSidewaysShare * motion.translation().norm());
 }
 
-// 1: a true world, -1: a mirrored one, 0: the motion does not tell. A turn changes its sign in the mirror, a motion
+// 1: a true world, -1: a mirrored one, 0: the motion is not conclusive. A turn changes its sign in the mirror, a motion
 // sideways its side.
-int HandVote(const MotionPair& m, const Complex& factor) {
+int HandednessVote(const MotionPair& m, const Complex& factor) {
   const double turn = m.by_odometry.yaw();
   if (std::abs(turn) > kMinTurnRad && std::abs(turn) < 0.5 * std::numbers::pi) {
-    const double seen = m.by_pictures.yaw();
-    return std::abs(seen) < kMinTurnRad ? 0 : (seen * turn > 0.0 ? 1 : -1);
+    const double vision_yaw = m.by_vision.yaw();
+    return std::abs(vision_yaw) < kMinTurnRad ? 0 : (vision_yaw * turn > 0.0 ? 1 : -1);
   }
   if (!IsSideways(m.by_odometry)) {
     return 0;
   }
   const Complex way = Translation(m.by_odometry);
-  const double true_error = std::abs(Translation(m.by_pictures) - factor * way);
-  const double mirrored_error = std::abs(Translation(m.by_pictures) - factor * std::conj(way));
+  const double true_error = std::abs(Translation(m.by_vision) - factor * way);
+  const double mirrored_error = std::abs(Translation(m.by_vision) - factor * std::conj(way));
   if (std::min(true_error, mirrored_error) > kMaxVoteError * std::abs(factor * way)) {
     return 0;
   }
@@ -96,7 +96,7 @@ bool IsMirrored(const std::vector<MotionPair>& motions, const Complex& factor) {
   int balance = 0;
   int votes = 0;
   for (const MotionPair& m : motions) {
-    const int vote = HandVote(m, factor);
+    const int vote = HandednessVote(m, factor);
     balance += vote;
     votes += std::abs(vote);
   }
@@ -201,23 +201,23 @@ void CountFramesWithOdometry(const std::vector<BuildFrame>& frames, int index, c
   }
 }
 
-void Judge(const MotionAgreement& agreement, const Survey& survey, std::vector<std::string>* warnings) {
+void AssessAgreement(const MotionAgreement& agreement, const Survey& survey, std::vector<std::string>* warnings) {
   const std::filesystem::path file = survey.folder / "floor.yaml";
   if (agreement.motions == 0) {
     return;
   }
   if (agreement.mirrored) {
     throw InputError(file,
-                     "the pictures turn right where odometry.tum turns left; the pictures or the homography are "
+                     "the images turn right where odometry.tum turns left; the images or the homography are "
                      "mirrored: switch off the camera's flip, or calibrate again, or correct odometry's axes");
   }
   const std::string direction =
-      "the pictures move in a direction turned by " + Text("%.0f", Degrees(agreement.direction_rad)) +
+      "the images move in a direction turned by " + Text("%.0f", Degrees(agreement.direction_rad)) +
       " degrees against odometry.tum; the homography's axes (x forward, y left) do not fit the robot's";
   if (std::abs(agreement.direction_rad) > kRefuseDirectionRad) {
     throw InputError(file, direction + ": correct the homography, or remove odometry.tum");
   }
-  const std::string scale = "the pictures show motions " + Text("%.3g", agreement.scale) +
+  const std::string scale = "the images show motions " + Text("%.3g", agreement.scale) +
                             " times as long as odometry.tum says; the homography or the odometry has the wrong scale";
   if (std::abs(std::log(agreement.scale)) > std::log1p(kRefuseScale)) {
     throw InputError(file, scale + ": measure a known length on the floor, or remove odometry.tum");
@@ -229,7 +229,7 @@ void Judge(const MotionAgreement& agreement, const Survey& survey, std::vector<s
     warnings->push_back(file.string() + ": " + scale);
   }
   if (agreement.scatter > kWarnScatter) {
-    warnings->push_back((survey.folder / "odometry.tum").string() + ": differs from the motion in the pictures by " +
+    warnings->push_back((survey.folder / "odometry.tum").string() + ": differs from the motion in the images by " +
                         Text("%.0f", 100.0 * agreement.scatter) + " % half of the time; check that both clocks agree");
   }
 }
@@ -238,19 +238,19 @@ void Judge(const MotionAgreement& agreement, const Survey& survey, std::vector<s
 
 MotionAgreement CompareMotions(const std::vector<MotionPair>& motions) {
   std::vector<Complex> by_odometry;
-  std::vector<Complex> by_pictures;
+  std::vector<Complex> by_vision;
   for (const MotionPair& m : motions) {
     const double length_m = m.by_odometry.translation().norm();
     if (length_m > kMinMotionM && !IsSideways(m.by_odometry) && std::abs(m.by_odometry.yaw()) < kMaxTurnRad) {
       by_odometry.push_back(Translation(m.by_odometry));
-      by_pictures.push_back(Translation(m.by_pictures));
+      by_vision.push_back(Translation(m.by_vision));
     }
   }
   MotionAgreement agreement;
   if (static_cast<int>(by_odometry.size()) < kMinMotions) {
     return agreement;
   }
-  const Fit fit = FitFactor(by_odometry, by_pictures);
+  const Fit fit = FitFactor(by_odometry, by_vision);
   agreement.motions = static_cast<int>(by_odometry.size());
   agreement.scale = std::abs(fit.factor);
   agreement.direction_rad = std::arg(fit.factor);
@@ -269,7 +269,7 @@ std::vector<std::string> CheckOdometry(const FrameSet& set, const PairRegistrati
     const int index = static_cast<int>(s);
     CountFramesWithOdometry(set.frames, index, survey, &warnings);
     const RectM& floor = survey.camera.floor.roi;
-    Judge(CompareMotions(MeasureMotions(set.frames, index, floor, registration)), survey, &warnings);
+    AssessAgreement(CompareMotions(MeasureMotions(set.frames, index, floor, registration)), survey, &warnings);
   }
   return warnings;
 }

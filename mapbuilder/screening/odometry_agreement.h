@@ -13,16 +13,16 @@ namespace floorloc {
 /// where it is when a homography is turned, mirrored or scaled about it.
 struct MotionPair {
   Pose2 by_odometry;
-  Pose2 by_pictures;
+  Pose2 by_vision;
 };
 
-/// How motions that pictures measure relate to those that odometry tells. Medians: single wrong motions do not count.
+/// How motions measured by vision relate to those of odometry. Medians: single wrong motions do not count.
 struct MotionAgreement {
   int motions = 0;             ///< compared; the rest means nothing when 0
-  double scale = 1.0;          ///< length by pictures over length by odometry
-  double direction_rad = 0.0;  ///< from odometry's direction of motion to the pictures', counter-clockwise
+  double scale = 1.0;          ///< length by vision over length by odometry
+  double direction_rad = 0.0;  ///< from odometry's direction of motion to that of vision, counter-clockwise
   double scatter = 0.0;        ///< what is left without scale and direction, share of the motion
-  bool mirrored = false;       ///< pictures turn right where odometry turns left
+  bool mirrored = false;       ///< vision turns right where odometry turns left
 };
 
 MotionAgreement CompareMotions(const std::vector<MotionPair>& motions);

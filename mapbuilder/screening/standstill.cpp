@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMaxMotionPx = 0.33;
 
-// Dirt on the lens stands still too, but it is not most of the picture.
+// Dirt on the lens is stationary too, but it is not most of the image.
 constexpr double kMinSharedKeypoints = 0.5;
 
 // What is searched around the identity.
@@ -26,9 +26,9 @@ class Standstill {
     registration_.progress = {};
   }
 
-  std::vector<Link> StandingLinks(const std::vector<FramePair>& pairs) const {
+  std::vector<Link> StationaryLinks(const std::vector<FramePair>& pairs) const {
     std::vector<Link> links = RegisterPairs(frames_, floors_, pairs, registration_);
-    std::erase_if(links, [&](const Link& link) { return !IsStanding(link); });
+    std::erase_if(links, [&](const Link& link) { return !IsStationary(link); });
     return links;
   }
   FramePair Pair(int first, int second) const {
@@ -36,7 +36,7 @@ class Standstill {
   }
 
  private:
-  bool IsStanding(const Link& link) const {
+  bool IsStationary(const Link& link) const {
     const std::size_t keypoints = std::min(frames_[static_cast<std::size_t>(link.first)].features.keypoints.size(),
                                            frames_[static_cast<std::size_t>(link.second)].features.keypoints.size());
     if (link.inliers < kMinSharedKeypoints * static_cast<double>(keypoints)) {
@@ -66,15 +66,15 @@ bool OdometryMoved(const BuildFrame& first, const BuildFrame& second) {
 
 }  // namespace
 
-StandstillResult FindStandingFrames(const std::vector<BuildFrame>& frames, const std::vector<int>& order,
-                                    const RectM& floor, const PairRegistrationOptions& registration) {
+StandstillResult FindStationaryFrames(const std::vector<BuildFrame>& frames, const std::vector<int>& order,
+                                      const RectM& floor, const PairRegistrationOptions& registration) {
   const Standstill standstill(frames, floor, registration);
   std::vector<FramePair> neighbours;
   for (std::size_t k = 1; k < order.size(); ++k) {
     neighbours.push_back(standstill.Pair(order[k - 1], order[k]));
   }
   std::set<int> like_previous;
-  for (const Link& link : standstill.StandingLinks(neighbours)) {
+  for (const Link& link : standstill.StationaryLinks(neighbours)) {
     like_previous.insert(link.second);
   }
   StandstillResult result;
@@ -82,7 +82,7 @@ StandstillResult FindStandingFrames(const std::vector<BuildFrame>& frames, const
     const int first = order[kept];
     const int second = order[k];
     if (like_previous.contains(second) &&
-        (kept + 1 == k || !standstill.StandingLinks({standstill.Pair(first, second)}).empty())) {
+        (kept + 1 == k || !standstill.StationaryLinks({standstill.Pair(first, second)}).empty())) {
       result.repeated.push_back(second);
       result.moved_by_odometry +=
           OdometryMoved(frames[static_cast<std::size_t>(first)], frames[static_cast<std::size_t>(second)]) ? 1 : 0;

@@ -13,10 +13,10 @@ struct StandstillResult {
   int moved_by_odometry = 0;  ///< those of them at which odometry had moved on
 };
 
-/// Finds frames taken while the robot stood still, among `order` (indices into frames, in the order of time, of one
+/// Finds frames taken while the robot stood still, among `order` (indices into frames, in order of time, of one
 /// camera): most keypoints are those of an earlier frame, and no corner of the floor moved by a third of a pixel since.
 /// Slow motion is none: it adds up.
-StandstillResult FindStandingFrames(const std::vector<BuildFrame>& frames, const std::vector<int>& order,
-                                    const RectM& floor, const PairRegistrationOptions& registration);
+StandstillResult FindStationaryFrames(const std::vector<BuildFrame>& frames, const std::vector<int>& order,
+                                      const RectM& floor, const PairRegistrationOptions& registration);
 
 }  // namespace floorloc

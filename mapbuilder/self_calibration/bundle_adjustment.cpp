@@ -17,26 +17,26 @@ namespace {
 
 constexpr int kTiltUnknowns = 3;
 
-// Where a sight lies in the map.
+// Where an observation lies in the map.
 template <typename T>
-Eigen::Matrix<T, 2, 1> InMap(const FloorSight& sight, const T* pose, const T* camera, const T* tilt) {
+Eigen::Matrix<T, 2, 1> InMap(const Observation& observation, const T* pose, const T* camera, const T* tilt) {
   const Eigen::Map<const Eigen::Matrix<T, kCameraUnknowns, 1>> c(camera);
   const Eigen::Map<const Eigen::Matrix<T, kTiltUnknowns, 1>> t(tilt);
   const Eigen::Matrix<T, 2, 1> p =
-      sight.point_in_base_m.cast<T>() + sight.by_camera.cast<T>() * c + sight.by_tilt.cast<T>() * t;
+      observation.point_in_base_m.cast<T>() + observation.by_camera.cast<T>() * c + observation.by_tilt.cast<T>() * t;
   const T cosine = ceres::cos(pose[2]);
   const T sine = ceres::sin(pose[2]);
   return {cosine * p[0] - sine * p[1] + pose[0], sine * p[0] + cosine * p[1] + pose[1]};
 }
 
-struct SightError {
-  FloorSight sight;
+struct ObservationError {
+  Observation observation;
   double sigma_m;
 
   template <typename T>
   bool operator()(const T* pose, const T* camera, const T* tilt, const T* point, T* residual) const {
-    const Eigen::Matrix<T, 2, 1> p = InMap(sight, pose, camera, tilt);
-    // Errors are made in the picture: measured on the floor alone, a smaller floor would seem a better one.
+    const Eigen::Matrix<T, 2, 1> p = InMap(observation, pose, camera, tilt);
+    // Errors arise in the image: measured on the floor alone, a smaller floor would seem a better one.
     const T scale = T(1.0) + camera[static_cast<int>(CameraUnknown::kHeight)] -
                     camera[static_cast<int>(CameraUnknown::kFocal)] + tilt[2];
     residual[0] = (p[0] - point[0]) / (T(sigma_m) * scale);
@@ -46,11 +46,11 @@ struct SightError {
 };
 
 struct ControlError {
-  SightedControlPoint point;
+  ObservedControlPoint point;
 
   template <typename T>
   bool operator()(const T* pose, const T* camera, const T* tilt, T* residual) const {
-    const Eigen::Matrix<T, 2, 1> p = InMap(point.sight, pose, camera, tilt);
+    const Eigen::Matrix<T, 2, 1> p = InMap(point.observation, pose, camera, tilt);
     residual[0] = (p[0] - T(point.point_in_map_m.x())) / T(point.sigma_m);
     residual[1] = (p[1] - T(point.point_in_map_m.y())) / T(point.sigma_m);
     return true;
@@ -58,7 +58,7 @@ struct ControlError {
 };
 
 struct DistanceError {
-  SightedDistance distance;
+  ObservedDistance distance;
 
   template <typename T>
   bool operator()(const T* pose_a, const T* camera_a, const T* tilt_a, const T* pose_b, const T* camera_b,
@@ -85,7 +85,7 @@ struct DistanceError {
 };
 
 struct DistanceWithinFrame {
-  SightedDistance distance;
+  ObservedDistance distance;
 
   template <typename T>
   bool operator()(const T* camera, const T* tilt, T* residual) const {
@@ -96,7 +96,7 @@ struct DistanceWithinFrame {
 
 // A value near zero with a standard deviation, for each of N unknowns.
 template <int N>
-struct NearZero {
+struct ZeroPrior {
   Eigen::Matrix<double, N, 1> sigma;
 
   template <typename T>
@@ -118,16 +118,16 @@ class Adjuster {
 
   BundleSummary Run() {
     BundleSummary result;
-    result.rms_before_m = RmsOfSights();
-    AddSights();
-    AddOuterKnowledge();
+    result.rms_before_m = ObservationRms();
+    AddObservations();
+    AddAbsoluteConstraints();
     AddPriors();
-    HoldFixed();
+    SetConstantParameters();
     result.converged = Solve();
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       bundle_.map_from_base[i] = Pose2(poses_[i][0], poses_[i][1], poses_[i][2]);
     }
-    result.rms_after_m = RmsOfSights();
+    result.rms_after_m = ObservationRms();
     result.camera_sigma = CameraSigmas();
     return result;
   }
@@ -139,13 +139,13 @@ class Adjuster {
   double* CameraOf(int frame) { return bundle_.cameras[static_cast<std::size_t>(CameraNumber(frame))].data(); }
   static ceres::LossFunction* Robust() { return new ceres::CauchyLoss(kCauchyScale); }
 
-  void AddSights();
-  void AddOuterKnowledge();
-  void AddDistance(const SightedDistance& distance);
+  void AddObservations();
+  void AddAbsoluteConstraints();
+  void AddDistance(const ObservedDistance& distance);
   void AddPriors();
-  void HoldFixed();
+  void SetConstantParameters();
   bool Solve();
-  double RmsOfSights();
+  double ObservationRms();
   std::vector<CameraAdjustment> CameraSigmas();
 
   Bundle& bundle_;
@@ -153,25 +153,26 @@ class Adjuster {
   ceres::Problem problem_;
 };
 
-void Adjuster::AddSights() {
-  for (SightedTrack& track : bundle_.tracks) {
-    for (const FloorSight& sight : track.sights) {
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<SightError, 2, 3, kCameraUnknowns, kTiltUnknowns, 2>(
-                                    new SightError{sight, bundle_.sight_sigma_m}),
-                                Robust(), PoseOf(sight.frame), CameraOf(sight.frame), TiltOf(sight.frame),
-                                track.position_m.data());
+void Adjuster::AddObservations() {
+  for (ObservedTrack& track : bundle_.tracks) {
+    for (const Observation& observation : track.observations) {
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<ObservationError, 2, 3, kCameraUnknowns, kTiltUnknowns, 2>(
+              new ObservationError{observation, bundle_.observation_sigma_m}),
+          Robust(), PoseOf(observation.frame), CameraOf(observation.frame), TiltOf(observation.frame),
+          track.position_m.data());
     }
   }
 }
 
-void Adjuster::AddOuterKnowledge() {
-  for (const SightedControlPoint& point : bundle_.control_points) {
-    const int frame = point.sight.frame;
+void Adjuster::AddAbsoluteConstraints() {
+  for (const ObservedControlPoint& point : bundle_.control_points) {
+    const int frame = point.observation.frame;
     problem_.AddResidualBlock(
         new ceres::AutoDiffCostFunction<ControlError, 2, 3, kCameraUnknowns, kTiltUnknowns>(new ControlError{point}),
         Robust(), PoseOf(frame), CameraOf(frame), TiltOf(frame));
   }
-  for (const SightedDistance& distance : bundle_.distances) {
+  for (const ObservedDistance& distance : bundle_.distances) {
     AddDistance(distance);
   }
   for (const PosePriorFactor& prior : bundle_.priors) {
@@ -183,7 +184,7 @@ void Adjuster::AddOuterKnowledge() {
 }
 
 // A distance within one frame says something of its camera alone.
-void Adjuster::AddDistance(const SightedDistance& distance) {
+void Adjuster::AddDistance(const ObservedDistance& distance) {
   const int a = distance.first.frame;
   const int b = distance.second.frame;
   if (a == b) {
@@ -223,8 +224,8 @@ void Adjuster::AddPriors() {
       continue;
     }
     problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<NearZero<kCameraUnknowns>, kCameraUnknowns, kCameraUnknowns>(
-            new NearZero<kCameraUnknowns>{sigma}),
+        new ceres::AutoDiffCostFunction<ZeroPrior<kCameraUnknowns>, kCameraUnknowns, kCameraUnknowns>(
+            new ZeroPrior<kCameraUnknowns>{sigma}),
         nullptr, camera.data());
     if (!known.empty()) {
       problem_.SetManifold(camera.data(), new ceres::SubsetManifold(kCameraUnknowns, known));
@@ -238,14 +239,14 @@ void Adjuster::AddPriors() {
     if (bundle_.prior.tilt_rad <= 0.0) {
       problem_.SetParameterBlockConstant(tilt.data());
     } else {
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<NearZero<kTiltUnknowns>, kTiltUnknowns, kTiltUnknowns>(
-                                    new NearZero<kTiltUnknowns>{tilt_sigma}),
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ZeroPrior<kTiltUnknowns>, kTiltUnknowns, kTiltUnknowns>(
+                                    new ZeroPrior<kTiltUnknowns>{tilt_sigma}),
                                 nullptr, tilt.data());
     }
   }
 }
 
-void Adjuster::HoldFixed() {
+void Adjuster::SetConstantParameters() {
   for (const int frame : bundle_.fixed) {
     if (problem_.HasParameterBlock(PoseOf(frame))) {
       problem_.SetParameterBlockConstant(PoseOf(frame));
@@ -258,10 +259,10 @@ bool Adjuster::Solve() {
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 30;
   options.function_tolerance = 1e-5;
-  options.initial_trust_region_radius = 1e10;  // damping would hold the scale, which few factors tell
+  options.initial_trust_region_radius = 1e10;  // damping would hold the scale, which few factors determine
   options.logging_type = ceres::SILENT;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (SightedTrack& track : bundle_.tracks) {
+  for (ObservedTrack& track : bundle_.tracks) {
     options.linear_solver_ordering->AddElementToGroup(track.position_m.data(), 0);
   }
   std::vector<double*> blocks;
@@ -276,18 +277,19 @@ bool Adjuster::Solve() {
   return summary.IsSolutionUsable();
 }
 
-double Adjuster::RmsOfSights() {
+double Adjuster::ObservationRms() {
   double sum = 0.0;
   int count = 0;
-  for (const SightedTrack& track : bundle_.tracks) {
-    std::vector<Eigen::Vector2d> places;
+  for (const ObservedTrack& track : bundle_.tracks) {
+    std::vector<Eigen::Vector2d> positions;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    for (const FloorSight& sight : track.sights) {
-      places.push_back(InMap<double>(sight, PoseOf(sight.frame), CameraOf(sight.frame), TiltOf(sight.frame)));
-      mean += places.back() / static_cast<double>(track.sights.size());
+    for (const Observation& observation : track.observations) {
+      positions.push_back(InMap<double>(observation, PoseOf(observation.frame), CameraOf(observation.frame),
+                                        TiltOf(observation.frame)));
+      mean += positions.back() / static_cast<double>(track.observations.size());
     }
-    for (const Eigen::Vector2d& place : places) {
-      sum += (place - mean).squaredNorm();
+    for (const Eigen::Vector2d& position : positions) {
+      sum += (position - mean).squaredNorm();
       ++count;
     }
   }

@@ -41,7 +41,7 @@ std::string ToText(const SelfCalibration& calibration) {
         text += part;
       }
     }
-    std::snprintf(part, sizeof(part), " views of a point scatter by %.3f mm, before %.3f mm\n",
+    std::snprintf(part, sizeof(part), " scatter of a point's observations %.3f mm, before %.3f mm\n",
                   1e3 * calibration.rms_after_m, 1e3 * calibration.rms_before_m);
     text += part;
   }

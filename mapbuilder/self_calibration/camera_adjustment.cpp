@@ -18,7 +18,7 @@ FloorCamera Adjusted(const FloorCamera& camera, const CameraAdjustment& adjustme
   lens.fy *= focal;
   lens.distortion[0] += adjustment[static_cast<int>(CameraUnknown::kK1)];
   lens.distortion[1] += adjustment[static_cast<int>(CameraUnknown::kK2)];
-  // An undistorted pixel now stands for a ray that the old homography knows under another pixel.
+  // The ray of an undistorted pixel belongs to another pixel of the old homography.
   Eigen::Matrix3d old_pixel_from_pixel = Eigen::Matrix3d::Identity();
   old_pixel_from_pixel(0, 0) = old_pixel_from_pixel(1, 1) = 1.0 / focal;
   old_pixel_from_pixel(0, 2) = lens.cx * (1.0 - 1.0 / focal);

@@ -17,25 +17,25 @@ namespace {
 // What a calibration can be off by, standard deviations: roll, pitch, height, focal length, k1, k2.
 constexpr std::array<double, kCameraUnknowns> kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1};
 
-// Until the camera is known, views of one floor point scatter more than usual.
+// Until the camera is known, views of one floor point scatter more.
 constexpr std::array<double, 4> kTrackRadiusFactors = {2.5, 1.5, 1.0, 1.0};
 
 constexpr double kDistanceSigmaM = 1e-3;
 
-// Sights of one survey's camera.
-class SightMaker {
+// Observations of one survey's camera.
+class ObservationBuilder {
  public:
-  explicit SightMaker(const FloorCamera& camera)
+  explicit ObservationBuilder(const FloorCamera& camera)
       : camera_(camera), derivative_(camera), center_(camera.CameraCenter()) {}
 
-  FloorSight Make(int frame, const Eigen::Vector2d& point_in_base) const {
-    FloorSight sight;
-    sight.frame = frame;
-    sight.point_in_base_m = point_in_base;
-    sight.by_camera = derivative_.At(camera_.RawPixelFromFloor(point_in_base));
+  Observation Make(int frame, const Eigen::Vector2d& point_in_base) const {
+    Observation observation;
+    observation.frame = frame;
+    observation.point_in_base_m = point_in_base;
+    observation.by_camera = derivative_.At(camera_.RawPixelFromFloor(point_in_base));
     const Eigen::Matrix<double, 2, 4> mounting = MountingJacobian(center_, point_in_base);
-    sight.by_tilt << mounting.col(0), mounting.col(1), mounting.col(3);
-    return sight;
+    observation.by_tilt << mounting.col(0), mounting.col(1), mounting.col(3);
+    return observation;
   }
   const FloorCamera& camera() const { return camera_; }
 
@@ -69,18 +69,18 @@ class Calibrator {
       result.cameras[s].camera = surveys_[s].survey.camera;
       surveys_[s].rectifier = std::make_shared<Rectifier>(surveys_[s].survey.camera);
     }
-    MeasureLinksAgain();
+    RemeasureLinks();
     return result;
   }
 
  private:
   void RequireScale() const;
-  bool KnowsScale() const;
+  bool HasScaleConstraint() const;
   Bundle MakeBundle(double radius_factor);
-  void ChooseTracks(double radius_factor, const std::vector<SightMaker>& makers, Bundle* bundle) const;
-  void AddOuterKnowledge(const std::vector<SightMaker>& makers, Bundle* bundle) const;
+  void ChooseTracks(double radius_factor, const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
+  void AddAbsoluteConstraints(const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
   void Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result);
-  void MeasureLinksAgain();
+  void RemeasureLinks();
 
   std::vector<BuildFrame>& frames_;
   std::vector<LoadedSurvey>& surveys_;
@@ -88,31 +88,31 @@ class Calibrator {
   const SelfCalibrationOptions& options_;
 };
 
-bool Calibrator::KnowsScale() const {
+bool Calibrator::HasScaleConstraint() const {
   const bool poses =
       std::any_of(frames_.begin(), frames_.end(), [](const BuildFrame& frame) { return frame.prior.has_value(); });
-  const auto tells_scale = [](const LoadedSurvey& loaded) {
+  const auto fixes_scale = [](const LoadedSurvey& loaded) {
     return loaded.survey.control_points.size() > 1 || !loaded.survey.known_distances.empty();
   };
-  return poses || std::any_of(surveys_.begin(), surveys_.end(), tells_scale);
+  return poses || std::any_of(surveys_.begin(), surveys_.end(), fixes_scale);
 }
 
 void Calibrator::RequireScale() const {
   const auto asked = [&](CameraUnknown unknown) {
     return std::find(options_.unknowns.begin(), options_.unknowns.end(), unknown) != options_.unknowns.end();
   };
-  if ((asked(CameraUnknown::kHeight) || asked(CameraUnknown::kFocal)) && !KnowsScale()) {
+  if ((asked(CameraUnknown::kHeight) || asked(CameraUnknown::kFocal)) && !HasScaleConstraint()) {
     throw InputError(
-        "height and focal length can't be told from pictures alone; add control_points.csv, known_distances.csv, "
+        "height and focal length are not observable from images alone; add control_points.csv, known_distances.csv, "
         "--markers or --poses, or leave them out of --self-calibrate");
   }
 }
 
 Bundle Calibrator::MakeBundle(double radius_factor) {
   Bundle bundle;
-  std::vector<SightMaker> makers;
+  std::vector<ObservationBuilder> builders;
   for (const LoadedSurvey& loaded : surveys_) {
-    makers.emplace_back(loaded.survey.camera);
+    builders.emplace_back(loaded.survey.camera);
   }
   bundle.cameras.assign(surveys_.size(), CameraAdjustment::Zero());
   bundle.tilts.assign(frames_.size(), Eigen::Vector3d::Zero());
@@ -126,8 +126,8 @@ Bundle Calibrator::MakeBundle(double radius_factor) {
   }
   bundle.prior.tilt_rad = options_.tilt_rad;
   bundle.prior.tilt_height = options_.tilt_height;
-  ChooseTracks(radius_factor, makers, &bundle);
-  AddOuterKnowledge(makers, &bundle);
+  ChooseTracks(radius_factor, builders, &bundle);
+  AddAbsoluteConstraints(builders, &bundle);
   if (bundle.priors.empty() && bundle.control_points.empty()) {
     const auto first = std::find_if(placement_.map_from_base.begin(), placement_.map_from_base.end(),
                                     [](const auto& pose) { return pose.has_value(); });
@@ -137,7 +137,8 @@ Bundle Calibrator::MakeBundle(double radius_factor) {
 }
 
 // The tracks of most views first, as long as one of their frames still needs some.
-void Calibrator::ChooseTracks(double radius_factor, const std::vector<SightMaker>& makers, Bundle* bundle) const {
+void Calibrator::ChooseTracks(double radius_factor, const std::vector<ObservationBuilder>& builders,
+                              Bundle* bundle) const {
   TrackOptions track_options = TrackOptions().ForCamera(surveys_.front().survey.camera.floor);
   track_options.radius_m *= radius_factor;
   track_options.min_views = 2;
@@ -147,50 +148,50 @@ void Calibrator::ChooseTracks(double radius_factor, const std::vector<SightMaker
   std::vector<int> used(frames_.size(), 0);
   for (const KeypointTrack& track : tracks) {
     const bool wanted = std::any_of(track.views.begin(), track.views.end(), [&](const auto& view) {
-      return used[static_cast<std::size_t>(view.first)] < options_.sights_per_frame;
+      return used[static_cast<std::size_t>(view.first)] < options_.observations_per_frame;
     });
     if (!wanted) {
       continue;
     }
-    SightedTrack sighted;
-    sighted.position_m = track.position_m;
+    ObservedTrack observed;
+    observed.position_m = track.position_m;
     for (const auto& [frame, keypoint] : track.views) {
       const BuildFrame& from = frames_[static_cast<std::size_t>(frame)];
       ++used[static_cast<std::size_t>(frame)];
-      sighted.sights.push_back(makers[static_cast<std::size_t>(from.survey)].Make(
+      observed.observations.push_back(builders[static_cast<std::size_t>(from.survey)].Make(
           frame, from.features.keypoints[static_cast<std::size_t>(keypoint)].Position()));
     }
-    bundle->tracks.push_back(std::move(sighted));
+    bundle->tracks.push_back(std::move(observed));
   }
 }
 
-void Calibrator::AddOuterKnowledge(const std::vector<SightMaker>& makers, Bundle* bundle) const {
+void Calibrator::AddAbsoluteConstraints(const std::vector<ObservationBuilder>& builders, Bundle* bundle) const {
   std::map<std::pair<int, std::string>, int> by_name;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (!placement_.map_from_base[i]) {
       continue;
     }
     by_name[{frames_[i].survey, frames_[i].info.filename}] = static_cast<int>(i);
-    if (const std::optional<KnownPose>& prior = frames_[i].prior) {
+    if (const std::optional<AbsolutePosePrior>& prior = frames_[i].prior) {
       bundle->priors.push_back({static_cast<int>(i), prior->map_from_base, prior->covariance});
     }
   }
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
-    const auto see = [&](const std::string& file, const Eigen::Vector2d& raw_px) -> std::optional<FloorSight> {
+    const auto observe = [&](const std::string& file, const Eigen::Vector2d& raw_px) -> std::optional<Observation> {
       const auto frame = by_name.find({static_cast<int>(s), file});
       if (frame == by_name.end()) {
         return std::nullopt;
       }
-      return makers[s].Make(frame->second, makers[s].camera().FloorFromRawPixel(raw_px));
+      return builders[s].Make(frame->second, builders[s].camera().FloorFromRawPixel(raw_px));
     };
     for (const ControlPoint& point : surveys_[s].survey.control_points) {
-      if (const auto sight = see(point.filename, point.raw_px)) {
-        bundle->control_points.push_back({*sight, point.point_in_map_m, ControlPointFactor().sigma_m});
+      if (const auto observation = observe(point.filename, point.raw_px)) {
+        bundle->control_points.push_back({*observation, point.point_in_map_m, ControlPointFactor().sigma_m});
       }
     }
     for (const KnownDistance& distance : surveys_[s].survey.known_distances) {
-      const auto first = see(distance.first_filename, distance.first_raw_px);
-      const auto second = see(distance.second_filename, distance.second_raw_px);
+      const auto first = observe(distance.first_filename, distance.first_raw_px);
+      const auto second = observe(distance.second_filename, distance.second_raw_px);
       if (first && second) {
         bundle->distances.push_back({*first, *second, distance.distance_m, kDistanceSigmaM});
       }
@@ -221,8 +222,8 @@ void Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfC
   }
 }
 
-// What links measured through the old camera is no longer what the pictures say.
-void Calibrator::MeasureLinksAgain() {
+// Links that were measured with the old camera do not fit the images any more.
+void Calibrator::RemeasureLinks() {
   constexpr double kRadiusM = 0.01;
   constexpr double kYawRadiusRad = 0.02;
   std::vector<FramePair> pairs;

@@ -13,7 +13,7 @@ namespace floorloc {
 
 struct SelfCalibrationOptions {
   std::vector<CameraUnknown> unknowns;   ///< of every survey's camera; empty: no self-calibration
-  int sights_per_frame = 80;             ///< keypoints of a frame that take part
+  int observations_per_frame = 80;       ///< keypoints of a frame that take part
   double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
   double tilt_height = 5e-4;             ///< and of its height, as a share
   PairRegistrationOptions registration;  ///< for the links, which are measured again
@@ -45,9 +45,9 @@ struct CalibratedFrames {
 };
 
 /// Bundle adjustment over the keypoint tracks of placed frames, with the given unknowns of every survey's camera and
-/// each frame's own tilt among the unknowns. Height and focal length show only where something tells the scale: control
-/// points, known distances, outer poses. Throws InputError when they are asked for without. Without unknowns everything
-/// is returned as it came.
+/// each frame's own tilt among the unknowns. Height and focal length are observable only where something fixes the
+/// scale: control points, known distances, outer poses. Throws InputError when they are asked for without. Without
+/// unknowns everything is returned as it came.
 CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options);
 
 }  // namespace floorloc

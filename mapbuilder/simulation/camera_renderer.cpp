@@ -26,8 +26,8 @@ constexpr std::array<std::array<double, 4>, 4> kQuarters = {{{0.5625, 0.1875, 0.
                                                              {0.1875, 0.5625, 0.0625, 0.1875},
                                                              {0.1875, 0.0625, 0.5625, 0.1875}}};
 
-std::vector<cv::Mat> BuildPyramid(const cv::Mat& picture) {
-  std::vector<cv::Mat> levels = {picture};
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& image) {
+  std::vector<cv::Mat> levels = {image};
   while (static_cast<int>(levels.size()) <= kMaxLevel && std::min(levels.back().cols, levels.back().rows) >= 64) {
     const cv::Mat& fine = levels.back();
     // An odd last row or column is dropped, so that texels are exact 2x2 means.
@@ -72,7 +72,7 @@ cv::Mat ChooseLevels(const cv::Mat& corners, const Eigen::Matrix3d& base_from_pi
   return levels;
 }
 
-// Texture pixel (level 0) from base frame at the samples of the exposure: whole cycles of four, each of which looks at
+// Texture pixel (level 0) from base frame at the samples of the exposure: whole cycles of four, each of which samples
 // the pixel's four quarters in turn.
 std::vector<Eigen::Affine2d> PlanSamples(const FloorTexture& floor, const Pose2& map_from_base,
                                          const Eigen::Vector3d& motion, double blur_px) {
@@ -127,19 +127,19 @@ void AddTexel(const cv::Mat& level, double u, double v, float* bgr) {
 }
 
 // Row by row with a seed of its own each.
-void AddNoise(cv::Mat& picture, const RenderConditions& conditions) {
+void AddNoise(cv::Mat& image, const RenderConditions& conditions) {
   if (conditions.read_noise <= 0.0 && conditions.shot_noise <= 0.0) {
     return;
   }
   const auto read_variance = static_cast<float>(conditions.read_noise * conditions.read_noise);
   const auto shot = static_cast<float>(conditions.shot_noise);
-  cv::Mat noise(1, picture.cols, CV_32FC3);
-  for (int v = 0; v < picture.rows; ++v) {
+  cv::Mat noise(1, image.cols, CV_32FC3);
+  for (int v = 0; v < image.rows; ++v) {
     cv::RNG rng(DeriveSeed(conditions.noise_seed, static_cast<std::uint64_t>(v)));
     rng.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
-    auto* values = picture.ptr<float>(v);
+    auto* values = image.ptr<float>(v);
     const auto* normal = noise.ptr<float>(0);
-    for (int i = 0; i < 3 * picture.cols; ++i) {
+    for (int i = 0; i < 3 * image.cols; ++i) {
       values[i] += normal[i] * std::sqrt(read_variance + shot * std::max(0.0F, values[i]));
     }
   }
@@ -156,12 +156,12 @@ CameraRenderer::CameraRenderer(const FloorTexture& floor, const FloorCamera& cam
 }
 
 cv::Mat CameraRenderer::Render(const Pose2& map_from_base, const RenderConditions& conditions) const {
-  cv::Mat picture = RenderFloor(map_from_base, conditions);
+  cv::Mat image = RenderFloor(map_from_base, conditions);
   const cv::Mat light = RenderLight(map_from_base, conditions);
-  for (int v = 0; v < picture.rows; ++v) {
-    auto* pixels = picture.ptr<cv::Vec3f>(v);
+  for (int v = 0; v < image.rows; ++v) {
+    auto* pixels = image.ptr<cv::Vec3f>(v);
     const auto* light_row = light.ptr<float>(v);
-    for (int u = 0; u < picture.cols; ++u) {
+    for (int u = 0; u < image.cols; ++u) {
       for (int c = 0; c < 3; ++c) {
         const auto channel_gain = static_cast<float>(conditions.white_balance[static_cast<std::size_t>(c)]);
         pixels[u][c] = pixels[u][c] * light_row[u] * channel_gain + static_cast<float>(conditions.bias);
@@ -169,11 +169,11 @@ cv::Mat CameraRenderer::Render(const Pose2& map_from_base, const RenderCondition
     }
   }
   if (conditions.defocus_px > 0.0) {
-    cv::GaussianBlur(picture, picture, {}, conditions.defocus_px);
+    cv::GaussianBlur(image, image, {}, conditions.defocus_px);
   }
-  AddNoise(picture, conditions);
+  AddNoise(image, conditions);
   cv::Mat raw;
-  picture.convertTo(raw, CV_8UC3);
+  image.convertTo(raw, CV_8UC3);
   return raw;
 }
 
@@ -186,13 +186,13 @@ cv::Mat CameraRenderer::RenderFloor(const Pose2& map_from_base, const RenderCond
   // In front of the camera the homography's third coordinate has the sign that it has at the region of interest.
   const double front = base_from_pixel.inverse().row(2) * camera_.floor.roi.Center().homogeneous();
   const float scale = 1.0F / static_cast<float>(samples.size());
-  cv::Mat picture = cv::Mat::zeros(levels_.size(), CV_32FC3);
-  for (int v = 0; v < picture.rows; ++v) {
+  cv::Mat image = cv::Mat::zeros(levels_.size(), CV_32FC3);
+  for (int v = 0; v < image.rows; ++v) {
     const auto* upper = corners_.ptr<cv::Vec2d>(v);
     const auto* lower = corners_.ptr<cv::Vec2d>(v + 1);
     const auto* levels = levels_.ptr<std::uint8_t>(v);
-    auto* pixels = picture.ptr<cv::Vec3f>(v);
-    for (int u = 0; u < picture.cols; ++u) {
+    auto* pixels = image.ptr<cv::Vec3f>(v);
+    for (int u = 0; u < image.cols; ++u) {
       const auto quarters = QuartersInBase(upper + u, lower + u, base_from_pixel, front);
       const cv::Mat& level = pyramid_[levels[u]];
       const double shrink = 1.0 / (1 << levels[u]);
@@ -203,7 +203,7 @@ cv::Mat CameraRenderer::RenderFloor(const Pose2& map_from_base, const RenderCond
       pixels[u] *= scale;
     }
   }
-  return picture;
+  return image;
 }
 
 cv::Mat CameraRenderer::RenderLight(const Pose2& map_from_base, const RenderConditions& conditions) const {

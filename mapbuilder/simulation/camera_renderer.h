@@ -11,15 +11,15 @@
 
 namespace floorloc {
 
-/// What a camera over a floor sees: lens and floor homography are exact, the picture is integrated over each pixel's
+/// What a camera over a floor sees: lens and floor homography are exact, the image is integrated over each pixel's
 /// area and over the exposure. Immutable after construction; Render may run in many threads.
 class CameraRenderer {
  public:
-  /// The floor's picture is shared, not copied: do not change it afterwards.
+  /// The floor's image is shared, not copied: do not change it afterwards.
   /// Throws std::invalid_argument when the camera does not pass FloorCamera::Check().
   CameraRenderer(const FloorTexture& floor, const FloorCamera& camera);
 
-  /// Raw camera picture (CV_8UC3). map_from_base is the pose in the middle of the exposure. Beside the floor it is
+  /// Raw camera image (CV_8UC3). map_from_base is the pose in the middle of the exposure. Beside the floor it is
   /// dark.
   cv::Mat Render(const Pose2& map_from_base, const RenderConditions& conditions) const;
 

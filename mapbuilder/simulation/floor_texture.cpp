@@ -16,7 +16,7 @@ namespace floorloc {
 namespace {
 
 constexpr double kMaxPixels = 400e6;
-constexpr int kMaxPictureSidePx = 16384;
+constexpr int kMaxImageSidePx = 16384;
 
 void Require(bool ok, const char* message) {
   if (!ok) {
@@ -24,17 +24,17 @@ void Require(bool ok, const char* message) {
   }
 }
 
-cv::Mat ReadPicture(const std::string& source) {
+cv::Mat ReadImage(const std::string& source) {
   const std::filesystem::path file(source);
   if (!std::filesystem::is_regular_file(file)) {
-    throw InputError(file, "no such picture, and no floor of that name (concrete, wood, tiles, carpet)");
+    throw InputError(file, "no such image, and no floor of that name (concrete, wood, tiles, carpet)");
   }
   const std::vector<std::uint8_t> bytes = ReadBinaryFile(file);
   const auto header = ProbeImage(bytes);
   if (!header) {
-    throw InputError(file, "is neither a JPEG nor a PNG picture; convert it to one of them");
+    throw InputError(file, "is neither a JPEG nor a PNG image; convert it to one of them");
   }
-  if (std::max(header->width_px, header->height_px) > kMaxPictureSidePx) {
+  if (std::max(header->width_px, header->height_px) > kMaxImageSidePx) {
     throw InputError(file, "has more than 16384 pixels on a side; scale it down");
   }
   return DecodeColor(bytes, header->width_px, header->height_px, file);
@@ -48,8 +48,8 @@ void FloorTextureOptions::Check() const {
   Require(std::isfinite(resolution_m) && resolution_m >= 1e-5, "the floor's resolution must be at least 0.00001 m");
   Require(resolution_m <= 0.01, "the floor's resolution must be at most 0.01 m");
   Require(width_m / resolution_m * height_m / resolution_m <= kMaxPixels,
-          "the floor's picture would have more than 400 million pixels: make it smaller or its resolution coarser");
-  Require(std::isfinite(picture_width_m) && picture_width_m >= 0.02, "the photograph must show at least 0.02 m");
+          "the floor's image would have more than 400 million pixels: make it smaller or its resolution coarser");
+  Require(std::isfinite(image_width_m) && image_width_m >= 0.02, "the photograph must show at least 0.02 m");
 }
 
 std::vector<std::string> ProceduralFloorNames() { return {"concrete", "wood", "tiles", "carpet"}; }
@@ -64,11 +64,11 @@ FloorTexture MakeFloorTexture(const FloorTextureOptions& options) {
     texture.bgr = PaintProceduralFloor(options.source, grid, options.seed);
   } else {
     QuiltOptions quilt;
-    quilt.picture_width_m = options.picture_width_m;
+    quilt.image_width_m = options.image_width_m;
     quilt.rotate_patches = options.rotate_patches;
     quilt.seed = options.seed;
     quilt.threads = options.threads;
-    texture.bgr = QuiltFloor(ReadPicture(options.source), grid, quilt);
+    texture.bgr = QuiltFloor(ReadImage(options.source), grid, quilt);
   }
   return texture;
 }

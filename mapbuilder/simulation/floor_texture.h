@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// A floor as a picture. Map frame: x right, y up, origin at the lower left corner of the picture, metres.
+/// A floor as an image. Map frame: x right, y up, origin at the lower left corner of the image, metres.
 struct FloorTexture {
   cv::Mat bgr;  ///< CV_8UC3
   double resolution_m = 0.0;
@@ -26,8 +26,8 @@ struct FloorTextureOptions {
   double width_m = 2.6;
   double height_m = 1.8;
   double resolution_m = 0.0005;
-  double picture_width_m = 0.8;  ///< photograph: how wide the piece of floor in it is
-  bool rotate_patches = true;    ///< photograph: false for floors with a direction, such as wood
+  double image_width_m = 0.8;  ///< photograph: how wide the piece of floor in it is
+  bool rotate_patches = true;  ///< photograph: false for floors with a direction, such as wood
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: one per core; the floor doesn't depend on it
 
@@ -39,7 +39,7 @@ struct FloorTextureOptions {
 std::vector<std::string> ProceduralFloorNames();
 
 /// Makes a floor that nowhere repeats exactly; the same options give the same floor. Throws InputError when the
-/// picture can't be read, std::invalid_argument when the options do not pass Check().
+/// image can't be read, std::invalid_argument when the options do not pass Check().
 FloorTexture MakeFloorTexture(const FloorTextureOptions& options);
 
 }  // namespace floorloc

@@ -19,7 +19,7 @@ constexpr double kMaxShare = 0.9;
 constexpr double kVisibleOpacity = 0.08;  // a pixel counts as changed from here on
 constexpr int kTallyStep = 4;             // changed area is counted at every 4th pixel
 
-// What is laid over the floor: a colour and how opaque it is where.
+// An overlay of the floor: colour and opacity.
 struct Mark {
   cv::Rect box;
   cv::Mat opacity;  // CV_32FC1, 0 ... 1
@@ -114,7 +114,7 @@ Mark MakeStreak(cv::RNG& rng, cv::Point center, double px_per_m) {
 }
 
 // Lays the mark over the floor and tallies the changed pixels.
-void LayMark(FloorTexture& floor, const Mark& mark, cv::Mat& changed) {
+void DrawMark(FloorTexture& floor, const Mark& mark, cv::Mat& changed) {
   const cv::Rect box = mark.box & cv::Rect({0, 0}, floor.bgr.size());
   const cv::Point shift = box.tl() - mark.box.tl();
   for (int v = 0; v < box.height; ++v) {
@@ -146,7 +146,7 @@ double WearFloor(FloorTexture& floor, double share, std::uint64_t seed) {
   while (cv::countNonZero(changed) < share * cells) {
     const cv::Point center(rng.uniform(0, floor.bgr.cols), rng.uniform(0, floor.bgr.rows));
     const bool streak = rng.uniform(0.0, 1.0) < 0.4;
-    LayMark(floor, streak ? MakeStreak(rng, center, px_per_m) : MakeBlob(rng, center, px_per_m), changed);
+    DrawMark(floor, streak ? MakeStreak(rng, center, px_per_m) : MakeBlob(rng, center, px_per_m), changed);
   }
   return cv::countNonZero(changed) / cells;
 }

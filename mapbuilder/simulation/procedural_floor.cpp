@@ -139,7 +139,7 @@ cv::Mat PaintWood(const PixelGrid& grid, std::uint64_t seed) {
   return floor;
 }
 
-// All tiles show the same print; only a faint tone, wear of the glaze and the joints tell them apart.
+// All tiles show the same print; only a faint tone, wear of the glaze and the joints distinguish them.
 cv::Mat PaintTiles(const PixelGrid& grid, std::uint64_t seed) {
   constexpr double kTileM = 0.3;
   constexpr double kJointM = 0.004;

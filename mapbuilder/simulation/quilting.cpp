@@ -15,13 +15,13 @@ namespace {
 
 constexpr int kTilePx = 256;
 constexpr int kToneStep = 8;              // the tone is made at 1/8 of the resolution
-constexpr double kPatchesPerPicture = 4;  // patch spacing: a quarter of the photograph
+constexpr double kPatchesPerImage = 4;    // patch spacing: a quarter of the photograph
 constexpr double kToneSigmaShare = 0.03;  // of the photograph's width: tone above, grain below
 constexpr double kToneSeamShare = 0.03;   // half width of a seam in the tone
 constexpr double kGrainSeamM = 0.002;     // half width of a seam in the grain
 constexpr double kNegligibleWeight = 1e-3;
 
-// A piece of the photograph laid on the floor; both frames in pixels of the photograph.
+// A piece of the photograph placed on the floor; both frames in pixels of the photograph.
 struct Patch {
   cv::Point2d center;  // on the floor
   cv::Point2d source;  // of the photograph, shown at the centre
@@ -40,7 +40,7 @@ Patch MakePatch(int column, int row, double spacing, const QuiltOptions& options
   cv::RNG rng(DeriveSeed(options.seed, key));
   Patch patch;
   patch.center = {(column + rng.uniform(0.15, 0.85)) * spacing, (row + rng.uniform(0.15, 0.85)) * spacing};
-  patch.source = {rng.uniform(0.0, kPatchesPerPicture) * spacing, rng.uniform(0.0, kPatchesPerPicture) * spacing};
+  patch.source = {rng.uniform(0.0, kPatchesPerImage) * spacing, rng.uniform(0.0, kPatchesPerImage) * spacing};
   patch.angle_rad = options.rotate_patches ? rng.uniform(0.0, 2.0 * std::numbers::pi) : 0.0;
   return patch;
 }
@@ -85,8 +85,8 @@ struct WeightedPatch {
 
 // The nearest patch wins, over seams of the given half width; the weights sum to one. Distances are smooth, so they are
 // measured at every 8th pixel and interpolated.
-std::vector<WeightedPatch> WeighPatches(const std::vector<Patch>& patches, const Window& window, double spacing,
-                                        double seam) {
+std::vector<WeightedPatch> ComputePatchWeights(const std::vector<Patch>& patches, const Window& window, double spacing,
+                                               double seam) {
   constexpr int kStep = 8;
   const Window coarse{
       window.origin, window.step * kStep, {window.size_px.width / kStep + 2, window.size_px.height / kStep + 2}};
@@ -119,12 +119,12 @@ std::vector<WeightedPatch> WeighPatches(const std::vector<Patch>& patches, const
 }
 
 cv::Mat Blend(const cv::Mat& source, const Window& window, double seam, const QuiltOptions& options) {
-  const double spacing = source.cols / kPatchesPerPicture;
+  const double spacing = source.cols / kPatchesPerImage;
   const std::vector<Patch> patches = PatchesNear(window, spacing, options);
   cv::Mat sum = cv::Mat::zeros(window.size_px, CV_32FC3);
   cv::Mat piece;
   cv::Mat weight3;
-  for (const auto& [patch, weight] : WeighPatches(patches, window, spacing, seam)) {
+  for (const auto& [patch, weight] : ComputePatchWeights(patches, window, spacing, seam)) {
     const double c = std::cos(patch.angle_rad);
     const double s = std::sin(patch.angle_rad);
     const cv::Point2d d = window.origin - patch.center;
@@ -155,8 +155,8 @@ cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const Quilt
   photograph.convertTo(source, CV_32FC3);
   const cv::Mat tone_source = ToneOf(source);
   const cv::Mat grain_source = source - tone_source;
-  const double picture_px_per_m = photograph.cols / options.picture_width_m;
-  const double step = grid.resolution_m * picture_px_per_m;
+  const double image_px_per_m = photograph.cols / options.image_width_m;
+  const double step = grid.resolution_m * image_px_per_m;
 
   const cv::Size tone_size(grid.size_px.width / kToneStep + 2, grid.size_px.height / kToneStep + 2);
   const double tone_offset = (0.5 * (kToneStep - 1)) * step;
@@ -170,7 +170,7 @@ cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const Quilt
     const cv::Rect tile =
         cv::Rect(i % columns * kTilePx, i / columns * kTilePx, kTilePx, kTilePx) & cv::Rect({0, 0}, grid.size_px);
     const Window window{{tile.x * step, tile.y * step}, step, tile.size()};
-    cv::Mat painted = Blend(grain_source, window, kGrainSeamM * picture_px_per_m, options);
+    cv::Mat painted = Blend(grain_source, window, kGrainSeamM * image_px_per_m, options);
     cv::Mat tile_tone;
     const double shrink = 1.0 / kToneStep;
     const cv::Matx23d tone_from_tile(shrink, 0.0, (tile.x + 0.5) * shrink - 0.5, 0.0, shrink,

@@ -6,14 +6,14 @@
 
 namespace floorloc {
 
-/// The picture to be made.
+/// The image to be made.
 struct PixelGrid {
   cv::Size size_px;
   double resolution_m = 0.0;
 };
 
 struct QuiltOptions {
-  double picture_width_m = 0.8;  ///< width of the piece of floor in the photograph
+  double image_width_m = 0.8;  ///< width of the piece of floor in the photograph
   bool rotate_patches = true;
   std::uint64_t seed = 1;
   int threads = 0;

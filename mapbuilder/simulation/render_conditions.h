@@ -30,13 +30,13 @@ struct ShadowStrip {
   double strength = 0.0;  ///< 0 none ... 1 black
 };
 
-/// Everything that spoils one frame. The default is a perfect picture.
+/// Everything that spoils one frame. The default is a perfect image.
 struct RenderConditions {
   double gain = 1.0;                                         ///< exposure
   double bias = 0.0;                                         ///< grey values
   std::array<double, 3> white_balance = {1.0, 1.0, 1.0};     ///< factors for blue, green, red
   double vignetting = 0.0;                                   ///< share of the light missing in the corners
-  Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< change of light over half the picture, right and down
+  Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< change of light over half the image, right and down
   std::vector<Lamp> lamps;
   ShadowStrip shadow;
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< twist x exposure time in the base frame: m, m, rad

@@ -35,9 +35,9 @@ std::string ImageName(std::size_t index) {
   return "images/" + digits + ".jpg";
 }
 
-void WriteJpeg(const fs::path& file, const cv::Mat& picture, int quality) {
+void WriteJpeg(const fs::path& file, const cv::Mat& image, int quality) {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!out.flush()) {

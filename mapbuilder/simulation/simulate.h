@@ -38,7 +38,7 @@ struct SimulationResult {
 /// Writes a recording in the survey format with exact ground truth (groundtruth.tum, map frame: x right, y up, origin
 /// at the floor's lower left corner; groundtruth_dense.tum at the odometry's times, where it has a rate of its own),
 /// and what happened on a drive (events.csv: timestamp,duration,event; seconds; kidnap, stop or slip). The folder
-/// appears when it is complete; the same options give the same bytes. Throws InputError (picture unreadable, folder not
+/// appears when it is complete; the same options give the same bytes. Throws InputError (image unreadable, folder not
 /// empty, disk full) or std::invalid_argument (options).
 SimulationResult Simulate(const SimulateOptions& options);
 

@@ -12,7 +12,7 @@ namespace floorloc {
 /// What happens on a drive, besides driving.
 struct DriveOptions {
   double speed_variation = 0.0;  ///< share by which the speed rises and falls, smoothly; 0 ... 0.9
-  int stops = 0;                 ///< times the robot stands still for two to four seconds
+  int stops = 0;                 ///< times the robot stops for two to four seconds
   int slips = 0;                 ///< times the wheels turn without grip for about half a second
   /// Seconds since the start at which the robot, having stopped, is lifted and put down elsewhere with another heading.
   /// The lift takes no time; the wheels notice nothing.
@@ -46,7 +46,7 @@ class SimulatedDrive {
   /// The truth. At the time of a kidnap the robot is at the new place.
   Pose2 MapFromBaseAt(double time_s) const;
 
-  const std::vector<DriveEvent>& events() const { return events_; }  ///< in the order of time
+  const std::vector<DriveEvent>& events() const { return events_; }  ///< in order of time
   const std::vector<WheelSlip>& slips() const { return slips_; }
   const std::vector<ImuJolt>& jolts() const { return jolts_; }
 

@@ -29,7 +29,7 @@ struct PathOptions {
   double floor_width_m = 2.6;
   double floor_height_m = 1.8;
   RectM roi;             ///< what the camera sees, base frame; it stays on the floor
-  double overlap = 0.5;  ///< survey: of neighbouring pictures, along and across the lanes, 0 ... 0.95
+  double overlap = 0.5;  ///< survey: of neighbouring images, along and across the lanes, 0 ... 0.95
   int frames = 120;      ///< drive and random
   double fps = 10.0;     ///< drive
   double speed_m_per_s = 0.3;
@@ -57,7 +57,7 @@ struct SimulatedPath {
   Trajectory truth;     ///< map_from_base at the odometry's times
   Trajectory rolled;    ///< the same without kidnaps, each as if the robot had stayed where it was lifted
   std::vector<ImuSample> imu;
-  std::vector<DriveEvent> events;  ///< of a drive, in the order of time
+  std::vector<DriveEvent> events;  ///< of a drive, in order of time
 };
 
 /// Throws std::invalid_argument when the options do not pass Check() or the floor is too small for the camera.

@@ -43,7 +43,7 @@ struct WheelOptions {
   std::uint64_t seed = 1;
 };
 
-/// What the wheels tell of a true motion without jumps, at these times: odom_from_base, starting at the identity.
+/// The wheel odometry of a true motion without jumps, at these times: odom_from_base, starting at the identity.
 Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int64_t>& stamps_ns,
                             const WheelOptions& options);
 
@@ -78,7 +78,7 @@ struct ImuOptions {
 inline constexpr double kGravity = 9.80665;  ///< m/s^2
 
 /// What an IMU at the base's origin, its axes along the base's, measures of a true motion without jumps: each sample
-/// is the mean since the one before. Gravity stands on +z.
+/// is the mean since the one before. Gravity is on +z.
 std::vector<ImuSample> SimulateImu(const PoseAtTime& motion, const ImuOptions& options);
 
 }  // namespace floorloc

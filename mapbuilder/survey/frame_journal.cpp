@@ -82,7 +82,7 @@ bool FrameJournal::Restore(BuildFrame* frame) {
   reader.Read(&features.keypoints);
   reader.Read(&features.descriptors);
   reader.Read(&brightness);
-  PictureQuality quality;
+  ImageQuality quality;
   reader.Read(&quality);
   if (!reader.Complete() || !IsWhole(features, brightness)) {
     return false;

@@ -16,7 +16,7 @@ ContentHash& AddProgram(ContentHash* hash);
 /// Adds a file's path, size and time of change.
 ContentHash& AddFile(const std::filesystem::path& file, ContentHash* hash);
 
-/// What was found in the pictures, kept in the journal of a build. Thread-safe.
+/// What was found in the images, kept in the journal of a build. Thread-safe.
 class FrameJournal {
  public:
   /// Refers to the journal and the surveys.

@@ -16,12 +16,12 @@ cv::Mat MeasureBrightness(const GroundImage& image) {
   const cv::Size cells(std::max(1, image.gray.cols / kBrightnessCellPx),
                        std::max(1, image.gray.rows / kBrightnessCellPx));
   cv::Mat mean;
-  cv::Mat seen;
+  cv::Mat cell_mask;
   cv::resize(image.gray, mean, cells, 0, 0, cv::INTER_AREA);
-  cv::resize(image.mask, seen, cells, 0, 0, cv::INTER_AREA);
+  cv::resize(image.mask, cell_mask, cells, 0, 0, cv::INTER_AREA);
   cv::Mat brightness;
   mean.convertTo(brightness, CV_32F);
-  brightness.setTo(0.0F, seen < 255);  // cells that are partly unseen say nothing
+  brightness.setTo(0.0F, cell_mask < 255);  // cells that are partly unseen say nothing
   return brightness;
 }
 
@@ -57,7 +57,7 @@ cv::Mat LoadedSurvey::FloorMask() const {
     return rectifier->mask();
   }
   // Pixels that mix with what is masked do not count.
-  return (rectifier->RectifyPicture(raw_mask) == 255) & rectifier->mask();
+  return (rectifier->RectifyImage(raw_mask) == 255) & rectifier->mask();
 }
 
 std::vector<RectM> FrameSet::FloorsInBase() const {
@@ -69,7 +69,7 @@ std::vector<RectM> FrameSet::FloorsInBase() const {
   return floors;
 }
 
-std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFrames bad_frames,
+std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFramePolicy bad_frames,
                                       double resolution_m) {
   std::vector<LoadedSurvey> surveys;
   for (const std::filesystem::path& folder : folders) {
@@ -112,7 +112,7 @@ std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& sur
         options.journal->Store(frame);
       }
     } catch (const InputError& error) {
-      if (options.bad_frames == BadFrames::kRefuse) {
+      if (options.bad_frames == BadFramePolicy::kThrow) {
         throw;
       }
       frame.unreadable = error.what();

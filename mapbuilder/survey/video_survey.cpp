@@ -21,25 +21,25 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 95;
 
-// Pictures are compared at this fraction of their size, where sensor noise hardly counts.
+// Images are compared at this fraction of their size, where sensor noise hardly counts.
 constexpr int kThumbnailShare = 8;
 constexpr int kThumbnailMeanPx = 7;
 
-// Two pictures are the same when they differ by less than this share of their own contrast.
-constexpr double kMaxSameDifference = 0.25;
+// Two images are the same when they differ by less than this share of their own contrast.
+constexpr double kMaxStationaryDifference = 0.25;
 
-// Containers say only roughly how many pictures they hold.
+// Containers say only roughly how many images they hold.
 constexpr double kMinReadShare = 0.95;
 
-struct Picture {
+struct VideoFrame {
   cv::Mat bgr;
   cv::Mat thumbnail;  // CV_32F, local contrast: without the light's distribution
   double time_s = 0.0;
   double sharpness = 0.0;
 };
 
-Picture Describe(const cv::Mat& bgr, double time_s) {
-  Picture picture{bgr.clone(), {}, time_s, 0.0};
+VideoFrame Describe(const cv::Mat& bgr, double time_s) {
+  VideoFrame frame{bgr.clone(), {}, time_s, 0.0};
   cv::Mat gray;
   cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
   cv::Mat half;
@@ -49,15 +49,15 @@ Picture Describe(const cv::Mat& bgr, double time_s) {
   cv::Scalar mean;
   cv::Scalar deviation;
   cv::meanStdDev(edges, mean, deviation);
-  picture.sharpness = deviation[0];
+  frame.sharpness = deviation[0];
   cv::Mat small;
   cv::resize(gray, small, {std::max(1, gray.cols / kThumbnailShare), std::max(1, gray.rows / kThumbnailShare)}, 0, 0,
              cv::INTER_AREA);
   small.convertTo(small, CV_32F);
   cv::Mat local_mean;
   cv::blur(small, local_mean, {kThumbnailMeanPx, kThumbnailMeanPx});
-  picture.thumbnail = small - local_mean;
-  return picture;
+  frame.thumbnail = small - local_mean;
+  return frame;
 }
 
 // Median, so that a part of the robot that is always in view does not count.
@@ -69,17 +69,17 @@ double MedianMagnitude(const cv::Mat& values) {
   return *middle;
 }
 
-bool ShowTheSame(const Picture& a, const Picture& b) {
-  return MedianMagnitude(a.thumbnail - b.thumbnail) < kMaxSameDifference * MedianMagnitude(a.thumbnail);
+bool ShowSameFloor(const VideoFrame& a, const VideoFrame& b) {
+  return MedianMagnitude(a.thumbnail - b.thumbnail) < kMaxStationaryDifference * MedianMagnitude(a.thumbnail);
 }
 
-// The pictures of a video, one after the other, with seconds since the first.
+// The images of a video, one after the other, with seconds since the first.
 class VideoReader {
  public:
   explicit VideoReader(const fs::path& file) : file_(file) {
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored)) {
-      throw InputError(file, "is no file; name a video");
+      throw InputError(file, "is not a file; name a video");
     }
     // Not whatever OpenCV might try: its other readers take names for patterns or addresses.
     for (const int reader : {cv::CAP_FFMPEG, cv::CAP_OPENCV_MJPEG}) {
@@ -116,7 +116,7 @@ class VideoReader {
   }
 
  private:
-  // The container's times where it has them: rates vary. Else the pictures are evenly spaced.
+  // The container's times where it has them: rates vary. Else the images are evenly spaced.
   double NextTime() {
     const double at_s = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
     if (count_ == 0) {
@@ -128,7 +128,7 @@ class VideoReader {
       return last_s_ = since_first_s;
     }
     if (!(fps_ > 0.0 && fps_ < 1e5)) {
-      throw InputError(file_, "says neither times nor a rate of its pictures; convert it, for example to MP4");
+      throw InputError(file_, "says neither times nor a rate of its images; convert it, for example to MP4");
     }
     return last_s_ += 1.0 / fps_;
   }
@@ -162,24 +162,24 @@ class SurveyWriter {
   SurveyWriter(const SurveyWriter&) = delete;
   SurveyWriter& operator=(const SurveyWriter&) = delete;
 
-  void Add(Picture picture) {
-    if (!last_.bgr.empty() && ShowTheSame(last_, picture)) {
+  void Add(VideoFrame frame) {
+    if (!last_.bgr.empty() && ShowSameFloor(last_, frame)) {
       return;
     }
     char name[32];
     std::snprintf(name, sizeof(name), "images/%06d.jpg", count_);
     bool written = false;
     try {
-      written = cv::imwrite((folder_ / name).string(), picture.bgr, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+      written = cv::imwrite((folder_ / name).string(), frame.bgr, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
     } catch (const cv::Exception&) {
       written = false;
     }
     if (!written) {
       throw InputError(folder_ / name, "cannot be written; is the disk full?");
     }
-    const auto stamp_ns = static_cast<std::int64_t>(std::llround(1e9 * (start_s_ + picture.time_s)));
+    const auto stamp_ns = static_cast<std::int64_t>(std::llround(1e9 * (start_s_ + frame.time_s)));
     table_ += FormatSeconds(stamp_ns) + "," + name + "\n";
-    last_ = std::move(picture);
+    last_ = std::move(frame);
     ++count_;
   }
 
@@ -192,38 +192,38 @@ class SurveyWriter {
   fs::path folder_;
   double start_s_;
   std::string table_ = "timestamp,filename\n";
-  Picture last_;
+  VideoFrame last_;
   int count_ = 0;
 };
 
-void CheckSize(const cv::Mat& picture, const CameraModel& camera, const VideoSurveyOptions& options) {
-  if (picture.cols != camera.width_px || picture.rows != camera.height_px) {
-    throw InputError(options.video, "the pictures are " + std::to_string(picture.cols) + "x" +
-                                        std::to_string(picture.rows) + " but " + options.camera_yaml.string() +
-                                        " says " + std::to_string(camera.width_px) + "x" +
-                                        std::to_string(camera.height_px) + "; use a video of the calibrated camera");
+void CheckSize(const cv::Mat& frame, const CameraModel& camera, const VideoSurveyOptions& options) {
+  if (frame.cols != camera.width_px || frame.rows != camera.height_px) {
+    throw InputError(options.video, "the images are " + std::to_string(frame.cols) + "x" + std::to_string(frame.rows) +
+                                        " but " + options.camera_yaml.string() + " says " +
+                                        std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) +
+                                        "; use a video of the calibrated camera");
   }
 }
 
-// The sharpest picture of every span goes to the writer.
+// The sharpest image of every span goes to the writer.
 void PickFrames(const VideoSurveyOptions& options, const CameraModel& camera, VideoReader* reader,
                 SurveyWriter* writer) {
   ProgressBar progress("video", reader->expected(), options.progress);
-  Picture best;
+  VideoFrame best;
   std::int64_t span = 0;
   cv::Mat bgr;
   double time_s = 0.0;
   while (reader->Read(&bgr, &time_s)) {
     CheckSize(bgr, camera, options);
-    const auto span_of_picture = static_cast<std::int64_t>(time_s / options.step_s);
-    if (span_of_picture != span && !best.bgr.empty()) {
+    const auto frame_span = static_cast<std::int64_t>(time_s / options.step_s);
+    if (frame_span != span && !best.bgr.empty()) {
       writer->Add(std::move(best));
-      best = Picture();
+      best = VideoFrame();
     }
-    span = span_of_picture;
-    Picture picture = Describe(bgr, time_s);
-    if (best.bgr.empty() || picture.sharpness > best.sharpness) {
-      best = std::move(picture);
+    span = frame_span;
+    VideoFrame frame = Describe(bgr, time_s);
+    if (best.bgr.empty() || frame.sharpness > best.sharpness) {
+      best = std::move(frame);
     }
     progress.Advance();
   }
@@ -244,7 +244,7 @@ void Copy(const fs::path& from, const fs::path& to) {
 
 void VideoSurveyOptions::Check() const {
   if (!(step_s > 0.0 && step_s <= 60.0)) {
-    throw std::invalid_argument("the time between pictures of a video must be above 0 and at most 60 seconds");
+    throw std::invalid_argument("the time between images of a video must be above 0 and at most 60 seconds");
   }
   if (!(std::abs(start_s) <= 4e9)) {
     throw std::invalid_argument("the start of a video must be a time in seconds, at most 4e9");
@@ -261,11 +261,11 @@ VideoSurveyResult WriteVideoSurvey(const VideoSurveyOptions& options) {
   PickFrames(options, camera, &reader, &writer);
   VideoSurveyResult result{reader.count(), writer.Finish(), {}};
   if (result.frames_written == 0) {
-    throw InputError(options.video, "has no picture that can be read; record it again or convert it");
+    throw InputError(options.video, "has no image that can be read; record it again or convert it");
   }
   if (reader.count() < kMinReadShare * reader.expected()) {
     result.warnings.push_back(options.video.string() + ": only " + std::to_string(reader.count()) + " of about " +
-                              std::to_string(reader.expected()) + " pictures could be read; the file may be cut off");
+                              std::to_string(reader.expected()) + " images could be read; the file may be cut off");
   }
   Copy(options.camera_yaml, pending / "camera.yaml");
   Copy(options.floor_yaml, pending / "floor.yaml");

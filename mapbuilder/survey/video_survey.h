@@ -9,15 +9,15 @@
 
 namespace floorloc {
 
-/// A video of the floor instead of single pictures.
+/// A video of the floor instead of single images.
 struct VideoSurveyOptions {
   std::filesystem::path video;        ///< whatever OpenCV can read
   std::filesystem::path camera_yaml;  ///< of the camera that took it
   std::filesystem::path floor_yaml;
   std::filesystem::path odometry;  ///< TUM; empty: none
   std::filesystem::path out;       ///< survey folder to write; replaced when it is there
-  double start_s = 0.0;            ///< time of the video's first picture, on the clock of the odometry
-  double step_s = 0.2;             ///< one picture is taken from each such span of time
+  double start_s = 0.0;            ///< time of the video's first image, on the clock of the odometry
+  double step_s = 0.2;             ///< one image is taken from each such span of time
   ProgressOutput progress;
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
@@ -25,12 +25,12 @@ struct VideoSurveyOptions {
 };
 
 struct VideoSurveyResult {
-  int pictures_read = 0;
+  int frames_read = 0;
   int frames_written = 0;
   std::vector<std::string> warnings;  ///< sentences
 };
 
-/// Video -> survey folder: the sharpest picture of each span of time, without those that show the same as the one
+/// Video -> survey folder: the sharpest image of each span of time, without those that show the same as the one
 /// before. The folder appears when it is complete. Throws InputError: video unreadable, of another size than
 /// camera.yaml says, or empty; folder not writable.
 VideoSurveyResult WriteVideoSurvey(const VideoSurveyOptions& options);

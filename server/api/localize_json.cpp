@@ -48,7 +48,7 @@ std::vector<double> ParsePriorValue(JsonObject& object) {
   return numbers;
 }
 
-void CheckWhole(const LocalizeRequest& request, bool has_radius) {
+void CheckComplete(const LocalizeRequest& request, bool has_radius) {
   if (has_radius && !request.prior) {
     throw JsonError("radius only makes sense with prior.");
   }
@@ -83,7 +83,7 @@ LocalizeRequest ReadQuery(const HttpRequest& request) {
   if (const std::optional<std::string> prior = request.QueryValue("prior")) {
     localize.prior = MakePrior(ParseNumberList(*prior), radius_m);
   }
-  CheckWhole(localize, radius_m.has_value());
+  CheckComplete(localize, radius_m.has_value());
   return localize;
 }
 
@@ -129,7 +129,7 @@ LocalizeRequest ParseLocalizeJson(const std::string& text) {
     request.prior = MakePrior(ParsePriorValue(object), radius_m);
   }
   object.RejectUnknownKeys();
-  CheckWhole(request, has_radius);
+  CheckComplete(request, has_radius);
   return request;
 }
 
@@ -160,7 +160,7 @@ nlohmann::json FormatTiming(const LocalizeOutcome& outcome) {
           {"match", timing.match_ms},    {"register", timing.register_ms}, {"total", outcome.total_ms}};
 }
 
-std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome& outcome) {
+std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcome& outcome) {
   nlohmann::json answer;
   AddStatus(record, answer);
   answer["timing_ms"] = FormatTiming(outcome);

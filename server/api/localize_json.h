@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// What a client asks of localize, apart from the picture.
+/// Parameters of a localize call, apart from the image.
 struct LocalizeRequest {
   std::string vehicle;                ///< empty: the camera is inline
   std::optional<FloorCamera> camera;  ///< inline
@@ -27,9 +27,9 @@ LocalizeRequest ParseLocalizeQuery(const HttpRequest& request);
 LocalizeRequest ParseLocalizeJson(const std::string& text);
 
 /// The answer of localize.
-std::string FormatLocalizeAnswer(const FixRecord& record, const LocalizeOutcome& outcome);
+std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcome& outcome);
 
-/// The parts of an answer about one picture.
+/// The parts of a response about one image.
 nlohmann::json FormatFix(const FixRecord& record);      ///< how it was found
 nlohmann::json FormatFixPose(const FixRecord& record);  ///< where; of a localized one
 nlohmann::json FormatAlternatives(const FixRecord& record);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/api/image_call.h"
 #include "server/api/localize_json.h"
-#include "server/api/picture_call.h"
 #include "server/api/routes.h"
 #include "server/serving/localize_service.h"
 
@@ -18,7 +18,7 @@ LocalizeCall ParseCall(const HttpRequest& request) {
     return {ParseLocalizeQuery(request), &request.body};
   }
   if (!request.query.empty()) {
-    throw Problem(400, "invalid_parameter", "With multipart/form-data the fields belong into the part 'request'.");
+    throw Problem(400, "invalid_parameter", "With multipart/form-data the fields belong in the part 'request'.");
   }
   return {ParseLocalizeJson(RequirePart(request, "request").content), &RequirePart(request, "image").content};
 }
@@ -27,8 +27,8 @@ LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob 
   if (!call.request.vehicle.empty()) {
     job.rectifier = RequireVehicle(state, call.request.vehicle).vehicle->rectifier;
   }
-  const CameraModel& lens = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
-  CheckImageHeader(job.bytes, lens, state.config.limits.max_image_pixels);
+  const CameraModel& model = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
+  CheckImageHeader(job.bytes, model, state.config.limits.max_image_pixels);
   return RunInPool(state.pool, [&] {
     const FloorCamera& camera = job.rectifier ? job.rectifier->camera() : *call.request.camera;
     const double resolution_m = job.map->info().camera().floor.resolution_m;
@@ -39,15 +39,15 @@ LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob 
   });
 }
 
-HttpResponse AnswerLocalize(AppState& state, const HttpRequest& request) {
+HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const LocalizeCall call = ParseCall(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(call.image->data());
   const LocalizeOutcome outcome =
       Localize(state, call, {map, nullptr, {bytes, call.image->size()}, call.request.prior});
   const double now_s = UnixTimeNow();
-  const PictureLabel label = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
-  return JsonResponse(200, FormatLocalizeAnswer(RecordFix(state, *map, label, outcome), outcome));
+  const FrameLabel label = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
+  return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, label, outcome), outcome));
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ void AddLocalizeRoute(AppState& state, Router& router) {
               "/v1/maps/{map}/localize",
               RouteAccess::kRead,
               {"image/jpeg", "image/png", "multipart/form-data"},
-              [&state](const HttpRequest& request) { return AnswerLocalize(state, request); }});
+              [&state](const HttpRequest& request) { return HandleLocalize(state, request); }});
 }
 
 }  // namespace floorloc

@@ -46,11 +46,11 @@ std::optional<std::vector<std::uint8_t>> ReadTile(const LoadedMap& map, const Ti
   try {
     return map.database->ReadMosaicTile(id);
   } catch (const MapError& error) {
-    throw Problem(500, CodeOf(error), WithoutFolder(error.what(), map.file));
+    throw Problem(500, CodeOf(error), StripFolder(error.what(), map.file));
   }
 }
 
-HttpResponse AnswerTile(const AppState& state, const HttpRequest& request) {
+HttpResponse HandleTile(const AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const TileId id = ParseTileId(request, map->localizer->map().mosaic);
   const std::string& version = map->info().content_version;
@@ -70,11 +70,11 @@ HttpResponse AnswerTile(const AppState& state, const HttpRequest& request) {
   return response;
 }
 
-HttpResponse AnswerMap(const AppState& state, const HttpRequest& request) {
+HttpResponse HandleMap(const AppState& state, const HttpRequest& request) {
   return JsonResponse(200, FormatMap(*FindMap(state, request.path_parameters.at("map"))));
 }
 
-HttpResponse AnswerFixes(const AppState& state, const HttpRequest& request) {
+HttpResponse HandleFixes(const AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const std::string text = request.QueryValue("since").value_or("0");
   std::uint64_t since = 0;
@@ -110,17 +110,17 @@ void AddMapRoutes(AppState& state, Router& router) {
                 return JsonResponse(200, FormatMapList(state.catalog.All()));
               }});
   router.Add({"GET", "/v1/maps/{map}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
-                return AnswerMap(state, request);
+                return HandleMap(state, request);
               }});
   router.Add(
       {"GET", "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
-         return AnswerTile(state, request);
+         return HandleTile(state, request);
        }});
   router.Add({"GET", "/v1/maps/{map}/report", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return JsonResponse(200, FormatReport(*RequireMap(state, request)));
               }});
   router.Add({"GET", "/v1/maps/{map}/fixes", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
-                return AnswerFixes(state, request);
+                return HandleFixes(state, request);
               }});
 }
 

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Where and when a pose is meant.
+/// Map and time of a pose.
 struct PoseLabel {
   std::string map;
   std::string map_version;
@@ -18,7 +18,7 @@ struct PoseLabel {
 
 /// {"x","y","yaw"}
 nlohmann::json FormatTransform(const Pose2& pose);
-/// Map, version, frame and time travel in one object with the coordinates: nobody can mix them up.
+/// Map, version, frame and time are in one object with the coordinates, so that they cannot be confused.
 nlohmann::json FormatPose(const PoseLabel& label, const Pose2& map_from_base);
 /// The same with the covariance of (x, y, yaw), row by row.
 nlohmann::json FormatPose(const PoseLabel& label, const Pose2& map_from_base, const Eigen::Matrix3d& covariance);

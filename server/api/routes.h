@@ -14,7 +14,7 @@ namespace floorloc {
 void AddSystemRoutes(AppState& state, Router& router);    ///< health, metrics, openapi.yaml
 void AddMapRoutes(AppState& state, Router& router);       ///< maps, tiles, reports, recent fixes
 void AddVehicleRoutes(AppState& state, Router& router);   ///< registration of vehicles
-void AddTrackingRoutes(AppState& state, Router& router);  ///< pictures, odometry and poses of vehicles
+void AddTrackingRoutes(AppState& state, Router& router);  ///< images, odometry and poses of vehicles
 void AddLocalizeRoute(AppState& state, Router& router);
 void AddWebRoutes(Router& router);  ///< the page
 
@@ -33,12 +33,12 @@ template <typename Job>
 std::invoke_result_t<Job> RunInPool(ComputePool& pool, Job job) {
   auto future = pool.Submit(std::move(job));
   if (!future) {
-    throw Overload("queue_full", "The server has more work than it can do; try again in a moment.");
+    throw Overload("queue_full", "The queue of requests is full; try again in a moment.");
   }
   try {
     return future->get();
   } catch (const QueueTimeout&) {
-    throw Overload("queue_timeout", "The server had no time for this request; try again in a moment.");
+    throw Overload("queue_timeout", "The request waited too long in the queue; try again in a moment.");
   }
 }
 

@@ -19,8 +19,8 @@ std::vector<Gauge> VehicleGauges(const AppState& state) {
   }
   std::vector<Gauge> gauges;
   for (const auto& [status, count] : counts) {
-    gauges.push_back({"floorloc_vehicles_by_status", "Registered vehicles by what is known of their pose.",
-                      static_cast<double>(count), std::string("status=\"") + ToString(status) + '"'});
+    gauges.push_back({"floorloc_vehicles_by_status", "Registered vehicles, by status.", static_cast<double>(count),
+                      std::string("status=\"") + ToString(status) + '"'});
   }
   return gauges;
 }
@@ -29,7 +29,7 @@ std::vector<Gauge> ReadGauges(const AppState& state) {
   const auto total = static_cast<double>(state.catalog.All().size());
   const auto ready = static_cast<double>(state.catalog.CountReady());
   std::vector<Gauge> gauges = {
-      {"floorloc_ready", "1 while the server takes work.", state.draining ? 0.0 : 1.0},
+      {"floorloc_ready", "1 while the server accepts requests.", state.draining ? 0.0 : 1.0},
       {"floorloc_maps_ready", "Maps that are served.", ready},
       {"floorloc_maps_failed", "Maps that could not be loaded.", total - ready},
       {"floorloc_vehicles", "Registered vehicles.", static_cast<double>(state.vehicles.size())},
@@ -42,7 +42,7 @@ std::vector<Gauge> ReadGauges(const AppState& state) {
   return gauges;
 }
 
-HttpResponse AnswerReadiness(const AppState& state) {
+HttpResponse HandleReadiness(const AppState& state) {
   if (state.draining) {
     throw Overload("draining", "The server is stopping.");
   }
@@ -52,11 +52,11 @@ HttpResponse AnswerReadiness(const AppState& state) {
   return JsonResponse(200, R"({"status":"ready"})");
 }
 
-HttpResponse AnswerMetrics(const AppState& state) {
+HttpResponse HandleMetrics(const AppState& state) {
   return {200, "text/plain; version=0.0.4; charset=utf-8", state.metrics.Render(ReadGauges(state)), {}};
 }
 
-HttpResponse AnswerAsset(const std::string& name, const HttpRequest& request) {
+HttpResponse HandleAsset(const std::string& name, const HttpRequest& request) {
   const WebAsset* asset = FindWebAsset(name);
   if (asset == nullptr) {
     throw ProblemOfStatus(404);
@@ -78,24 +78,24 @@ HttpResponse AnswerAsset(const std::string& name, const HttpRequest& request) {
 }  // namespace
 
 void AddSystemRoutes(AppState& state, Router& router) {
-  router.Add({"GET", "/livez", RouteAccess::kEverybody, {}, [](const HttpRequest&) {
+  router.Add({"GET", "/livez", RouteAccess::kPublic, {}, [](const HttpRequest&) {
                 return JsonResponse(200, R"({"status":"alive"})");
               }});
   router.Add(
-      {"GET", "/readyz", RouteAccess::kEverybody, {}, [&state](const HttpRequest&) { return AnswerReadiness(state); }});
+      {"GET", "/readyz", RouteAccess::kPublic, {}, [&state](const HttpRequest&) { return HandleReadiness(state); }});
   router.Add(
-      {"GET", "/metrics", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return AnswerMetrics(state); }});
-  router.Add({"GET", "/openapi.yaml", RouteAccess::kEverybody, {}, [](const HttpRequest&) {
+      {"GET", "/metrics", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return HandleMetrics(state); }});
+  router.Add({"GET", "/openapi.yaml", RouteAccess::kPublic, {}, [](const HttpRequest&) {
                 return HttpResponse{200, "application/yaml", std::string(OpenApiYaml()), {}};
               }});
 }
 
 void AddWebRoutes(Router& router) {
-  router.Add({"GET", "/", RouteAccess::kEverybody, {}, [](const HttpRequest& request) {
-                return AnswerAsset("index.html", request);
+  router.Add({"GET", "/", RouteAccess::kPublic, {}, [](const HttpRequest& request) {
+                return HandleAsset("index.html", request);
               }});
-  router.Add({"GET", "/web/{file}", RouteAccess::kEverybody, {}, [](const HttpRequest& request) {
-                return AnswerAsset(request.path_parameters.at("file"), request);
+  router.Add({"GET", "/web/{file}", RouteAccess::kPublic, {}, [](const HttpRequest& request) {
+                return HandleAsset(request.path_parameters.at("file"), request);
               }});
 }
 

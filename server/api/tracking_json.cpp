@@ -21,7 +21,7 @@ constexpr double kMaxStepRad = 100.0;
 constexpr double kMaxCoordinateM = 1e7;
 constexpr std::size_t kMaxIncrements = 1000;
 
-// How far off a pose may be that somebody points at on a map.
+// Standard deviation of a pose chosen on a map by hand.
 constexpr double kInitialSigmaM = 0.1;
 constexpr double kInitialSigmaRad = 0.1;
 
@@ -54,17 +54,17 @@ Pose2 ReadMotion(JsonObject& object, const std::string& path) {
   return MakeMotion({object.Number("dx"), object.Number("dy"), object.Number("dyaw")}, path);
 }
 
-Pose2 ReadWholeMotion(JsonObject object) {
+Pose2 ReadMotionObject(JsonObject object) {
   const Pose2 motion = ReadMotion(object, "odometry");
   object.RejectUnknownKeys();
   return motion;
 }
 
-// The motion beside the stamp, or in an object of its own as pictures have it.
+// The motion beside the stamp, or in an object of its own as with images.
 OdometryMessage ReadIncrement(JsonObject object, const std::string& path) {
   OdometryMessage message;
   message.stamp_ns = ReadStamp(object);
-  message.motion = object.Has("odometry") ? ReadWholeMotion(object.Object("odometry")) : ReadMotion(object, path);
+  message.motion = object.Has("odometry") ? ReadMotionObject(object.Object("odometry")) : ReadMotion(object, path);
   object.RejectUnknownKeys();
   return message;
 }
@@ -73,7 +73,7 @@ OdometryMessage ReadIncrement(JsonObject object, const std::string& path) {
 Pose2 ParseQueryMotion(const std::string& text) {
   if (text.starts_with('{')) {
     const nlohmann::json json = ParseJson(text);
-    return ReadWholeMotion({json, "odometry"});
+    return ReadMotionObject({json, "odometry"});
   }
   const std::vector<double> step = ParseNumberList(text);
   if (step.size() != 3) {
@@ -136,7 +136,7 @@ FrameRequest ParseFrameQuery(const HttpRequest& request) {
   }
   const std::optional<std::string> stamp = request.QueryValue("stamp");
   if (!stamp || !ParseFinite(*stamp)) {
-    throw Problem(400, "invalid_parameter", "stamp must be the time of the picture, in seconds.");
+    throw Problem(400, "invalid_parameter", "stamp must be the time of the image, in seconds.");
   }
   FrameRequest frame;
   frame.stamp_ns = CheckStamp(ParseStampNs(*stamp), "stamp");
@@ -152,7 +152,7 @@ FrameRequest ParseFrameJson(const std::string& text) {
   FrameRequest frame;
   frame.stamp_ns = ReadStamp(object);
   if (object.Has("odometry")) {
-    frame.motion = ReadWholeMotion(object.Object("odometry"));
+    frame.motion = ReadMotionObject(object.Object("odometry"));
   }
   object.RejectUnknownKeys();
   return frame;
@@ -206,7 +206,7 @@ nlohmann::json FormatSinceFix(const VehicleView& view) {
   return {{"seconds", since.seconds}, {"metres", since.metres}, {"radians", since.radians}};
 }
 
-std::string FormatFrameAnswer(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome) {
+std::string FormatFrameResponse(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome) {
   nlohmann::json answer;
   AddFused(report.view, {record.map, record.map_version}, answer);
   answer["message"] = ToString(report.message);
@@ -216,7 +216,7 @@ std::string FormatFrameAnswer(const FrameReport& report, const FixRecord& record
   return ToText(answer);
 }
 
-std::string FormatOdometryAnswer(const OdometryReport& report, const MapLabel& map) {
+std::string FormatOdometryResponse(const OdometryReport& report, const MapLabel& map) {
   nlohmann::json answer;
   AddFused(report.view, map, answer);
   answer["message"] = ToString(report.messages.back());
@@ -227,7 +227,7 @@ std::string FormatOdometryAnswer(const OdometryReport& report, const MapLabel& m
   return ToText(answer);
 }
 
-std::string FormatInitialPoseAnswer(const VehicleView& view, const MapLabel& map) {
+std::string FormatInitialPoseResponse(const VehicleView& view, const MapLabel& map) {
   nlohmann::json answer;
   AddFused(view, map, answer);
   return ToText(answer);

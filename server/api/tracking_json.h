@@ -14,7 +14,7 @@
 
 namespace floorloc {
 
-/// What a vehicle tells with its picture.
+/// Parameters of a frames call.
 struct FrameRequest {
   std::int64_t stamp_ns = 0;
   std::optional<Pose2> motion;  ///< since its previous message
@@ -44,8 +44,8 @@ struct MapLabel {
   std::string version;
 };
 
-std::string FormatFrameAnswer(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome);
-std::string FormatOdometryAnswer(const OdometryReport& report, const MapLabel& map);
-std::string FormatInitialPoseAnswer(const VehicleView& view, const MapLabel& map);
+std::string FormatFrameResponse(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome);
+std::string FormatOdometryResponse(const OdometryReport& report, const MapLabel& map);
+std::string FormatInitialPoseResponse(const VehicleView& view, const MapLabel& map);
 
 }  // namespace floorloc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
-#include "server/api/picture_call.h"
+#include "server/api/image_call.h"
 #include "server/api/routes.h"
 #include "server/api/vehicle_json.h"
 #include "server/wire/names.h"
@@ -35,12 +35,12 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
                       ToText(FormatVehicle(registration.state, MapVersion(state, parsed.map))));
 }
 
-HttpResponse AnswerVehicle(const AppState& state, const HttpRequest& request) {
+HttpResponse HandleVehicle(const AppState& state, const HttpRequest& request) {
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
   return JsonResponse(200, ToText(FormatVehicle(vehicle, MapVersion(state, vehicle.vehicle->map))));
 }
 
-HttpResponse AnswerVehicles(const AppState& state) {
+HttpResponse HandleVehicles(const AppState& state) {
   nlohmann::json vehicles = nlohmann::json::array();
   for (const VehicleState& vehicle : state.vehicles.All()) {
     vehicles.push_back(FormatVehicleSummary(vehicle, MapVersion(state, vehicle.vehicle->map)));
@@ -60,15 +60,15 @@ HttpResponse RemoveVehicle(AppState& state, const HttpRequest& request) {
 
 void AddVehicleRoutes(AppState& state, Router& router) {
   router.Add(
-      {"GET", "/v1/vehicles", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return AnswerVehicles(state); }});
+      {"GET", "/v1/vehicles", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return HandleVehicles(state); }});
   router.Add(
-      {"PUT", "/v1/vehicles/{id}", RouteAccess::kChange, {"application/json"}, [&state](const HttpRequest& request) {
+      {"PUT", "/v1/vehicles/{id}", RouteAccess::kWrite, {"application/json"}, [&state](const HttpRequest& request) {
          return RegisterVehicle(state, request);
        }});
   router.Add({"GET", "/v1/vehicles/{id}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
-                return AnswerVehicle(state, request);
+                return HandleVehicle(state, request);
               }});
-  router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kChange, {}, [&state](const HttpRequest& request) {
+  router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kWrite, {}, [&state](const HttpRequest& request) {
                 return RemoveVehicle(state, request);
               }});
 }

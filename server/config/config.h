@@ -11,23 +11,23 @@
 
 namespace floorloc {
 
-/// What one client, and all together, may ask of the server.
+/// Limits of the server, per client and in total.
 struct ServerLimits {
   HttpLimits http;
-  std::int64_t max_image_pixels = 25'000'000;              ///< of a camera picture, and of a rectified one
+  std::int64_t max_image_pixels = 25'000'000;              ///< of a camera image, and of a rectified one
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
   int max_vehicles = 2000;
-  double vehicle_timeout_s = 86400.0;  ///< a vehicle that is silent for longer is lost; 0: never
+  double vehicle_timeout_s = 86400.0;  ///< a vehicle that is silent for longer expires; 0: never
   double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
 };
 
-/// Everything about a server that can be set, apart from the maps folder.
+/// Configuration of the server, apart from the maps folder.
 struct ServerConfig {
   std::string host = "127.0.0.1";
   int port = 8080;                   ///< 0: any free port
   int threads = 0;                   ///< compute threads; 0: one per core
   int queue_length = 64;             ///< localizations that wait for a thread
-  double queue_timeout_s = 1.0;      ///< a localization that waits longer is given up
+  double queue_timeout_s = 1.0;      ///< a localization that waits longer is rejected
   double drain_s = 0.0;              ///< after SIGTERM: how long /readyz says 503 before the server stops accepting
   std::filesystem::path token_file;  ///< empty: no token
   bool open = false;                 ///< listen beyond loopback without a token

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// Strict: a key that is not known, or a value that makes no sense, throws JsonError that names it.
+/// Strict: an unknown key or an invalid value throws JsonError that names it.
 ServerConfig ParseServerConfig(const std::string& text);
 
 }  // namespace floorloc

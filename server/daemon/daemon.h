@@ -11,7 +11,7 @@ struct DaemonOptions {
   std::filesystem::path maps_folder;
   std::string listen = "127.0.0.1:8080";
   std::filesystem::path config_file;  ///< empty: all defaults
-  bool check = false;                 ///< only say what would be served
+  bool check = false;                 ///< only print what would be served
 };
 
 /// Serves until SIGTERM or SIGINT, then answers what is in flight. Returns the exit code: with `check` 1 when a map

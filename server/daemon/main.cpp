@@ -6,12 +6,12 @@
 
 int main(int argc, char** argv) {
   floorloc::DaemonOptions options;
-  CLI::App app("Localizes camera pictures of the floor over HTTP.", "floorloc-server");
+  CLI::App app("Localizes camera images of the floor over HTTP.", "floorloc-server");
   app.set_version_flag("--version", FLOORLOC_VERSION);
   app.add_option("--maps", options.maps_folder, "Folder with the maps, NAME.floormap")->required();
   app.add_option("--listen", options.listen, "Address and port; port 0 takes any free one")->capture_default_str();
   app.add_option("--config", options.config_file, "Configuration, a JSON file");
-  app.add_flag("--check", options.check, "Load the configuration and the maps, say what would be served, and stop");
+  app.add_flag("--check", options.check, "Load the configuration and the maps, print what would be served, and exit");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

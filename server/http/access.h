@@ -21,7 +21,7 @@ class AccessToken {
   std::string token_;
 };
 
-/// Reads a token of at least 16 characters from a file that nobody but its owner may read. Throws InputError.
+/// Reads a token of at least 16 characters from a file that only its owner may read. Throws InputError.
 AccessToken ReadTokenFile(const std::filesystem::path& file);
 
 }  // namespace floorloc

@@ -11,14 +11,14 @@ namespace floorloc {
 class BodyBudget {
  public:
   explicit BodyBudget(std::size_t limit) : left_(static_cast<std::int64_t>(limit)) {}
-  bool Take(std::size_t bytes) {
+  bool Acquire(std::size_t bytes) {
     if (left_.fetch_sub(static_cast<std::int64_t>(bytes)) >= static_cast<std::int64_t>(bytes)) {
       return true;
     }
-    Give(bytes);
+    Release(bytes);
     return false;
   }
-  void Give(std::size_t bytes) { left_.fetch_add(static_cast<std::int64_t>(bytes)); }
+  void Release(std::size_t bytes) { left_.fetch_add(static_cast<std::int64_t>(bytes)); }
 
  private:
   std::atomic<std::int64_t> left_;
@@ -27,10 +27,10 @@ class BodyBudget {
 /// A share of the budget for the life of one request.
 class BodyReservation {
  public:
-  BodyReservation(BodyBudget& budget, std::size_t bytes) : budget_(budget), bytes_(bytes), ok_(budget.Take(bytes)) {}
+  BodyReservation(BodyBudget& budget, std::size_t bytes) : budget_(budget), bytes_(bytes), ok_(budget.Acquire(bytes)) {}
   ~BodyReservation() {
     if (ok_) {
-      budget_.Give(bytes_);
+      budget_.Release(bytes_);
     }
   }
   BodyReservation(const BodyReservation&) = delete;

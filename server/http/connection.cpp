@@ -14,8 +14,8 @@ namespace floorloc {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{64} << 10;
-constexpr std::size_t kMaxSwallowedBytes = std::size_t{64} << 20;
-constexpr std::chrono::milliseconds kSwallowTime{1000};
+constexpr std::size_t kMaxDrainedBytes = std::size_t{64} << 20;
+constexpr std::chrono::milliseconds kDrainTime{1000};
 
 using Clock = std::chrono::steady_clock;
 
@@ -34,19 +34,19 @@ Connection::Connection(int socket, int stop_event, const ConnectionTimeouts& tim
     : socket_(socket), stop_event_(stop_event), timeouts_(timeouts), deadline_(After(timeouts.request)) {}
 
 Connection::~Connection() {
-  if (swallow_) {
-    SwallowInput();
+  if (drain_on_close_) {
+    DrainInput();
   }
   ::close(socket_);
 }
 
 // A socket that is closed with unread input resets the connection, and the client may lose the answer.
-void Connection::SwallowInput() const {
+void Connection::DrainInput() const {
   ::shutdown(socket_, SHUT_WR);
-  const auto deadline = After(std::min<std::chrono::duration<double>>(kSwallowTime, timeouts_.request));
+  const auto deadline = After(std::min<std::chrono::duration<double>>(kDrainTime, timeouts_.request));
   std::string buffer(kBufferBytes, '\0');
-  std::size_t swallowed = 0;
-  while (swallowed < kMaxSwallowedBytes) {
+  std::size_t drained = 0;
+  while (drained < kMaxDrainedBytes) {
     pollfd waiting{socket_, POLLIN, 0};
     if (::poll(&waiting, 1, MillisecondsUntil(deadline)) <= 0) {
       break;
@@ -55,7 +55,7 @@ void Connection::SwallowInput() const {
     if (count <= 0) {
       break;
     }
-    swallowed += static_cast<std::size_t>(count);
+    drained += static_cast<std::size_t>(count);
   }
 }
 
@@ -80,7 +80,7 @@ bool Connection::WaitForRequest() {
 void Connection::BeginRequest(std::size_t max_head_bytes) {
   deadline_ = After(timeouts_.request);
   budget_ = max_head_bytes;
-  answering_ = false;
+  responding_ = false;
 }
 
 bool Connection::WaitFor(short events) const {
@@ -121,9 +121,9 @@ ssize_t Connection::Write(const char* data, std::size_t size) {
 }
 
 bool Connection::Flush() {
-  if (!output_.empty() && !answering_) {
+  if (!output_.empty() && !responding_) {
     deadline_ = After(timeouts_.request);
-    answering_ = true;
+    responding_ = true;
   }
   std::size_t sent = 0;
   while (sent < output_.size()) {

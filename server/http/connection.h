@@ -15,7 +15,7 @@ struct ConnectionTimeouts {
 };
 
 /// A buffered TCP connection. Every wait has a deadline, and a request that reads more than it was allowed to fails:
-/// neither a slow nor a talkative client holds the server for long.
+/// neither a slow nor a flooding client blocks the server for long.
 class Connection {
  public:
   /// Owns socket; stop_event becomes readable when the server stops (it is not read).
@@ -30,17 +30,17 @@ class Connection {
 
   /// Starts the clock of a request whose head may have this many bytes.
   void BeginRequest(std::size_t max_head_bytes);
-  /// From here on the body is read.
+  /// Allows this many bytes of body.
   void AllowBody(std::size_t max_bytes) { budget_ = max_bytes; }
 
   /// Bytes read, 0 at the end, -1 on error, timeout or an exhausted budget.
   ssize_t Read(char* data, std::size_t size);
-  /// Buffers; -1 when the client does not take it.
+  /// Buffers; -1 on timeout.
   ssize_t Write(const char* data, std::size_t size);
   bool Flush();
 
-  /// The client is still sending: on close its bytes are swallowed for a moment, so that it can read the answer.
-  void SwallowInputOnClose() { swallow_ = true; }
+  /// The client is still sending: on close its input is drained for a moment, so that it can read the response.
+  void DrainInputOnClose() { drain_on_close_ = true; }
 
   int socket() const { return socket_; }
 
@@ -48,15 +48,15 @@ class Connection {
   using Clock = std::chrono::steady_clock;
 
   bool WaitFor(short events) const;
-  void SwallowInput() const;
+  void DrainInput() const;
 
   int socket_;
   int stop_event_;
   ConnectionTimeouts timeouts_;
   Clock::time_point deadline_;
   std::size_t budget_ = 0;
-  bool answering_ = false;
-  bool swallow_ = false;
+  bool responding_ = false;
+  bool drain_on_close_ = false;
   std::string input_;
   std::size_t input_used_ = 0;
   std::string output_;

@@ -8,16 +8,16 @@
 
 namespace floorloc {
 
-/// What stands behind the HTTP server. Called from many threads; never throws.
+/// Handler of the HTTP server's requests. Called from many threads; never throws.
 class HttpHandler {
  public:
   virtual ~HttpHandler() = default;
 
-  /// Looks at a request before its body is read. An answer refuses it, and the body stays unread.
+  /// Called before the body of a request is read. A response rejects it, and the body stays unread.
   virtual std::optional<HttpResponse> Admit(const HttpRequest& head) = 0;
   /// Answers a whole request.
   virtual HttpResponse Handle(HttpRequest request) = 0;
-  /// The answer to what the HTTP layer itself refuses (too large, malformed, ...).
+  /// The response to what the HTTP layer itself rejects (too large, malformed, ...).
   virtual HttpResponse Refuse(const HttpRequest& request, const Problem& problem) = 0;
 };
 

@@ -83,11 +83,11 @@ class RequestLoop : private httplib::Server {
     static const std::string kAnything = R"([\s\S]*)";
     const HandlerWithContentReader with_body = [this](const httplib::Request& raw, httplib::Response& answer,
                                                       const httplib::ContentReader& reader) {
-      AnswerWithBody(raw, answer, reader);
+      HandleWithBody(raw, answer, reader);
     };
     Post(kAnything, with_body).Put(kAnything, with_body).Patch(kAnything, with_body).Delete(kAnything, with_body);
     set_pre_routing_handler(
-        [this](const httplib::Request& raw, httplib::Response& answer) { return AnswerWithoutBody(raw, answer); });
+        [this](const httplib::Request& raw, httplib::Response& answer) { return HandleWithoutBody(raw, answer); });
     set_error_handler([this](const httplib::Request& raw, httplib::Response& answer) {
       if (answer.body.empty()) {
         Fill(handler_.Refuse(ToRequest(raw), ProblemOfStatus(answer.status)), answer);
@@ -110,18 +110,19 @@ class RequestLoop : private httplib::Server {
     while (open && connection_.WaitForRequest()) {
       connection_.BeginRequest(kMaxHeadBytes);
       const bool stopping = connection_.IsStopping();
-      close_ = true;  // unless the request is understood: nobody knows where the next one starts
-      bool asked_to_close = false;
-      const bool answered = process_request(stream_, stopping, asked_to_close, [this, stopping](httplib::Request& raw) {
-        close_ = stopping;
-        raw.ranges.clear();
-        // A body that no handler reads would be taken for the next request.
-        if (HasBody(raw) && !TakesBody(raw.method)) {
-          CloseWithUnreadBody();
-        }
-        connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
-      });
-      open = connection_.Flush() && answered && !asked_to_close && !close_;
+      close_ = true;  // unless the request is parsed: the start of the next one is unknown
+      bool close_requested = false;
+      const bool answered =
+          process_request(stream_, stopping, close_requested, [this, stopping](httplib::Request& raw) {
+            close_ = stopping;
+            raw.ranges.clear();
+            // A body that no handler reads would be parsed as the next request.
+            if (HasBody(raw) && !TakesBody(raw.method)) {
+              CloseWithUnreadBody();
+            }
+            connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
+          });
+      open = connection_.Flush() && answered && !close_requested && !close_;
     }
   }
 
@@ -132,10 +133,10 @@ class RequestLoop : private httplib::Server {
 
   void CloseWithUnreadBody() {
     close_ = true;
-    connection_.SwallowInputOnClose();
+    connection_.DrainInputOnClose();
   }
 
-  HandlerResponse AnswerWithoutBody(const httplib::Request& raw, httplib::Response& answer) {
+  HandlerResponse HandleWithoutBody(const httplib::Request& raw, httplib::Response& answer) {
     if (TakesBody(raw.method)) {
       return HandlerResponse::Unhandled;
     }
@@ -145,7 +146,7 @@ class RequestLoop : private httplib::Server {
     return HandlerResponse::Handled;
   }
 
-  void AnswerWithBody(const httplib::Request& raw, httplib::Response& answer, const httplib::ContentReader& reader) {
+  void HandleWithBody(const httplib::Request& raw, httplib::Response& answer, const httplib::ContentReader& reader) {
     HttpRequest request = ToRequest(raw);
     if (const std::optional<HttpResponse> refusal = handler_.Admit(request)) {
       Fill(*refusal, answer);
@@ -242,7 +243,7 @@ class RequestLoop : private httplib::Server {
   bool close_ = false;
 };
 
-void WriteAnswer(const HttpResponse& response, Connection& connection) {
+void WriteResponse(const HttpResponse& response, Connection& connection) {
   std::string head = "HTTP/1.1 " + std::to_string(response.status) + " Service Unavailable\r\nConnection: close\r\n" +
                      "Content-Type: " + response.content_type +
                      "\r\nContent-Length: " + std::to_string(response.body.size()) + "\r\n";
@@ -292,12 +293,12 @@ struct HttpServer::Impl {
 
 // Runs in the accepting thread, so it must not wait for the client.
 void HttpServer::Impl::Reject(int socket) {
-  const Overload problem("too_many_connections", "The server has as many connections as it takes; try again later.");
+  const Overload problem("too_many_connections", "The server has reached its limit of connections; try again later.");
   ConnectionTimeouts at_once;
   at_once.idle = at_once.request = std::chrono::duration<double>(0.0);
   Connection connection(socket, stop_event.get(), at_once);
-  connection.SwallowInputOnClose();
-  WriteAnswer(handler.Refuse({}, problem), connection);
+  connection.DrainInputOnClose();
+  WriteResponse(handler.Refuse({}, problem), connection);
 }
 
 void HttpServer::Impl::Run(int socket) {

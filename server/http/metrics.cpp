@@ -94,12 +94,12 @@ std::string Metrics::Render(const std::vector<Gauge>& gauges) const {
   out << "floorloc_build_info{" << Label("version", FLOORLOC_VERSION) << "} 1\n";
   floorloc::Render(out, gauges);
   const std::lock_guard lock(mutex_);
-  Head(out, "floorloc_http_requests_total", "counter", "Answered requests.");
+  Head(out, "floorloc_http_requests_total", "counter", "Answered HTTP requests.");
   for (const auto& [labels, count] : requests_) {
     out << "floorloc_http_requests_total{" << Label("route", labels.route) << ',' << Label("method", labels.method)
         << ',' << Label("code", std::to_string(labels.status)) << "} " << count << '\n';
   }
-  Head(out, "floorloc_http_request_seconds", "histogram", "Time from the whole request to its answer.");
+  Head(out, "floorloc_http_request_seconds", "histogram", "Time from the complete request to its response.");
   for (const auto& [route, histogram] : request_seconds_) {
     floorloc::Render(out, "floorloc_http_request_seconds", Label("route", route), histogram);
   }
@@ -112,9 +112,10 @@ std::string Metrics::Render(const std::vector<Gauge>& gauges) const {
   for (const auto& [map, histogram] : localize_seconds_) {
     floorloc::Render(out, "floorloc_localize_seconds", Label("map", map), histogram);
   }
-  Head(out, "floorloc_vehicle_messages_total", "counter", "Messages of vehicles, by what became of them.");
+  Head(out, "floorloc_vehicle_messages_total", "counter", "Messages of vehicles, by outcome.");
   floorloc::Render(out, "floorloc_vehicle_messages_total", messages_);
-  Head(out, "floorloc_vehicle_fixes_total", "counter", "Fixes of vehicles: accepted, reanchored, or why not.");
+  Head(out, "floorloc_vehicle_fixes_total", "counter",
+       "Fixes of vehicles, by outcome: accepted, reanchored, or the reason of rejection.");
   floorloc::Render(out, "floorloc_vehicle_fixes_total", fixes_);
   return out.str();
 }

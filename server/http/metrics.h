@@ -40,14 +40,14 @@ struct LocalizationLabels {
   auto operator<=>(const LocalizationLabels&) const = default;
 };
 
-/// What a vehicle's message, or the fix of its picture, came to in a map.
+/// Outcome of a vehicle's message, or of the fix of its image, in a map.
 struct OutcomeLabels {
   std::string map;
   std::string outcome;
   auto operator<=>(const OutcomeLabels&) const = default;
 };
 
-/// Values that are read when somebody asks.
+/// Values that are read when metrics are requested.
 struct Gauge {
   std::string name;
   std::string help;

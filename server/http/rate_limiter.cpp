@@ -16,7 +16,7 @@ bool RateLimiter::Allow(const std::string& client, TimePoint now) {
   }
   const std::lock_guard lock(mutex_);
   if (buckets_.size() >= kMaxClients) {
-    ForgetFullBuckets(now);
+    DropFullBuckets(now);
   }
   const double burst = std::max(1.0, rate_per_s_);
   const auto [it, inserted] = buckets_.try_emplace(client, Bucket{burst, now});
@@ -31,8 +31,8 @@ bool RateLimiter::Allow(const std::string& client, TimePoint now) {
   return true;
 }
 
-// A bucket fills up within a second or 1/rate: older ones say the same as no bucket.
-void RateLimiter::ForgetFullBuckets(TimePoint now) {
+// A bucket fills up within a second or 1/rate: older ones are equivalent to no bucket.
+void RateLimiter::DropFullBuckets(TimePoint now) {
   const double full_after_s = std::max(1.0, 1.0 / rate_per_s_);
   std::erase_if(buckets_, [&](const auto& entry) {
     return std::chrono::duration<double>(now - entry.second.updated).count() > full_after_s;

@@ -16,7 +16,7 @@ class RateLimiter {
   /// rate 0: no limit.
   explicit RateLimiter(double rate_per_s) : rate_per_s_(rate_per_s) {}
 
-  /// Takes a token. False: the client has to wait.
+  /// Takes a token. False: the rate limit is exceeded.
   bool Allow(const std::string& client, TimePoint now);
 
  private:
@@ -25,7 +25,7 @@ class RateLimiter {
     TimePoint updated;
   };
 
-  void ForgetFullBuckets(TimePoint now);
+  void DropFullBuckets(TimePoint now);
 
   const double rate_per_s_;
   std::mutex mutex_;

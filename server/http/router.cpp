@@ -96,14 +96,14 @@ Router::Found Router::Find(const HttpRequest& request) const {
 void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
   if (found.route == nullptr) {
     throw found.allow.empty() ? ProblemOfStatus(404)
-                              : Problem(405, "method_not_allowed", "This address answers " + found.allow + " only.");
+                              : Problem(405, "method_not_allowed", "This path supports " + found.allow + " only.");
   }
   const RouteAccess access = found.route->access;
-  const bool guarded = access == RouteAccess::kChange || (access == RouteAccess::kRead && options_.protect_reads);
+  const bool guarded = access == RouteAccess::kWrite || (access == RouteAccess::kRead && options_.protect_reads);
   if (guarded && !options_.token.Allows(head.Header("authorization"))) {
     throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
   }
-  if (access != RouteAccess::kEverybody && !rate_limiter_.Allow(head.remote_address, Clock::now())) {
+  if (access != RouteAccess::kPublic && !rate_limiter_.Allow(head.remote_address, Clock::now())) {
     throw Problem(429, "rate_limited", "Too many requests from this address; slow down.", Problem::Retry::kSoon);
   }
   CheckContentType(*found.route, head);

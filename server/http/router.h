@@ -13,11 +13,11 @@
 
 namespace floorloc {
 
-/// Who may call a route when the server has a token.
+/// Access to a route when the server has a token.
 enum class RouteAccess {
-  kEverybody,  ///< health and the page itself
-  kRead,       ///< changes nothing: needs the token with protect_reads only
-  kChange,     ///< needs the token
+  kPublic,  ///< health and the page itself
+  kRead,    ///< changes nothing: needs the token with protect_reads only
+  kWrite,   ///< needs the token
 };
 
 struct Route {

@@ -20,7 +20,7 @@ namespace floorloc {
 /// A job waited longer than the pool's deadline and was not run.
 class QueueTimeout : public std::runtime_error {
  public:
-  QueueTimeout() : std::runtime_error("The work waited too long for a free thread.") {}
+  QueueTimeout() : std::runtime_error("The job waited too long for a free thread.") {}
 };
 
 struct ComputePoolOptions {
@@ -31,7 +31,7 @@ struct ComputePoolOptions {
   void Check() const;
 };
 
-/// A fixed number of threads behind a bounded queue: the only place where pictures are decoded and localized.
+/// A fixed number of threads behind a bounded queue: the only place where images are decoded and localized.
 class ComputePool {
  public:
   explicit ComputePool(const ComputePoolOptions& options);

@@ -12,11 +12,11 @@
 
 namespace floorloc {
 
-/// A localization as the server answered it: enough to draw it, and one object with its map, version and time.
+/// A localization as the server answered it: what viewers need, in one object with its map, version and time.
 struct FixRecord {
   std::uint64_t sequence = 0;
   double received_s = 0.0;  ///< Unix time
-  double stamp_s = 0.0;     ///< of the picture
+  double stamp_s = 0.0;     ///< of the image
   std::string vehicle;      ///< empty: the camera came inline
   std::string map;
   std::string map_version;

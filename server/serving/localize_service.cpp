@@ -35,7 +35,7 @@ cv::Mat Decode(const LocalizeJob& job) {
 void CheckImageHeader(std::span<const std::uint8_t> bytes, const CameraModel& camera, std::int64_t max_pixels) {
   const std::optional<ImageHeader> header = ProbeImage(bytes);
   if (!header) {
-    throw Problem(422, "invalid_image", "The image is no JPEG or PNG, or its header is damaged.");
+    throw Problem(422, "invalid_image", "The image is not a JPEG or PNG, or its header is damaged.");
   }
   if (static_cast<std::int64_t>(header->width_px) * header->height_px > max_pixels) {
     throw Problem(413, "image_too_large",
@@ -45,17 +45,17 @@ void CheckImageHeader(std::span<const std::uint8_t> bytes, const CameraModel& ca
   if (header->width_px != camera.width_px || header->height_px != camera.height_px) {
     throw Problem(422, "image_size_mismatch",
                   "The image has " + SizeText(header->width_px, header->height_px) + " pixels, but the camera " +
-                      SizeText(camera.width_px, camera.height_px) + "; send what the calibrated camera takes.");
+                      SizeText(camera.width_px, camera.height_px) + "; send an image of the calibrated camera.");
   }
 }
 
 LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   const auto start = Clock::now();
-  const cv::Mat picture = Decode(job);
+  const cv::Mat image = Decode(job);
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
   const Localizer& localizer = *job.map->localizer;
-  FrameObservation observation = localizer.Observe(*job.rectifier, picture);
+  FrameObservation observation = localizer.Observe(*job.rectifier, image);
   outcome.result = localizer.LocalizeWithGlobalFallback(observation, job.prior);
   outcome.features = std::move(observation.features);
   outcome.search = outcome.result.used_prior ? "prior" : "global";

@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// One frame to localize; bytes is the encoded picture.
+/// One frame to localize; bytes is the encoded image.
 struct LocalizeJob {
   std::shared_ptr<const LoadedMap> map;
   std::shared_ptr<const Rectifier> rectifier;
@@ -21,18 +21,18 @@ struct LocalizeJob {
 
 struct LocalizeOutcome {
   LocalizationResult result;
-  Features features;              ///< of the picture, base frame
+  Features features;              ///< of the image, base frame
   const char* search = "global";  ///< "prior" or "global"
   double decode_ms = 0.0;
   double total_ms = 0.0;
 };
 
-/// Checks an encoded picture against the camera by its header only, before it is worth a place in the queue.
+/// Checks an encoded image against the camera by its header only, before it is queued.
 /// Throws Problem: 413 image_too_large, 422 invalid_image or image_size_mismatch.
 void CheckImageHeader(std::span<const std::uint8_t> bytes, const CameraModel& camera, std::int64_t max_pixels);
 
-/// Decodes and localizes. A prior that finds nothing is followed by a search of the whole map.
-/// Throws Problem 422 invalid_image when the picture is damaged.
+/// Decodes and localizes. When a prior fails, the whole map is searched.
+/// Throws Problem 422 invalid_image when the image is damaged.
 LocalizeOutcome RunLocalization(const LocalizeJob& job);
 
 }  // namespace floorloc

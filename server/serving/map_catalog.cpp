@@ -30,14 +30,14 @@ std::vector<std::filesystem::path> ListMapFiles(const std::filesystem::path& fol
 void SetError(const std::exception& error, const std::string& code, LoadedMap* map) {
   map->localizer.reset();
   map->database.reset();
-  map->error = WithoutFolder(error.what(), map->file);
+  map->error = StripFolder(error.what(), map->file);
   map->error_code = code;
   spdlog::error("map '{}' is not served: {}", map->name, error.what());
 }
 
 }  // namespace
 
-std::string WithoutFolder(std::string text, const std::filesystem::path& file) {
+std::string StripFolder(std::string text, const std::filesystem::path& file) {
   const std::string folder = file.parent_path().string() + "/";
   for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder)) {
     text.erase(at, folder.size());

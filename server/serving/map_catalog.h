@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// A map as it is served; never changes. A request keeps the one it started with.
+/// A map as it is served; never changes. A request uses the one it started with.
 struct LoadedMap {
   std::string name;
   std::filesystem::path file;
@@ -27,7 +27,7 @@ struct LoadedMap {
 };
 
 /// What a client gets to read of an error with a map's file: the folder is none of its business.
-std::string WithoutFolder(std::string text, const std::filesystem::path& file);
+std::string StripFolder(std::string text, const std::filesystem::path& file);
 
 /// The stable code of an error with a map's file: map_damaged, map_unsupported or map_unavailable.
 std::string CodeOf(const MapError& error);

@@ -15,10 +15,10 @@ std::optional<std::int64_t> ParseStampNs(const std::string& text);
 /// The same of a number: what its shortest decimal text means, so that 0.1 s are 100 ms.
 std::optional<std::int64_t> ToStampNs(double seconds);
 
-/// Stamps of the last messages of a vehicle, in the order of time. Bounded.
+/// Stamps of the last messages of a vehicle, in order of time. Bounded.
 class MessageStamps {
  public:
-  /// window_ns: so far behind the newest one they are remembered.
+  /// window_ns: how far behind the newest one they are kept.
   explicit MessageStamps(std::int64_t window_ns) : window_ns_(window_ns) {}
 
   void Add(std::int64_t stamp_ns);
@@ -27,7 +27,7 @@ class MessageStamps {
   std::optional<std::int64_t> Newest() const;
   /// The last one before a time.
   std::optional<std::int64_t> Before(std::int64_t stamp_ns) const;
-  /// True for times from before what is remembered.
+  /// True for times older than the history.
   bool IsTooOld(std::int64_t stamp_ns) const;
 
  private:

@@ -19,7 +19,7 @@ void Append(double value, std::string& key) {
   std::memcpy(key.data() + at, &value, sizeof value);
 }
 
-// Everything that decides the lookup tables, bit by bit; the camera's name does not.
+// All parameters of the lookup tables, bit by bit; the camera's name does not.
 std::string KeyOf(const FloorCamera& camera) {
   std::string key;
   const CameraModel& c = camera.camera;
@@ -54,7 +54,7 @@ void CheckCamera(const FloorCamera& camera, std::int64_t max_pixels) {
   if (static_cast<double>(camera.camera.width_px) * camera.camera.height_px > limit ||
       RectifiedPixels(camera.floor) > limit) {
     throw Problem(422, "camera_too_large",
-                  "The camera's picture, or its floor at this resolution, has more than " + std::to_string(max_pixels) +
+                  "The camera's image, or its floor at this resolution, has more than " + std::to_string(max_pixels) +
                       " pixels.");
   }
 }
@@ -70,7 +70,7 @@ std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera) 
     if (auto rectifier = FindLocked(key)) {
       return rectifier;
     }
-    MakeRoomLocked(bytes);
+    EvictLocked(bytes);
     bytes_ += bytes;
   }
   std::shared_ptr<const Rectifier> rectifier;
@@ -82,9 +82,9 @@ std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera) 
     throw;
   }
   const std::lock_guard lock(mutex_);
-  if (auto built_meanwhile = FindLocked(key)) {
+  if (auto built_by_another_thread = FindLocked(key)) {
     bytes_ -= bytes;
-    return built_meanwhile;
+    return built_by_another_thread;
   }
   entries_.push_front({key, bytes, rectifier});
   by_key_[key] = entries_.begin();
@@ -100,20 +100,20 @@ std::shared_ptr<const Rectifier> RectifierStore::FindLocked(const std::string& k
   return it->second->rectifier;
 }
 
-// Forgets what was not used for longest; what a vehicle or a request still holds has to stay.
-void RectifierStore::MakeRoomLocked(std::size_t bytes) {
-  std::size_t unheld = 0;
+// Evicts the least recently used; what a vehicle or a request still holds is kept.
+void RectifierStore::EvictLocked(std::size_t bytes) {
+  std::size_t unused = 0;
   for (const Entry& entry : entries_) {
-    unheld += entry.rectifier.use_count() == 1 ? 1 : 0;
+    unused += entry.rectifier.use_count() == 1 ? 1 : 0;
   }
   for (auto it = entries_.end(); it != entries_.begin();) {
     --it;
-    if (bytes_ + bytes <= options_.max_bytes && unheld < options_.max_cached) {
+    if (bytes_ + bytes <= options_.max_bytes && unused < options_.max_cached) {
       break;
     }
     if (it->rectifier.use_count() == 1) {
       bytes_ -= it->bytes;
-      --unheld;
+      --unused;
       by_key_.erase(it->key);
       it = entries_.erase(it);
     }

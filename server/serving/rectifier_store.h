@@ -14,9 +14,9 @@
 namespace floorloc {
 
 struct RectifierStoreOptions {
-  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera picture, and of the rectified one
+  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera image, and of the rectified one
   std::size_t max_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
-  std::size_t max_cached = 64;                   ///< cameras kept that nobody holds any more
+  std::size_t max_cached = 64;                   ///< unused cameras that are kept
 };
 
 /// One Rectifier per different camera: vehicles with the same calibration share it, and a camera that comes inline with
@@ -37,7 +37,7 @@ class RectifierStore {
   };
 
   std::shared_ptr<const Rectifier> FindLocked(const std::string& key);
-  void MakeRoomLocked(std::size_t bytes);
+  void EvictLocked(std::size_t bytes);
 
   const RectifierStoreOptions options_;
   std::mutex mutex_;

@@ -30,7 +30,7 @@ Registration VehicleRegistry::Put(Vehicle vehicle) {
     return {known->second, false};
   }
   if (known == vehicles_.end() && vehicles_.size() >= options_.max_vehicles) {
-    MakeRoomLocked();
+    EvictLocked();
   }
   auto session = MakeSession(vehicle, options_.timeout_s);
   const std::string id = vehicle.id;
@@ -39,14 +39,14 @@ Registration VehicleRegistry::Put(Vehicle vehicle) {
   return {state, known == vehicles_.end()};
 }
 
-void VehicleRegistry::MakeRoomLocked() {
+void VehicleRegistry::EvictLocked() {
   const auto longest = std::max_element(vehicles_.begin(), vehicles_.end(), [](const auto& a, const auto& b) {
-    return a.second.session->SilentSeconds() < b.second.session->SilentSeconds();
+    return a.second.session->SecondsSinceLastMessage() < b.second.session->SecondsSinceLastMessage();
   });
   if (!longest->second.session->Expired()) {
     throw Problem(
         409, "too_many_vehicles",
-        "The server knows " + std::to_string(options_.max_vehicles) + " vehicles, its limit; delete one first.");
+        "The server has " + std::to_string(options_.max_vehicles) + " vehicles, its limit; delete one first.");
   }
   vehicles_.erase(longest);
 }

@@ -15,7 +15,7 @@
 
 namespace floorloc {
 
-/// Largest jump of a fix that is believed.
+/// Largest jump of a fix that is accepted.
 struct VehicleGate {
   double max_distance_m = 0.20;
   double max_angle_rad = 0.1745;
@@ -32,7 +32,7 @@ struct Vehicle {
   const FloorCamera& camera() const { return rectifier->camera(); }
 };
 
-/// A vehicle, its pose, and what was last heard from it.
+/// A vehicle, its pose, and its last fix.
 struct VehicleState {
   std::shared_ptr<const Vehicle> vehicle;
   std::shared_ptr<VehicleSession> session;
@@ -41,22 +41,22 @@ struct VehicleState {
 
 struct VehicleRegistryOptions {
   std::size_t max_vehicles = 2000;
-  double timeout_s = 0.0;  ///< a vehicle that was silent for longer is lost, and makes room for others; 0: never
+  double timeout_s = 0.0;  ///< a vehicle that was silent for longer expires, and may be evicted; 0: never
 };
 
-/// What became of a registration.
+/// Result of a registration.
 struct Registration {
   VehicleState state;
   bool created = false;
 };
 
-/// The vehicles that the server knows, a bounded number. Thread-safe.
+/// The registered vehicles, a bounded number. Thread-safe.
 class VehicleRegistry {
  public:
   explicit VehicleRegistry(const VehicleRegistryOptions& options) : options_(options) {}
 
-  /// Registers or replaces. The same vehicle again (map, camera, gate) keeps its pose, another one begins anew. When
-  /// there are too many, the one that was silent for longest makes room if it has expired; otherwise throws Problem
+  /// Registers or replaces. The same vehicle again (map, camera, gate) keeps its pose, another one restarts. When
+  /// there are too many, the one that was silent for longest is evicted if it has expired; otherwise throws Problem
   /// (409 too_many_vehicles).
   Registration Put(Vehicle vehicle);
   bool Remove(const std::string& id);
@@ -68,7 +68,7 @@ class VehicleRegistry {
   void SetLastFix(const std::string& id, const FixRecord& fix);
 
  private:
-  void MakeRoomLocked();
+  void EvictLocked();
 
   const VehicleRegistryOptions options_;
   mutable std::mutex mutex_;

@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// So long an increment is taken to have lasted when no earlier message of the vehicle is known.
+// Assumed duration of an increment when no earlier message of the vehicle is known.
 constexpr std::int64_t kUnknownIntervalNs = 100'000'000;
 
 std::int64_t WindowNs(const TrackerOptions& options) {
@@ -29,38 +29,38 @@ VehicleSession::VehicleSession(const TrackerOptions& options, double resolution_
     : options_(options),
       resolution_m_(resolution_m),
       timeout_s_(timeout_s),
-      last_heard_(Clock::now().time_since_epoch().count()),
+      last_message_time_(Clock::now().time_since_epoch().count()),
       tracker_(options, resolution_m),
       stamps_(WindowNs(options)),
-      told_(WindowNs(options)),
+      odometry_stamps_(WindowNs(options)),
       frames_(WindowNs(options)) {}
 
-double VehicleSession::SilentSeconds() const {
-  const Clock::duration last_heard(last_heard_.load());
-  return std::chrono::duration<double>(Clock::now().time_since_epoch() - last_heard).count();
+double VehicleSession::SecondsSinceLastMessage() const {
+  const Clock::duration last_message_time(last_message_time_.load());
+  return std::chrono::duration<double>(Clock::now().time_since_epoch() - last_message_time).count();
 }
 
-void VehicleSession::ForgetStampsLocked() {
+void VehicleSession::ClearStampsLocked() {
   stamps_.Clear();
-  told_.Clear();
+  odometry_stamps_.Clear();
   frames_.Clear();
   last_received_ns_.reset();
   pose_set_ns_.reset();
-  undated_pose_.reset();
+  unstamped_pose_.reset();
   frames_before_history_ = 0;
   ++epoch_;
 }
 
-void VehicleSession::BeginAnewLocked() {
+void VehicleSession::RestartLocked() {
   tracker_ = VehicleTracker(options_, resolution_m_);
-  ForgetStampsLocked();
+  ClearStampsLocked();
 }
 
-void VehicleSession::WakeLocked() {
+void VehicleSession::RestartIfExpiredLocked() {
   if (Expired()) {
-    BeginAnewLocked();
+    RestartLocked();
   }
-  last_heard_ = Clock::now().time_since_epoch().count();
+  last_message_time_ = Clock::now().time_since_epoch().count();
 }
 
 VehicleView VehicleSession::ViewLocked() const { return {tracker_.Estimate(), tracker_.Next(), counts_}; }
@@ -73,14 +73,14 @@ VehicleView VehicleSession::View() {
   return ViewLocked();
 }
 
-// The vehicle's clock may be any: a pose that was set before its first message is one of the time of that message.
-void VehicleSession::DatePoseLocked(std::int64_t stamp_ns) {
-  if (undated_pose_) {
+// The vehicle's clock is unknown: a pose that was set before its first message gets the time of that message.
+void VehicleSession::StampPoseLocked(std::int64_t stamp_ns) {
+  if (unstamped_pose_) {
     tracker_ = VehicleTracker(options_, resolution_m_);
-    undated_pose_->stamp_ns = stamp_ns;
-    tracker_.SetPose(*undated_pose_);
+    unstamped_pose_->stamp_ns = stamp_ns;
+    tracker_.SetPose(*unstamped_pose_);
     pose_set_ns_ = stamp_ns;
-    undated_pose_.reset();
+    unstamped_pose_.reset();
   }
 }
 
@@ -88,20 +88,20 @@ bool VehicleSession::IsTooOldLocked(std::int64_t stamp_ns) const {
   return stamps_.IsTooOld(stamp_ns) || (pose_set_ns_ && stamp_ns < *pose_set_ns_ - WindowNs(options_));
 }
 
-// A picture without odometry tells nothing of the motion: odometry goes on from where it was.
+// An image without odometry carries no motion: odometry continues from its own last stamp.
 std::optional<std::int64_t> VehicleSession::PreviousLocked(std::int64_t stamp_ns) const {
-  const std::optional<std::int64_t> told_ns = told_.Before(stamp_ns);
-  return told_ns ? told_ns : stamps_.Before(stamp_ns);
+  const std::optional<std::int64_t> odometry_ns = odometry_stamps_.Before(stamp_ns);
+  return odometry_ns ? odometry_ns : stamps_.Before(stamp_ns);
 }
 
 MessageOutcome VehicleSession::AddIncrementLocked(const OdometryMessage& message) {
   const std::int64_t stamp_ns = message.stamp_ns;
-  DatePoseLocked(stamp_ns);
+  StampPoseLocked(stamp_ns);
   std::optional<std::int64_t> from_ns = PreviousLocked(stamp_ns);
   if (!from_ns && (!stamps_.Newest() || stamps_.Contains(stamp_ns))) {
     const bool first = !stamps_.Newest();
     stamps_.Add(stamp_ns);
-    told_.Add(stamp_ns);
+    odometry_stamps_.Add(stamp_ns);
     last_received_ns_ = stamp_ns;
     return first ? MessageOutcome::kUsed : MessageOutcome::kDuplicate;
   }
@@ -112,11 +112,11 @@ MessageOutcome VehicleSession::AddIncrementLocked(const OdometryMessage& message
   last_received_ns_ = stamp_ns;
   const MessageOutcome outcome = tracker_.AddOdometry({*from_ns, stamp_ns, message.motion, std::nullopt});
   if (outcome == MessageOutcome::kClockJump) {
-    ForgetStampsLocked();
+    ClearStampsLocked();
   }
   if (IsUsed(outcome)) {
     stamps_.Add(stamp_ns);
-    told_.Add(stamp_ns);
+    odometry_stamps_.Add(stamp_ns);
     frames_before_history_ = 0;
   }
   return outcome;
@@ -124,7 +124,7 @@ MessageOutcome VehicleSession::AddIncrementLocked(const OdometryMessage& message
 
 OdometryReport VehicleSession::AddOdometry(const std::vector<OdometryMessage>& increments) {
   const std::lock_guard lock(mutex_);
-  WakeLocked();
+  RestartIfExpiredLocked();
   OdometryReport report;
   for (const OdometryMessage& increment : increments) {
     report.messages.push_back(AddIncrementLocked(increment));
@@ -136,28 +136,28 @@ OdometryReport VehicleSession::AddOdometry(const std::vector<OdometryMessage>& i
 
 VehicleView VehicleSession::SetPose(PoseFix pose, std::optional<std::int64_t> stamp_ns) {
   const std::lock_guard lock(mutex_);
-  WakeLocked();
+  RestartIfExpiredLocked();
   pose.stamp_ns = stamp_ns ? *stamp_ns : stamps_.Newest().value_or(UnixNowNs());
   if (IsTooOldLocked(pose.stamp_ns)) {
-    BeginAnewLocked();
+    RestartLocked();
   }
   tracker_.SetPose(pose);
-  undated_pose_.reset();
+  unstamped_pose_.reset();
   pose_set_ns_ = pose.stamp_ns;
   if (!stamp_ns && !stamps_.Newest()) {
-    undated_pose_ = pose;
+    unstamped_pose_ = pose;
   }
   return ViewLocked();
 }
 
-// The time of a picture that comes without odometry. The tracker notices by odometry only that a clock was set.
-MessageOutcome VehicleSession::NoteFrameLocked(std::int64_t stamp_ns) {
+// The time of an image that comes without odometry. The tracker detects a clock jump by odometry only.
+MessageOutcome VehicleSession::RecordFrameStampLocked(std::int64_t stamp_ns) {
   const bool too_old = IsTooOldLocked(stamp_ns);
   if (too_old && ++frames_before_history_ < options_.filter.clock_jump_messages) {
     return MessageOutcome::kTooOld;
   }
   if (too_old) {
-    BeginAnewLocked();
+    RestartLocked();
   }
   frames_before_history_ = 0;
   const bool late = stamp_ns < stamps_.Newest().value_or(stamp_ns);
@@ -169,36 +169,36 @@ MessageOutcome VehicleSession::NoteFrameLocked(std::int64_t stamp_ns) {
   return late ? MessageOutcome::kUsedLate : MessageOutcome::kUsed;
 }
 
-std::optional<FrameTurn> VehicleSession::BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion) {
-  FrameTurn turn;
-  turn.turn = std::unique_lock(frame_mutex_, std::try_to_lock);
-  if (!turn.turn.owns_lock()) {
+std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion) {
+  FrameSlot slot;
+  slot.lock = std::unique_lock(frame_mutex_, std::try_to_lock);
+  if (!slot.lock.owns_lock()) {
     return std::nullopt;
   }
   const std::lock_guard lock(mutex_);
-  WakeLocked();
-  DatePoseLocked(stamp_ns);
-  turn.stamp_ns = stamp_ns;
-  // A picture that is sent again after an error brings odometry that is known, but is new itself.
+  RestartIfExpiredLocked();
+  StampPoseLocked(stamp_ns);
+  slot.stamp_ns = stamp_ns;
+  // An image that is sent again after an error repeats known odometry, but is new itself.
   const MessageOutcome odometry = motion ? AddIncrementLocked({stamp_ns, *motion}) : MessageOutcome::kDuplicate;
   if (frames_.Contains(stamp_ns)) {
-    turn.message = MessageOutcome::kDuplicate;
+    slot.message = MessageOutcome::kDuplicate;
   } else {
-    turn.message = odometry == MessageOutcome::kDuplicate ? NoteFrameLocked(stamp_ns) : odometry;
+    slot.message = odometry == MessageOutcome::kDuplicate ? RecordFrameStampLocked(stamp_ns) : odometry;
   }
-  turn.epoch = epoch_;
-  turn.prior = tracker_.Prior(stamp_ns);
-  return turn;
+  slot.epoch = epoch_;
+  slot.prior = tracker_.Prior(stamp_ns);
+  return slot;
 }
 
-FrameReport VehicleSession::FinishFrame(const FrameTurn& turn, const Features& features,
+FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& features,
                                         const LocalizationResult& found) {
   const std::lock_guard lock(mutex_);
   FrameReport report;
-  report.message = turn.epoch == epoch_ ? turn.message : MessageOutcome::kTooOld;
+  report.message = slot.epoch == epoch_ ? slot.message : MessageOutcome::kTooOld;
   if (IsUsed(report.message)) {
-    frames_.Add(turn.stamp_ns);
-    report.fix = tracker_.AddFrame(turn.stamp_ns, features, found).fix;
+    frames_.Add(slot.stamp_ns);
+    report.fix = tracker_.AddFrame(slot.stamp_ns, features, found).fix;
   } else if (found.status == LocalizationStatus::kLocalized) {
     report.fix = FixOutcome();
     report.fix->reason =

@@ -21,7 +21,7 @@ constexpr std::array kFixRejections = {
     FixRejection::kWrongFixRisk, FixRejection::kJumpDistance, FixRejection::kJumpAngle, FixRejection::kMahalanobis,
     FixRejection::kTooOld,       FixRejection::kDuplicate,    FixRejection::kInvalid};
 
-/// What became of a vehicle's messages and fixes since it was registered.
+/// Counts of a vehicle's messages and fixes by outcome, since it was registered.
 struct VehicleCounts {
   std::array<std::uint64_t, kMessageOutcomes.size()> messages{};  ///< in the order of MessageOutcome
   std::uint64_t accepted = 0;
@@ -29,10 +29,10 @@ struct VehicleCounts {
   std::array<std::uint64_t, kFixRejections.size() + 1> rejected{};  ///< in the order of FixRejection
 };
 
-/// What is known of a vehicle at the time of its newest message.
+/// State of a vehicle at the time of its newest message.
 struct VehicleView {
   std::optional<FusedPose> fused;  ///< empty before the first fix
-  NextPicture next;
+  NextFrame next;
   VehicleCounts counts;
 
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
@@ -44,19 +44,19 @@ struct OdometryMessage {
   Pose2 motion;
 };
 
-/// A picture's turn: at most one of a vehicle is localized at a time.
-struct FrameTurn {
-  std::unique_lock<std::mutex> turn;
+/// Exclusive permission to localize: at most one image of a vehicle is localized at a time.
+struct FrameSlot {
+  std::unique_lock<std::mutex> lock;
   std::int64_t stamp_ns = 0;
   std::uint64_t epoch = 0;
   MessageOutcome message = MessageOutcome::kUsed;
   std::optional<PosePrior> prior;
 };
 
-/// What became of a picture.
+/// Outcome of an image.
 struct FrameReport {
   MessageOutcome message = MessageOutcome::kUsed;
-  std::optional<FixOutcome> fix;  ///< empty: the picture was not localized
+  std::optional<FixOutcome> fix;  ///< empty: the image was not localized
   VehicleView view;
 };
 
@@ -65,56 +65,56 @@ struct OdometryReport {
   VehicleView view;
 };
 
-/// The pose of one registered vehicle. Thread-safe: its lock is held while messages are taken in, never while a picture
-/// is localized.
+/// The pose of one registered vehicle. Thread-safe: its lock is held while messages are added, never while an image is
+/// localized.
 class VehicleSession {
  public:
-  /// resolution_m: of the rectified pictures. timeout_s: after so long a silence the pose is forgotten; 0: never.
+  /// resolution_m: of the rectified images. timeout_s: after this long without a message the pose is dropped; 0: never.
   VehicleSession(const TrackerOptions& options, double resolution_m, double timeout_s);
 
   OdometryReport AddOdometry(const std::vector<OdometryMessage>& increments);
   /// stamp_ns: without it, that of the newest message, or of the first one that comes.
   VehicleView SetPose(PoseFix pose, std::optional<std::int64_t> stamp_ns);
 
-  /// Takes in the odometry that came with a picture, and says where to look. Empty while another picture of this
-  /// vehicle has its turn.
-  std::optional<FrameTurn> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion);
-  /// Takes in the picture that was localized.
-  FrameReport FinishFrame(const FrameTurn& turn, const Features& features, const LocalizationResult& found);
+  /// Adds the odometry that came with an image, and returns the prior. Empty while another image of this vehicle is
+  /// localized.
+  std::optional<FrameSlot> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion);
+  /// Adds the image that was localized.
+  FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found);
 
   VehicleView View();
-  double SilentSeconds() const;
-  bool Expired() const { return timeout_s_ > 0.0 && SilentSeconds() > timeout_s_; }
+  double SecondsSinceLastMessage() const;
+  bool Expired() const { return timeout_s_ > 0.0 && SecondsSinceLastMessage() > timeout_s_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void BeginAnewLocked();
-  void WakeLocked();
+  void RestartLocked();
+  void RestartIfExpiredLocked();
   VehicleView ViewLocked() const;
   MessageOutcome AddIncrementLocked(const OdometryMessage& message);
-  MessageOutcome NoteFrameLocked(std::int64_t stamp_ns);
+  MessageOutcome RecordFrameStampLocked(std::int64_t stamp_ns);
   void CountLocked(const FrameReport& report);
-  void ForgetStampsLocked();
-  void DatePoseLocked(std::int64_t stamp_ns);
+  void ClearStampsLocked();
+  void StampPoseLocked(std::int64_t stamp_ns);
   bool IsTooOldLocked(std::int64_t stamp_ns) const;
   std::optional<std::int64_t> PreviousLocked(std::int64_t stamp_ns) const;
 
   const TrackerOptions options_;
   const double resolution_m_;
   const double timeout_s_;
-  std::atomic<Clock::rep> last_heard_;
-  std::mutex frame_mutex_;  // whose turn it is; taken before mutex_
+  std::atomic<Clock::rep> last_message_time_;
+  std::mutex frame_mutex_;  // held by the image that is localized; locked before mutex_
   std::mutex mutex_;        // guards all below
   VehicleTracker tracker_;
-  MessageStamps stamps_;  // of all messages
-  MessageStamps told_;    // of those with odometry
-  MessageStamps frames_;  // of those with a picture
+  MessageStamps stamps_;           // of all messages
+  MessageStamps odometry_stamps_;  // of those with odometry
+  MessageStamps frames_;           // of those with an image
   std::optional<std::int64_t> last_received_ns_;
   std::optional<std::int64_t> pose_set_ns_;  // by hand
-  std::optional<PoseFix> undated_pose_;      // set by hand before the first message
+  std::optional<PoseFix> unstamped_pose_;    // set by hand before the first message
   int frames_before_history_ = 0;
-  std::uint64_t epoch_ = 0;  // counts how often all memory of the motion began anew
+  std::uint64_t epoch_ = 0;  // incremented whenever the history restarts
   VehicleCounts counts_;
 };
 

@@ -25,7 +25,7 @@ HttpResponse ToResponse(const Problem& problem) {
 Problem ProblemOfStatus(int status) {
   switch (status) {
     case 404:
-      return Problem(404, "not_found", "There is nothing at this address; /openapi.yaml lists what there is.");
+      return Problem(404, "not_found", "Nothing is served at this path; /openapi.yaml lists the calls.");
     case 413:
       return Problem(413, "body_too_large", "The body is larger than this server accepts.");
     case 414:

@@ -28,7 +28,7 @@ class Problem : public std::runtime_error {
   Retry retry_;
 };
 
-/// The server cannot take more work now: 503 with Retry-After.
+/// The server is overloaded: 503 with Retry-After.
 class Overload : public Problem {
  public:
   Overload(std::string code, const std::string& detail) : Problem(503, std::move(code), detail, Retry::kSoon) {}

@@ -41,7 +41,7 @@ bool JsonObject::Has(const std::string& key) const { return value_->contains(key
 std::string JsonObject::PathOf(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
 
 const nlohmann::json& JsonObject::Value(const std::string& key) {
-  asked_.insert(key);
+  requested_keys_.insert(key);
   const auto it = value_->find(key);
   if (it == value_->end()) {
     throw JsonError(PathOf(key) + " is missing.");
@@ -84,7 +84,7 @@ JsonObject JsonObject::Object(const std::string& key) { return {Value(key), Path
 
 void JsonObject::RejectUnknownKeys() const {
   for (const auto& item : value_->items()) {
-    if (!asked_.contains(item.key())) {
+    if (!requested_keys_.contains(item.key())) {
       throw JsonError(PathOf(item.key()) + " is not a known key.");
     }
   }

@@ -28,8 +28,8 @@ std::string ToText(const nlohmann::json& value);
 /// Throws MalformedJson that says where the text stops being JSON.
 nlohmann::json ParseJson(const std::string& text);
 
-/// Strict reader of one JSON object: every getter checks the type, RejectUnknownKeys() finds the keys nobody asked for.
-/// The JSON value must outlive the reader. Everything throws JsonError with the path of the field.
+/// Strict reader of one JSON object: every getter checks the type, RejectUnknownKeys() finds the keys that were not
+/// read. The JSON value must outlive the reader. Everything throws JsonError with the path of the field.
 class JsonObject {
  public:
   /// path: of the object itself, "" for the root.
@@ -51,7 +51,7 @@ class JsonObject {
  private:
   const nlohmann::json* value_;
   std::string path_;
-  std::set<std::string> asked_;
+  std::set<std::string> requested_keys_;
 };
 
 /// A JSON array of finite numbers. path: for messages.

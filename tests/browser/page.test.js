@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The web page in a real browser on a real map. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS: folder for
-// pictures of the page.
+// images of the page.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { after, before, beforeEach, afterEach, test } from "node:test";
@@ -18,7 +18,7 @@ let maps;
 let server;
 let browser;
 let page;
-let complaints;
+let page_errors;
 
 before(async () => {
   maps = makeMaps();
@@ -34,21 +34,21 @@ after(async () => {
 
 beforeEach(async () => {
   page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-  complaints = [];
-  page.on("pageerror", (error) => complaints.push(error.message));
+  page_errors = [];
+  page.on("pageerror", (error) => page_errors.push(error.message));
   page.on("console", (message) => {
     if (message.text().includes("Content Security Policy")) {
-      complaints.push(message.text());
+      page_errors.push(message.text());
     }
   });
 });
 
 afterEach(async () => {
   await page.close();
-  assert.deepEqual(complaints, []);
+  assert.deepEqual(page_errors, []);
 });
 
-async function takePicture(name) {
+async function takeScreenshot(name) {
   const folder = process.env.FLOORLOC_SCREENSHOTS;
   if (folder) {
     mkdirSync(folder, { recursive: true });
@@ -93,7 +93,7 @@ test("a fix appears by itself, where the robot is", async () => {
   assert.ok(arrow.x > tile.x && arrow.x < tile.x + tile.width && arrow.y > tile.y && arrow.y < tile.y + tile.height);
   assert.match(await page.locator("#vehicles").textContent(), /agv-7\d+ s ago/);
   assert.equal(await page.locator("#fixes li").count(), 3);
-  await takePicture("fixes");
+  await takeScreenshot("fixes");
 });
 
 test("a vehicle is drawn where the server has it, coloured by what that is worth", async () => {
@@ -110,10 +110,10 @@ test("a vehicle is drawn where the server has it, coloured by what that is worth
   const after = await arrow.boundingBox();
   assert.ok(Math.hypot(after.x - before.x, after.y - before.y) > 20, "it is drawn elsewhere");
   assert.match(await page.locator("#vehicles").textContent(), /trackedtracking odometry, \d+ s ago/);
-  await takePicture("vehicle");
+  await takeScreenshot("vehicle");
 });
 
-test("a picture can be tried by hand", async () => {
+test("an image can be tried by hand", async () => {
   await registerVehicle(server.url, "by-hand");
   await page.goto(server.url);
   await page.setInputFiles("#image", sampleImage(8));
@@ -131,7 +131,7 @@ test("fits on a phone", async () => {
   await page.locator("img.leaflet-tile-loaded").first().waitFor();
   const width = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(width <= 390, `the page is ${width} px wide`);
-  await takePicture("phone");
+  await takeScreenshot("phone");
 });
 
 test("says when the server is away, and goes on when it is back", async () => {

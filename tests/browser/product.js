@@ -48,7 +48,7 @@ function planarPose(row) {
   return { x, y, yaw: 2 * Math.atan2(qz, qw) };
 }
 
-/// The report of a map whose survey has a hole and lacks a picture: {folder, hole: its middle in metres, remove}.
+/// The report of a map whose survey has a hole and lacks an image: {folder, hole: its middle in metres, remove}.
 export function makeReport() {
   const all = mkdtempSync(join(tmpdir(), "floorloc-report-"));
   const survey = join(all, "survey");
@@ -114,7 +114,7 @@ export async function localize(url, id, image) {
   return response.json();
 }
 
-/// A message of a vehicle: a picture with its stamp, or an increment.
+/// A message of a vehicle: an image with its stamp, or an increment.
 export async function sendFrame(url, id, image, stamp) {
   const response = await fetch(`${url}/v1/vehicles/${id}/frames?stamp=${stamp}`, {
     method: "POST",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The report of a map in a real browser, opened as a file. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS:
-// folder for pictures of the page.
+// folder for images of the page.
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, statSync } from "node:fs";
 import { after, before, beforeEach, afterEach, test } from "node:test";
@@ -17,7 +17,7 @@ let report;
 let numbers;
 let browser;
 let page;
-let complaints;
+let page_errors;
 let requests;
 
 before(async () => {
@@ -33,22 +33,22 @@ after(async () => {
 
 beforeEach(async () => {
   page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
-  complaints = [];
+  page_errors = [];
   requests = [];
-  page.on("pageerror", (error) => complaints.push(error.message));
-  page.on("console", (message) => complaints.push(message.text()));
+  page.on("pageerror", (error) => page_errors.push(error.message));
+  page.on("console", (message) => page_errors.push(message.text()));
   page.on("request", (request) => requests.push(request.url()));
   await page.goto(pathToFileURL(join(report.folder, "report.html")).href);
 });
 
 afterEach(async () => {
   await page.close();
-  assert.deepEqual(complaints, []);
+  assert.deepEqual(page_errors, []);
   assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
   assert.equal(requests.filter((url) => url.startsWith("file:")).length, 1, "the page is one file");
 });
 
-async function takePicture(name) {
+async function takeScreenshot(name) {
   const folder = process.env.FLOORLOC_SCREENSHOTS;
   if (folder) {
     mkdirSync(folder, { recursive: true });
@@ -67,7 +67,7 @@ test("says first whether to trust the map, and why", async () => {
   for (const sentence of [...numbers.reasons, ...numbers.facts]) {
     assert.ok(text.includes(sentence), sentence);
   }
-  await takePicture("report");
+  await takeScreenshot("report");
 });
 
 test("shows every figure with the numbers of report.json", async () => {
@@ -103,7 +103,7 @@ test("the hole of the survey is to be surveyed again, and marked on the mosaic",
     assert.equal(await mark.textContent(), String(zone.number));
     assert.ok(box.width > 12 && box.x > map.x && box.x + box.width < map.x + map.width && box.y > map.y &&
       box.y + box.height < map.y + map.height, `mark ${zone.number} is on the map`);
-    // Where the mark stands is where the list says: asked of the browser, which knows the picture's scale.
+    // Where the mark stands is where the list says: by the browser, which knows the image's scale.
     const [x, y] = await page.locator("#map").evaluate((svg, [px, py]) => {
       const p = new DOMPoint(px, py).matrixTransform(svg.getScreenCTM().inverse());
       return [p.x, -p.y];
@@ -128,7 +128,7 @@ test("layers can be switched", async () => {
   assert.equal(await shown("marks"), false);
   await page.click(".gallery [data-show=usable]");
   assert.equal(await shown("usable"), true);
-  await takePicture("report-layers");
+  await takeScreenshot("report-layers");
 });
 
 test("the map moves, and says what is under the pointer", async () => {
@@ -152,7 +152,7 @@ test("fits on a phone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   const width = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(width <= 390, `the page is ${width} px wide`);
-  await takePicture("report-phone");
+  await takeScreenshot("report-phone");
 });
 
 test("can be printed", async () => {

@@ -108,12 +108,12 @@ class MainJob(Recorded):
         tiles = json.loads((out / "tiles" / "metadata.json").read_text())
         self.assertEqual(tiles["version"], info["version"])
         for level in tiles["levels"]:
-            pictures = list((out / "tiles" / str(level["z"])).glob("*/*.jpg"))
-            self.assertTrue(pictures)
-            for picture in pictures:
-                self.assertEqual(picture.read_bytes()[:2], b"\xff\xd8")
-                self.assertLess(int(picture.parent.name) * level["tile_m"], tiles["extent"][2])
-                self.assertGreater((int(picture.stem) + 1) * level["tile_m"], tiles["extent"][1])
+            images = list((out / "tiles" / str(level["z"])).glob("*/*.jpg"))
+            self.assertTrue(images)
+            for image in images:
+                self.assertEqual(image.read_bytes()[:2], b"\xff\xd8")
+                self.assertLess(int(image.parent.name) * level["tile_m"], tiles["extent"][2])
+                self.assertGreater((int(image.stem) + 1) * level["tile_m"], tiles["extent"][1])
         magic, size, depth, cells = (out / "map.pgm").read_bytes().split(b"\n", 3)
         width, height = map(int, size.split())
         self.assertEqual((magic, depth, len(cells)), (b"P5", b"255", width * height))
@@ -240,7 +240,7 @@ class Usage(unittest.TestCase):
 
 class BadInput(Recorded):
     def expect_failure(self, named, *arguments, **options):
-        """Exit code 1 and one sentence that names the file; progress and warnings may stand before it."""
+        """Exit code 1 and one sentence that names the file; progress and warnings may come before it."""
         result = run(*arguments, **options)
         self.assertEqual(result.returncode, 1, result.stderr)
         sentences = [line for line in result.stderr.splitlines()
@@ -284,20 +284,20 @@ class BadInput(Recorded):
                 self.expect_build_failure(Path(name).name, survey)
                 shutil.rmtree(survey)
 
-    def test_picture_of_another_size(self):
+    def test_image_of_another_size(self):
         survey = self.copy_of_survey()
         text = (survey / "camera.yaml").read_text()
         (survey / "camera.yaml").write_text(text.replace("640", "800").replace("480", "600"))
         sentence = self.expect_build_failure("images/", survey)
         self.assertIn("640", sentence)
 
-    def test_single_broken_pictures_are_left_out_and_named(self):
-        def cut_off(picture):
-            picture.write_bytes(picture.read_bytes()[:5000])
+    def test_single_broken_images_are_left_out_and_named(self):
+        def cut_off(image):
+            image.write_bytes(image.read_bytes()[:5000])
 
         damages = {
-            "missing": lambda picture: picture.unlink(),
-            "no picture": lambda picture: picture.write_text("no picture at all"),
+            "missing": lambda image: image.unlink(),
+            "no image": lambda image: image.write_text("no image at all"),
             "cut off": cut_off,
         }
         for name, damage in damages.items():
@@ -310,10 +310,10 @@ class BadInput(Recorded):
                 self.assertTrue(report["dropped"][0]["reason"])
                 shutil.rmtree(survey)
 
-    def test_many_broken_pictures_are_refused(self):
+    def test_many_broken_images_are_refused(self):
         survey = self.copy_of_survey()
         for i in range(5):
-            (survey / "images" / f"00000{i}.jpg").write_text("no picture at all")
+            (survey / "images" / f"00000{i}.jpg").write_text("no image at all")
         self.expect_build_failure("images", survey)
 
     def test_folders_without_a_survey(self):
@@ -322,9 +322,9 @@ class BadInput(Recorded):
         self.expect_build_failure("empty", empty)
         self.expect_build_failure("missing", self.folder / "missing")
         self.expect_build_failure("hall.floormap", self.map)  # a file
-        no_pictures = self.copy_of_survey()
-        (no_pictures / "frames.csv").write_text("timestamp,filename\n")
-        self.expect_build_failure("frames.csv", no_pictures)
+        no_images = self.copy_of_survey()
+        (no_images / "frames.csv").write_text("timestamp,filename\n")
+        self.expect_build_failure("frames.csv", no_images)
 
     def test_places_that_cannot_be_written(self):
         self.expect_failure("m.floormap", "build", "--survey", self.survey, "--out",

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""calibrate through the real floorloc-mapbuilder: pictures of a board in, files that the rest of the product reads out;
-and everything that can go wrong. Usage: calibrate_test.py MAPBUILDER BOARD_PICTURES"""
+"""calibrate through the real floorloc-mapbuilder: images of a board in, files that the rest of the product reads out;
+and everything that can go wrong. Usage: calibrate_test.py MAPBUILDER BOARD_IMAGES"""
 
 import json
 import math
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import yaml
 
-BOARD_PICTURES = sys.argv.pop(2)
+BOARD_IMAGES = sys.argv.pop(2)
 
 from builder import Scratch, run, run_ok  # noqa: E402  (builder takes its argument from sys.argv too)
 
@@ -33,7 +33,7 @@ class Calibrate(Scratch):
         super().setUpClass()
         for kind in ("chessboard", "charuco", "flat"):
             (cls.root / kind).mkdir()
-            subprocess.run([BOARD_PICTURES, cls.root / kind, kind], check=True, timeout=120)
+            subprocess.run([BOARD_IMAGES, cls.root / kind, kind], check=True, timeout=120)
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory(prefix="floorloc-e2e-")
@@ -87,7 +87,7 @@ class Calibrate(Scratch):
                                    *self.floor_options("charuco"), "--out", self.out, "--json"))
         self.assert_like_truth("charuco", report)
 
-    def test_without_floor_picture_there_is_only_a_camera(self):
+    def test_without_floor_image_there_is_only_a_camera(self):
         said = run_ok("calibrate", "--images", self.root / "chessboard", *CHESSBOARD, "--out", self.out)
         self.assertIn("floor.yaml is not written", said)
         self.assertTrue((self.out / "camera.yaml").exists())
@@ -100,27 +100,27 @@ class Calibrate(Scratch):
         self.assertEqual(floor["roi"], {"x_min": 0.3, "x_max": 0.45, "y_min": -0.1, "y_max": 0.1})
         self.assertEqual(floor["resolution"], 0.0011)
 
-    def test_bad_pictures_are_left_out_and_named(self):
+    def test_bad_images_are_left_out_and_named(self):
         folder = self.out.parent / "mixed"
         shutil.copytree(self.root / "chessboard", folder)
         (folder / "torn.jpg").write_bytes((folder / "100.jpg").read_bytes()[:3000])
-        (folder / "text.jpg").write_text("no picture")
+        (folder / "text.jpg").write_text("no image")
         shutil.copy(self.root / "charuco" / "104.jpg", folder / "other.jpg")
         said = run_ok("calibrate", "--images", folder, *CHESSBOARD, "--out", self.out)
         self.assertRegex(said, "left out: torn.jpg: cannot be decoded")
-        self.assertRegex(said, "left out: text.jpg: is no JPEG or PNG")
+        self.assertRegex(said, "left out: text.jpg: is not a JPEG or PNG")
         self.assertRegex(said, "left out: other.jpg: no board found")
 
-    def test_too_few_pictures_are_refused(self):
+    def test_too_few_images_are_refused(self):
         folder = self.out.parent / "few"
         folder.mkdir()
         for name in ("100.jpg", "101.jpg"):
             shutil.copy(self.root / "chessboard" / name, folder)
-        self.assert_refused("--images", folder, *CHESSBOARD, says="found in 2 of 2 pictures, at least 3 are needed")
+        self.assert_refused("--images", folder, *CHESSBOARD, says="found in 2 of 2 images, at least 3 are needed")
 
     def test_another_board_is_refused(self):
         self.assert_refused("--images", self.root / "chessboard", "--board", "8x5", "--square", "0.02",
-                            says="found in [012] of 13 pictures.*check --board")
+                            says="found in [012] of 13 images.*check --board")
 
     def test_boards_without_tilt_are_refused(self):
         folder = self.out.parent / "flat"
@@ -131,12 +131,12 @@ class Calibrate(Scratch):
 
     def test_what_makes_no_sense_is_refused(self):
         images = ["--images", self.root / "chessboard"]
-        self.assert_refused("--images", self.root / "none", *CHESSBOARD, says="is no readable folder")
+        self.assert_refused("--images", self.root / "none", *CHESSBOARD, says="is not a readable folder")
         self.assert_refused(*images, "--board", "9by6", "--square", "0.02", says="not COLUMNSxROWS")
         self.assert_refused(*images, "--board", "9x6", "--square", "20", says="--square takes metres")
         self.assert_refused(*images, "--board", "9x7", "--square", "0.02", *self.floor_options("chessboard"),
                             says="looks the same when turned")
-        self.assert_refused(*images, *CHESSBOARD, "--floor-image", "floor.jpg", says="one pose for each floor picture")
+        self.assert_refused(*images, *CHESSBOARD, "--floor-image", "floor.jpg", says="one pose for each floor image")
         self.assert_refused(*images, *CHESSBOARD, "--floor-image", self.root / "none.jpg", "--board-pose", "0,0,0",
                             says="none.jpg: does not exist")
         self.assert_refused(*images, *CHESSBOARD, "--floor-image", "floor.jpg", "--board-pose", "0,zero,0",

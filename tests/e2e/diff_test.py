@@ -27,7 +27,7 @@ class Diff(Scratch):
     def diff(self, before, after):
         return json.loads(run_ok("diff", before, after, "--json"))
 
-    def test_a_map_is_like_itself(self):
+    def test_a_map_equals_itself(self):
         diff = self.diff(self.whole, self.whole)
         self.assertEqual(diff["relation"], "same content")
         self.assertEqual((diff["area_m2"]["gained"], diff["area_m2"]["lost"]), (0, 0))

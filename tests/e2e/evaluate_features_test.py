@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The evaluation of features for visual odometry through the real floorloc-mapbuilder, on pictures of maps/."""
+"""The evaluation of features for visual odometry through the real floorloc-mapbuilder, on images of maps/."""
 
 import functools
 import json
@@ -27,7 +27,7 @@ class EvaluateFeatures(builder.Scratch):
         tables, conditions = self.evaluate(
             "--images", f"texture={MAPS / 'textures'}", f"floor={SEQUENCE}", "--pictures", "2", "--sequence", SEQUENCE,
             "--following", "3", "--counts", "50,250", "--features", "orb,akaze", "--count", "200", "--out", out)
-        self.assertEqual(conditions[:2], ["texture: 1 pictures", "floor: 2 pictures"])
+        self.assertEqual(conditions[:2], ["texture: 1 images", "floor: 2 images"])
         names = ["orb", "akaze"]
         self.assertEqual([row["feature"] for row in tables["Table 1"]], names)
         for row in tables["Table 1"]:
@@ -96,10 +96,10 @@ class EvaluateFeatures(builder.Scratch):
         empty = self.folder / "empty"
         empty.mkdir()
         broken = self.folder / "broken.png"
-        broken.write_bytes(b"not a picture")
+        broken.write_bytes(b"not an image")
         self.expect_failure(1, "NAME=FOLDER", "--images", "textures")
         self.expect_failure(1, "missing", "--images", f"a={self.folder / 'missing'}")
-        self.expect_failure(1, "has no pictures", "--images", f"a={empty}")
+        self.expect_failure(1, "has no images", "--images", f"a={empty}")
         self.expect_failure(1, "broken.png", "--images", f"a={broken}")
         self.expect_failure(1, "fewer than two", "--sequence", MAPS / "textures")
         self.expect_failure(1, "does not both", "--sequence", SEQUENCE, "--features", "fast")

@@ -82,7 +82,7 @@ class Evaluate(builder.Scratch):
         self.expect_same(shifted, expected, "shifted back")
 
     def test_by_hand(self):
-        """A square driven at 1 m/s and an estimate that stands a metre above and turns twice as much: by hand."""
+        """A square driven at 1 m/s and an estimate that is a metre above and turns twice as much: by hand."""
         reference, estimate = self.folder / "reference.tum", self.folder / "estimate.tum"
         corners = [(0, 0, 0), (1, 0, 90), (1, 1, 180), (0, 1, 270)]
         for file, height, factor in ((reference, 0, 1), (estimate, 1, 2)):
@@ -103,12 +103,12 @@ class Evaluate(builder.Scratch):
         self.assertEqual(relative["motions"], 3)
         self.assertAlmostEqual(relative["rotation_deg"]["mean"], 90)
 
-    def test_writes_a_picture_and_every_error(self):
+    def test_writes_an_image_and_every_error(self):
         _, files = self.drives[SEEDS[0]]
-        picture, errors = self.folder / "plot.png", self.folder / "errors.csv"
-        found = self.evaluate("rpe", *files, "--delta", "90", "--delta-unit", "deg", "--all-pairs", "--plot", picture,
+        image, errors = self.folder / "plot.png", self.folder / "errors.csv"
+        found = self.evaluate("rpe", *files, "--delta", "90", "--delta-unit", "deg", "--all-pairs", "--plot", image,
                               "--plot-error", "rotation", "--errors", errors)
-        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+        self.assertEqual(image.read_bytes()[:4], b"\x89PNG")
         rows = [line.split(",") for line in errors.read_text().splitlines()]
         self.assertEqual(rows[0], ["timestamp", "translation_m", "rotation_rad", "full"])
         self.assertEqual(len(rows) - 1, found["motions"])

@@ -51,11 +51,11 @@ class Fused(Scratch):
         shutil.copytree(DRIVE, folder, ignore=shutil.ignore_patterns(*names))
         return folder
 
-    def test_finds_the_vehicle_again_and_stands_behind_no_wrong_pose(self):
+    def test_relocalizes_the_vehicle_and_reports_no_wrong_pose(self):
         out, results, printed = self.fuse()
         self.assertEqual(len(results), FRAMES)
         self.assertEqual(sum(result.get("reanchored", False) for result in results), KIDNAPS)
-        self.assertIn(f"found again elsewhere {KIDNAPS} times", printed)
+        self.assertIn(f"relocalized elsewhere {KIDNAPS} times", printed)
         self.assertGreaterEqual(len(tum(out)), FRAMES - 3 * KIDNAPS)
         self.assertLess(self.rmse_m(out), 1.5e-3)
 
@@ -81,7 +81,7 @@ class Fused(Scratch):
         jumps = [step for step in steps if step > 0.03]  # 0.35 m/s: 7 mm between messages of the wheels
         self.assertLessEqual(len(jumps), KIDNAPS + 1)  # and the wheels slip once
 
-    def test_the_pictures_motion_stands_in_for_missing_odometry(self):
+    def test_visual_odometry_replaces_missing_wheel_odometry(self):
         out, results, _ = self.fuse(frames=self.without("odometry.tum", "imu.csv"))
         self.assertEqual(sum(result.get("reanchored", False) for result in results), KIDNAPS)
         self.assertLess(self.rmse_m(out), 1.5e-3)

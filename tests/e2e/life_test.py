@@ -48,7 +48,7 @@ class Resumed(Scratch):
     def lines_until(self, stage):
         return 1 + next(i for i, line in enumerate(self.lines) if line.startswith(stage))
 
-    def test_a_killed_build_goes_on_where_it_stopped(self):
+    def test_a_killed_build_is_resumed(self):
         self.assertTrue(self.kill_after(self.lines_until("mosaic")))
         self.assertTrue(self.journal.exists())
         report, _ = self.build("--resume")
@@ -107,9 +107,9 @@ class Resumed(Scratch):
         self.assertIn("warning: ", errors)
         self.assertIn("damaged", errors)
         self.assertEqual(report["content_version"], self.version)
-        self.journal.write_text("no journal")
+        self.journal.write_text("not a journal")
         report, errors = self.build("--resume")
-        self.assertIn("no journal", errors)
+        self.assertIn("not a journal", errors)
         self.assertEqual(report["content_version"], self.version)
 
     def test_nothing_to_resume_is_a_build(self):

@@ -84,7 +84,7 @@ class Odometry(Scratch):
             ("--frames", self.drive, "--features", "nonsense"): "known",
             ("--frames", self.drive, "--border", "10"): "--mode monocular",
             ("--frames", self.drive, "--mode", "monocular", "--features", "sift"): "orb, brisk, akaze",
-            ("--frames", self.folder / "nowhere",): "is no folder",
+            ("--frames", self.folder / "nowhere",): "is not a folder",
         }
         for arguments, expected in cases.items():
             result = run("odometry", *arguments, "--out", out)

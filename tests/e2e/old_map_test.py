@@ -26,7 +26,7 @@ def change(file, sql):
     connection.close()
 
 
-class OldMap(Scratch):
+class BaseMap(Scratch):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()

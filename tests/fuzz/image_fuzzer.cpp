@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     floorloc::DecodeGray(bytes, header->width_px, header->height_px, "fuzzed");
     floorloc::DecodeColor(bytes, header->width_px, header->height_px, "fuzzed");
   } catch (const floorloc::InputError&) {
-    // The only way to refuse a picture.
+    // The only way to refuse an image.
   }
   return 0;
 }

@@ -56,7 +56,7 @@ class CheckLayersTest(unittest.TestCase):
         self.assert_forbidden("core/io/a.cpp", '#include "survey.h"')
         self.assert_forbidden("core/io/a.cpp", '#include "../map/floor_map.h"')
 
-    def test_libraries_stay_in_their_rooms(self):
+    def test_libraries_stay_in_their_layers(self):
         self.assert_allowed("server/http/a.cpp", "#include <httplib.h>")
         self.assert_forbidden("server/api/a.cpp", "#include <httplib.h>")
         self.assert_forbidden("core/io/a.cpp", "#include <httplib.h>")

@@ -44,7 +44,7 @@ class DemoTest(unittest.TestCase):
         self.assertIn("120/120 frames sent, 120 localized", self.client("drive.py", "sample/drive"))
 
     def test_the_kidnapped_vehicle_is_found_again_each_time(self):
-        for _ in range(2):  # a vehicle that drives again begins anew
+        for _ in range(2):  # a vehicle that drives again restarts
             printed = self.client("vehicle.py", "sample/kidnap")
             self.assertEqual(printed.count("kidnapped: lifted and put down elsewhere"), 2)
             self.assertEqual(printed.count("found again after"), 2)

@@ -22,7 +22,7 @@ def answer(time_s, status="localized", pose=(0j, 0.0), fix=None):
 
 
 class MessagesTest(unittest.TestCase):
-    def test_motion_is_told_in_the_frame_of_its_start(self):
+    def test_motion_is_given_in_the_frame_of_its_start(self):
         dx, dy, dyaw = vehicle.motion_between((1 + 1j, math.pi / 2), (1 + 3j, -math.pi + 0.1))
         self.assertAlmostEqual(dx, 2)
         self.assertAlmostEqual(dy, 0)
@@ -34,7 +34,7 @@ class MessagesTest(unittest.TestCase):
         rows = [f"{10 + 0.02 * i:.2f} {i} 0 0 0 0 0 1" for i in range(4)]
         (folder / "odometry.tum").write_text("\n".join(rows) + "\n")
         messages = vehicle.read_messages(folder)
-        self.assertEqual([message.picture.name if message.picture else round(message.motion[0], 3)
+        self.assertEqual([message.image_file.name if message.image_file else round(message.motion[0], 3)
                           for message in messages],
                          ["a.jpg", 1, 0.5, "b.jpg", 0.5, 1])
         self.assertEqual(messages[0].stamp, "10.0")
@@ -86,9 +86,9 @@ class RunTest(unittest.TestCase):
         self.assertIn("localized", printed.getvalue())
 
 
-class JudgementTest(unittest.TestCase):
+class EvaluationTest(unittest.TestCase):
     def judged(self):
-        """A kidnap at 10 s: two answers before a picture can tell, three doubtful ones, then found."""
+        """A kidnap at 10 s: two answers before the next image, three uncertain ones, then found."""
         answers = [answer(9.9), answer(10.02), answer(10.04),
                    answer(10.1, "tracking_odometry", fix={"accepted": False}),
                    answer(10.2, "tracking_odometry"),
@@ -102,23 +102,23 @@ class JudgementTest(unittest.TestCase):
         self.assertAlmostEqual(kidnap.found_s, 0.5)
         self.assertEqual(kidnap.frames, 3)
 
-    def test_a_vehicle_that_stays_lost_is_complained_of(self):
+    def test_a_vehicle_that_stays_lost_is_reported(self):
         [kidnap] = vehicle.follow_kidnaps([10.0], self.judged()[:6])
         self.assertIsNone(kidnap.found_s)
-        self.assertEqual(len(vehicle.complaints(0, 1.0, [kidnap])), 1)
+        self.assertEqual(len(vehicle.problems(0, 1.0, [kidnap])), 1)
 
-    def test_only_wrong_poses_after_a_picture_are_held_against_it(self):
+    def test_only_wrong_poses_after_an_image_count(self):
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             answers = [a for a, _, _ in self.judged()]
             self.assertEqual(vehicle.report(answers, self.judged(), []), [
                 "only 62.5 % of the answers are localized, 80 % are expected"])
-            after_picture = [(answer(9.0, fix={"accepted": True}), 0.2, 0.0)] + self.judged()
-            self.assertEqual(len(vehicle.report(answers, after_picture, [])), 2)
+            after_image = [(answer(9.0, fix={"accepted": True}), 0.2, 0.0)] + self.judged()
+            self.assertEqual(len(vehicle.report(answers, after_image, [])), 2)
         self.assertIn("2 of 4 wrong", printed.getvalue())
 
-    def test_wrong_and_rare_poses_are_complained_of(self):
-        self.assertEqual(vehicle.complaints(0, 0.9, []), [])
-        self.assertEqual(len(vehicle.complaints(3, 0.1, [])), 2)
+    def test_wrong_and_rare_poses_are_reported(self):
+        self.assertEqual(vehicle.problems(0, 0.9, []), [])
+        self.assertEqual(len(vehicle.problems(3, 0.1, [])), 2)
 
     def test_errors_do_not_depend_on_the_frames_of_map_and_truth(self):
         times = [0.1 * i for i in range(20)]

@@ -72,12 +72,12 @@ cv::Mat BoardRenderer::Render(const PrintedBoard& board, const Eigen::Isometry3d
   Eigen::Matrix3d columns;
   columns << camera_from_board.linear().leftCols<2>(), camera_from_board.translation();
   const Eigen::Matrix3d board_from_ray = columns.inverse();
-  cv::Mat picture(camera_.height_px, camera_.width_px, CV_8UC1);
+  cv::Mat image(camera_.height_px, camera_.width_px, CV_8UC1);
   const auto stride = static_cast<std::size_t>(camera_.width_px + 1);
-  for (int v = 0; v < picture.rows; ++v) {
-    for (int u = 0; u < picture.cols; ++u) {
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
       const std::size_t i = static_cast<std::size_t>(v) * stride + static_cast<std::size_t>(u);
-      const int background = 90 + 60 * v / picture.rows;
+      const int background = 90 + 60 * v / image.rows;
       int sum = 0;
       for (int s = 0; s < kSamplesPerSide * kSamplesPerSide; ++s) {
         const double a = (s % kSamplesPerSide + 0.5) / kSamplesPerSide;
@@ -90,10 +90,10 @@ cv::Mat BoardRenderer::Render(const PrintedBoard& board, const Eigen::Isometry3d
         const bool inside = h.z() > 0.0 && column >= 0 && row >= 0 && column < board.gray.cols && row < board.gray.rows;
         sum += inside ? board.gray.at<unsigned char>(row, column) : background;
       }
-      picture.at<unsigned char>(v, u) = static_cast<unsigned char>(sum / (kSamplesPerSide * kSamplesPerSide));
+      image.at<unsigned char>(v, u) = static_cast<unsigned char>(sum / (kSamplesPerSide * kSamplesPerSide));
     }
   }
-  return picture;
+  return image;
 }
 
 Eigen::Isometry3d PlaceBoard(const CameraModel& camera, const Board& board, const BoardPlacement& placement) {
@@ -111,7 +111,7 @@ Eigen::Isometry3d PlaceBoard(const CameraModel& camera, const Board& board, cons
 }
 
 std::vector<BoardPlacement> VariedPlacements(const CameraModel& camera, const Board& board, int count) {
-  // So far away that the board fills about half of the picture's height.
+  // So far away that the board fills about half of the image's height.
   const double side_m = std::max(board.columns, board.rows) * board.square_m;
   const double distance_m = 1.8 * camera.fy * side_m / camera.height_px;
   std::vector<BoardPlacement> placements;
@@ -128,8 +128,8 @@ std::vector<BoardPlacement> VariedPlacements(const CameraModel& camera, const Bo
   return placements;
 }
 
-BoardView SeeBoard(const CameraModel& camera, const Board& board, const Eigen::Isometry3d& camera_from_board,
-                   double noise_px, unsigned seed) {
+BoardView ProjectBoard(const CameraModel& camera, const Board& board, const Eigen::Isometry3d& camera_from_board,
+                       double noise_px, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 1.0);
   BoardView view;

@@ -23,7 +23,7 @@ PrintedBoard PrintChessboard(const Board& board);
 /// A ChArUco board; `black_first`: the upper left square is black, else the one in the lower left.
 PrintedBoard PrintCharuco(const Board& board, bool black_first);
 
-/// Pictures of a board through a lens, integrated over each pixel's area; beside the board a grey ramp.
+/// Images of a board through a lens, integrated over each pixel's area; beside the board a grey ramp.
 class BoardRenderer {
  public:
   explicit BoardRenderer(const CameraModel& camera);
@@ -46,12 +46,12 @@ struct BoardPlacement {
 };
 Eigen::Isometry3d PlaceBoard(const CameraModel& camera, const Board& board, const BoardPlacement& placement);
 
-/// Places that constrain a camera well: all over the picture, near and far, tilted to all sides.
+/// Places that constrain a camera well: all over the image, near and far, tilted to all sides.
 std::vector<BoardPlacement> VariedPlacements(const CameraModel& camera, const Board& board, int count);
 
-/// Where a camera shows the corners of a board that are in its picture, with Gaussian noise, in the board's order.
-BoardView SeeBoard(const CameraModel& camera, const Board& board, const Eigen::Isometry3d& camera_from_board,
-                   double noise_px, unsigned seed);
+/// Where a camera shows the corners of a board that are in its image, with Gaussian noise, in the board's order.
+BoardView ProjectBoard(const CameraModel& camera, const Board& board, const Eigen::Isometry3d& camera_from_board,
+                       double noise_px, unsigned seed);
 
 /// 480x360 with a wide lens: plumb_bob.
 CameraModel MakeBoardCamera();

@@ -71,20 +71,20 @@ CameraModel Corridor::MakeCamera() {
 cv::Mat Corridor::View(const Eigen::Isometry3d& world_from_camera, int noise_seed) const {
   cv::Mat gray(camera_.height_px, camera_.width_px, CV_8UC1);
   cv::RNG random(static_cast<std::uint64_t>(noise_seed) + 1);
-  const Eigen::Vector3d eye = world_from_camera.translation();
+  const Eigen::Vector3d camera_center = world_from_camera.translation();
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     const Eigen::Vector3d ray = world_from_camera.rotation() * rays_[i];
     double nearest = std::numeric_limits<double>::infinity();
     int hit = 0;
     for (int wall = 0; wall < 5; ++wall) {
-      const double along = (kWalls[wall].place_m - eye[kWalls[wall].axis]) / ray[kWalls[wall].axis];
+      const double along = (kWalls[wall].place_m - camera_center[kWalls[wall].axis]) / ray[kWalls[wall].axis];
       if (along > 0.0 && along < nearest) {
         nearest = along;
         hit = wall;
       }
     }
     const bool open = !std::isfinite(nearest);  // back through the open end
-    const double value = open ? 0.0 : Brightness(eye + nearest * ray, hit);
+    const double value = open ? 0.0 : Brightness(camera_center + nearest * ray, hit);
     gray.data[i] = cv::saturate_cast<unsigned char>(value + random.gaussian(1.5));
   }
   return gray;

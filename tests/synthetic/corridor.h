@@ -10,7 +10,7 @@
 namespace floorloc {
 
 /// A speckled corridor along +z: floor 1.2 m below, ceiling 1.3 m above, walls 2 m to either side, a wall at the end
-/// 14 m away. Axes as a camera's: x right, y down. The same pose gives the same picture, but for its noise.
+/// 14 m away. Axes as a camera's: x right, y down. The same pose gives the same image, but for its noise.
 class Corridor {
  public:
   explicit Corridor(const CameraModel& camera);
@@ -18,7 +18,7 @@ class Corridor {
   /// 400x300, some barrel distortion.
   static CameraModel MakeCamera();
 
-  /// Raw grey picture, CV_8UC1, with noise of 1.5 grey values.
+  /// Raw grey image, CV_8UC1, with noise of 1.5 grey values.
   cv::Mat View(const Eigen::Isometry3d& world_from_camera, int noise_seed) const;
 
  private:

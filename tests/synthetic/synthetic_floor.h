@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// A speckled concrete floor of 1.2 x 0.9 m under a camera that looks straight down: pictures with exact ground truth.
+/// A speckled concrete floor of 1.2 x 0.9 m under a camera that looks straight down: images with exact ground truth.
 /// The same seed gives the same floor, views and recordings.
 class SyntheticFloor {
  public:
@@ -24,7 +24,7 @@ class SyntheticFloor {
   /// positions from (0.3, 0.3) to (0.9, 0.6).
   Pose2 BaseForView(double x_m, double y_m, double yaw_rad) const;
 
-  /// Raw colour picture; by default perfect: even light, sharp, no noise.
+  /// Raw colour image; by default perfect: even light, sharp, no noise.
   cv::Mat View(const Pose2& map_from_base, const RenderConditions& conditions = {}) const;
 
   /// Writes a survey of 28 frames that cover the floor, with drifting odometry, under mild conditions.

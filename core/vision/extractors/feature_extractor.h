@@ -18,14 +18,14 @@ ExtractorType ParseExtractorType(const std::string& name);
 /// Those that this build has.
 std::vector<ExtractorType> AllExtractorTypes();
 
-/// Everything that decides which features a picture yields. A map stores all of it and the server uses it from there.
+/// All parameters that determine the features of an image. A map stores all of it and the server uses it from there.
 struct ExtractorOptions {
   ExtractorType type = ExtractorType::kHessian;
-  int max_keypoints = 700;  ///< strongest kept per picture, spread evenly
+  int max_keypoints = 700;  ///< strongest kept per image, spread evenly
   int cell_px = 48;         ///< side of the cells that keypoints are spread over
   int levels = 2;  ///< pyramid levels (octaves for AKAZE and SURF; SIFT has its own): the floor's scale is known
   double scale_factor = 1.4;     ///< between the levels of ORB's pyramid
-  double threshold = 0.0;        ///< detector threshold on the contrast-normalised picture; 0: the extractor's own
+  double threshold = 0.0;        ///< detector threshold on the contrast-normalised image; 0: the extractor's own
   int normalize_radius_px = 15;  ///< half side of the window of the local contrast normalisation; 0: none
   double smooth_sigma_px = 1.0;  ///< Gaussian smoothing before the normalisation; 0: none
 
@@ -33,13 +33,13 @@ struct ExtractorOptions {
   void Check() const;
 };
 
-/// Finds and describes keypoints. Const and thread-safe.
+/// Detects and describes keypoints. Const and thread-safe.
 class FeatureExtractor {
  public:
   virtual ~FeatureExtractor() = default;
-  /// Keypoints in the base frame. The same picture gives the same features.
+  /// Keypoints in the base frame. The same image gives the same features.
   Features Extract(const GroundImage& image) const { return Extract(image, Prepare(image)); }
-  /// The picture that keypoints are sought in, for callers that use it too: contrast-normalised, CV_8UC1.
+  /// The image that keypoints are detected in, for callers that use it too: contrast-normalised, CV_8UC1.
   cv::Mat Prepare(const GroundImage& image) const;
   /// prepared: Prepare(image).
   virtual Features Extract(const GroundImage& image, const cv::Mat& prepared) const = 0;

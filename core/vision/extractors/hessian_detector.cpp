@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// A maximum leads all pixels of the square of this half side about it.
+// Non-maximum suppression in a square of this half side.
 constexpr int kRadiusPx = 3;
 // Rows of responses that are in use at a time.
 constexpr int kRows = 2 * kRadiusPx + 1;
@@ -82,9 +82,9 @@ std::vector<cv::KeyPoint> DetectHessian(const cv::Mat& smooth, int border_px, fl
     const float* below = rows[kRadiusPx + 1];
     for (int u = border; u < smooth.cols - border; ++u) {
       // Of equal neighbours the first one counts.
-      const bool leads = at[u] == maximum[static_cast<std::size_t>(u)] && at[u] > at[u - 1] && at[u] > above[u - 1] &&
-                         at[u] > above[u] && at[u] > above[u + 1];
-      if (leads && at[u] > min_response) {
+      const bool is_maximum = at[u] == maximum[static_cast<std::size_t>(u)] && at[u] > at[u - 1] &&
+                              at[u] > above[u - 1] && at[u] > above[u] && at[u] > above[u + 1];
+      if (is_maximum && at[u] > min_response) {
         keypoints.emplace_back(static_cast<float>(u) + PeakOffset(at[u - 1], at[u], at[u + 1]),
                                static_cast<float>(v) + PeakOffset(above[u], at[u], below[u]), 0.0F, -1.0F, at[u]);
       }

@@ -18,14 +18,14 @@ namespace {
 // camera, small enough that blobs are many.
 constexpr double kSigmaPx = 2.5;
 
-// Grey levels of the smoothed picture are kept to this fraction.
+// Grey levels of the smoothed image are kept to this fraction.
 constexpr double kLevelSteps = 64.0;
 
 constexpr double kDefaultThreshold = 0.05;
 
 constexpr int kBorderPx = kBriefReachPx + 1;
 
-bool SeenAround(const cv::Mat& mask, const cv::KeyPoint& k) {
+bool IsInsideMask(const cv::Mat& mask, const cv::KeyPoint& k) {
   constexpr double kDiagonal = 0.7071;
   constexpr std::array<std::array<double, 2>, 9> kCompass{{{0, 0},
                                                            {1, 0},
@@ -50,7 +50,7 @@ class HessianExtractor final : public FeatureExtractor {
     const cv::Mat smooth = SmoothGaussian(prepared, kSigmaPx);
     const double threshold = options().threshold > 0.0 ? options().threshold : kDefaultThreshold;
     std::vector<cv::KeyPoint> found = DetectHessian(smooth, kBorderPx, static_cast<float>(threshold));
-    std::erase_if(found, [&](const cv::KeyPoint& k) { return !SeenAround(image.mask, k); });
+    std::erase_if(found, [&](const cv::KeyPoint& k) { return !IsInsideMask(image.mask, k); });
     std::vector<cv::KeyPoint> keypoints;
     for (const int i : SpreadEvenly(found, options().cell_px, options().max_keypoints)) {
       keypoints.push_back(found[static_cast<std::size_t>(i)]);

@@ -8,7 +8,7 @@
 namespace floorloc {
 
 /// Features of one scale for floors, whose scale is known: blobs by the determinant of the Hessian, described by
-/// steered BRIEF. options.threshold: least determinant, (grey levels)^2 of the contrast-normalised picture.
+/// steered BRIEF. options.threshold: least determinant, (grey levels)^2 of the contrast-normalised image.
 std::unique_ptr<FeatureExtractor> CreateHessianExtractor(const ExtractorOptions& options);
 
 }  // namespace floorloc

@@ -56,26 +56,26 @@ cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
 }
 
 // Size of a pyramid level as OpenCV 4.6 makes it: sides are rounded or cut off to whole pixels.
-cv::Size LevelSize(const ExtractorOptions& o, const cv::Size& picture, int level) {
+cv::Size LevelSize(const ExtractorOptions& o, const cv::Size& image_size, int level) {
   if (o.type == ExtractorType::kOrb) {
     const double factor = std::pow(o.scale_factor, level);
-    return {cvRound(picture.width / factor), cvRound(picture.height / factor)};
+    return {cvRound(image_size.width / factor), cvRound(image_size.height / factor)};
   }
-  if (o.type == ExtractorType::kBrisk) {  // layers alternate: the picture or two thirds of it, each halved repeatedly
+  if (o.type == ExtractorType::kBrisk) {  // layers alternate: the image or two thirds of it, each halved repeatedly
     const bool thirds = level % 2 == 1;
-    const cv::Size first = thirds ? cv::Size(picture.width / 3 * 2, picture.height / 3 * 2) : picture;
+    const cv::Size first = thirds ? cv::Size(image_size.width / 3 * 2, image_size.height / 3 * 2) : image_size;
     return {first.width >> (level / 2), first.height >> (level / 2)};
   }
-  return {picture.width >> level, picture.height >> level};
+  return {image_size.width >> level, image_size.height >> level};
 }
 
-// OpenCV throws on pictures that leave nothing of the smallest level.
-bool FitsPyramid(const ExtractorOptions& o, const cv::Size& picture) {
+// OpenCV throws on images that leave nothing of the smallest level.
+bool FitsPyramid(const ExtractorOptions& o, const cv::Size& image_size) {
   constexpr int kMinSidePx = 8;
   const int smallest = o.type == ExtractorType::kOrb     ? o.levels - 1
                        : o.type == ExtractorType::kBrisk ? 2 * o.levels - 1
                                                          : 0;
-  const cv::Size size = LevelSize(o, picture, smallest);
+  const cv::Size size = LevelSize(o, image_size, smallest);
   return std::min(size.width, size.height) >= kMinSidePx;
 }
 
@@ -90,26 +90,26 @@ double NominalFactor(const ExtractorOptions& o, int level) {
   return 1 << level;
 }
 
-// Where a keypoint really is, px. OpenCV 4.6 scales the coordinates of a pyramid's keypoints by the nominal factor of
+// True position of a keypoint, px. OpenCV 4.6 scales the coordinates of a pyramid's keypoints by the nominal factor of
 // the level, not by the ratio of the sizes, which errs by half a pixel and more; ORB also scales them as if pixels were
-// points. SIFT is off by a constant. Found by matching pictures with themselves turned by 180 degrees
+// points. SIFT is off by a constant. Found by matching images with themselves turned by 180 degrees
 // (tests/core/vision).
-Eigen::Vector2d TruePixel(const ExtractorOptions& o, const cv::Size& picture, const cv::KeyPoint& k) {
+Eigen::Vector2d CorrectedPixel(const ExtractorOptions& o, const cv::Size& image_size, const cv::KeyPoint& k) {
   const Eigen::Vector2d reported(k.pt.x, k.pt.y);
   if (o.type == ExtractorType::kSift) {
     return reported.array() - 0.25;
   }
   if (o.type == ExtractorType::kSurf) {
-    return reported;  // no pyramid: every octave looks at the picture itself
+    return reported;  // no pyramid: every octave looks at the image itself
   }
   const double factor = NominalFactor(o, k.octave);
-  const cv::Size level = LevelSize(o, picture, k.octave);
+  const cv::Size level = LevelSize(o, image_size, k.octave);
   const Eigen::Vector2d from_edge = o.type == ExtractorType::kOrb ? Eigen::Vector2d(reported.array() / factor + 0.5)
                                                                   : Eigen::Vector2d((reported.array() + 0.5) / factor);
-  return {from_edge.x() * picture.width / level.width - 0.5, from_edge.y() * picture.height / level.height - 0.5};
+  return {from_edge.x() * image_size.width / level.width - 0.5, from_edge.y() * image_size.height / level.height - 0.5};
 }
 
-// Radius of the picture that orientation and descriptor look at: keypoints nearer to unseen floor are dropped.
+// Radius of the image that orientation and descriptor look at: keypoints nearer to unseen floor are dropped.
 float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
   switch (type) {
     case ExtractorType::kOrb:
@@ -127,8 +127,9 @@ float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
   return keypoint.size;
 }
 
-// The camera's edge, not the picture's: only where the mask ends inside the picture do pixels turn from floor to grey.
-std::vector<cv::KeyPoint> DropNearUnseen(ExtractorType type, const cv::Mat& mask, std::vector<cv::KeyPoint> keypoints) {
+// The camera's edge, not the image's: only where the mask ends inside the image do pixels turn from floor to grey.
+std::vector<cv::KeyPoint> DropNearMaskEdge(ExtractorType type, const cv::Mat& mask,
+                                           std::vector<cv::KeyPoint> keypoints) {
   if (cv::countNonZero(mask) == mask.rows * mask.cols) {
     return keypoints;
   }
@@ -141,7 +142,7 @@ std::vector<cv::KeyPoint> DropNearUnseen(ExtractorType type, const cv::Mat& mask
 }
 
 Keypoint ToFloor(const ExtractorOptions& options, const GroundGrid& grid, const cv::KeyPoint& k) {
-  const Eigen::Vector2d pixel = TruePixel(options, {grid.width_px, grid.height_px}, k);
+  const Eigen::Vector2d pixel = CorrectedPixel(options, {grid.width_px, grid.height_px}, k);
   const Eigen::Vector2d p = grid.BaseFromPixel(pixel.x(), pixel.y());
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), BaseAngle(k.angle),
           static_cast<float>(k.size * grid.resolution_m), k.response};
@@ -152,19 +153,19 @@ class OpenCvExtractor final : public FeatureExtractor {
   explicit OpenCvExtractor(const ExtractorOptions& options)
       : FeatureExtractor(options), detector_(CreateDetector(options)) {}
 
-  Features Extract(const GroundImage& image, const cv::Mat& picture) const override {
+  Features Extract(const GroundImage& image, const cv::Mat& prepared) const override {
     if (!FitsPyramid(options(), image.gray.size())) {
       return {};
     }
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
     if (DescribesWhileDetecting()) {
-      detector_->detectAndCompute(picture, cv::noArray(), keypoints, descriptors);
+      detector_->detectAndCompute(prepared, cv::noArray(), keypoints, descriptors);
       Select(image, &keypoints, &descriptors);
     } else {
-      detector_->detect(picture, keypoints);
+      detector_->detect(prepared, keypoints);
       Select(image, &keypoints, nullptr);
-      detector_->compute(picture, keypoints, descriptors);
+      detector_->compute(prepared, keypoints, descriptors);
     }
     Features features;
     features.keypoints.reserve(keypoints.size());
@@ -191,7 +192,7 @@ class OpenCvExtractor final : public FeatureExtractor {
     for (std::size_t i = 0; i < numbered.size(); ++i) {
       numbered[i].class_id = static_cast<int>(i);
     }
-    numbered = DropNearUnseen(options().type, image.mask, std::move(numbered));
+    numbered = DropNearMaskEdge(options().type, image.mask, std::move(numbered));
     std::vector<cv::KeyPoint> selected;
     cv::Mat selected_descriptors;
     for (const int i : SpreadEvenly(numbered, options().cell_px, options().max_keypoints)) {

@@ -112,12 +112,12 @@ void TurnPattern(const PixelPair* pattern, float c, float s, int step, int* __re
 
 }  // namespace
 
-void OrientByCentroid(const cv::Mat& picture, std::vector<cv::KeyPoint>* keypoints) {
+void OrientByCentroid(const cv::Mat& image, std::vector<cv::KeyPoint>* keypoints) {
   static const std::array<DiscRow, 2 * kOrientationRadiusPx + 1> disc = MakeDisc();
   for (cv::KeyPoint& k : *keypoints) {
     const int u = cvRound(k.pt.x) - kOrientationRadiusPx;
     const int v = cvRound(k.pt.y) - kOrientationRadiusPx;
-    const Moments m = MomentsAt(picture.ptr<std::uint8_t>(v) + u, picture.step[0], disc.data());
+    const Moments m = MomentsAt(image.ptr<std::uint8_t>(v) + u, image.step[0], disc.data());
     const double angle = std::atan2(static_cast<double>(m.y), static_cast<double>(m.x)) * 180.0 / std::numbers::pi;
     k.angle = static_cast<float>(angle < 0.0 ? angle + 360.0 : angle);
   }

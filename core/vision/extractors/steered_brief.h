@@ -9,12 +9,12 @@ namespace floorloc {
 
 /// Bytes of a descriptor.
 constexpr int kBriefBytes = 32;
-/// How far orientation and descriptor look, px: keypoints must lie at least this far from the edge.
+/// Radius of the support of orientation and descriptor, px: keypoints must lie at least this far from the edge.
 constexpr int kBriefReachPx = 17;
 
-/// Gives every keypoint the direction, in degrees clockwise from the picture's right, from its pixel to the centroid of
-/// the grey levels about it (Rosin 1999). picture: CV_8UC1.
-void OrientByCentroid(const cv::Mat& picture, std::vector<cv::KeyPoint>* keypoints);
+/// Gives every keypoint the direction, in degrees clockwise from the image's right, from its pixel to the centroid of
+/// the grey levels about it (Rosin 1999). image: CV_8UC1.
+void OrientByCentroid(const cv::Mat& image, std::vector<cv::KeyPoint>* keypoints);
 
 /// BRIEF (Calonder, Lepetit, Strecha & Fua 2010): 256 comparisons of two pixels about the keypoint, turned by its angle
 /// (Rublee, Rabaud, Konolige & Bradski 2011). smooth: CV_16SC1. Rows of kBriefBytes, CV_8U. The pairs are drawn from

@@ -10,14 +10,14 @@ class SurfFeature final : public cv::Feature2D {
  public:
   explicit SurfFeature(const SurfOptions& options) : surf_(options) {}
 
-  void detect(cv::InputArray picture, std::vector<cv::KeyPoint>& keypoints, cv::InputArray mask) override {
-    const cv::Mat gray = picture.getMat();
+  void detect(cv::InputArray image, std::vector<cv::KeyPoint>& keypoints, cv::InputArray mask) override {
+    const cv::Mat gray = image.getMat();
     keypoints = surf_.Find(IntegralImage(gray), mask.empty() ? cv::Mat() : mask.getMat());
     DropNearEdge(gray.size(), SurfReachPx, &keypoints);
   }
 
-  void compute(cv::InputArray picture, std::vector<cv::KeyPoint>& keypoints, cv::OutputArray descriptors) override {
-    surf_.Describe(picture.getMat(), &keypoints).copyTo(descriptors);
+  void compute(cv::InputArray image, std::vector<cv::KeyPoint>& keypoints, cv::OutputArray descriptors) override {
+    surf_.Describe(image.getMat(), &keypoints).copyTo(descriptors);
   }
 
   int descriptorSize() const override { return kSurfLength; }

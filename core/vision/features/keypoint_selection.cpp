@@ -11,7 +11,7 @@ void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* ke
     std::erase_if(*keypoints,
                   [&](const cv::KeyPoint& k) { return mask.at<std::uint8_t>(cvRound(k.pt.y), cvRound(k.pt.x)) == 0; });
   }
-  // Every field: equal responses are no reason for another order on another day.
+  // Every field: the order is deterministic for equal responses.
   const auto order = [](const cv::KeyPoint& k) { return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size); };
   std::sort(keypoints->begin(), keypoints->end(),
             [&](const cv::KeyPoint& a, const cv::KeyPoint& b) { return order(a) < order(b); });
@@ -20,12 +20,12 @@ void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* ke
   }
 }
 
-void DropNearEdge(const cv::Size& picture, const std::function<float(const cv::KeyPoint&)>& reach_px,
+void DropNearEdge(const cv::Size& image_size, const std::function<float(const cv::KeyPoint&)>& reach_px,
                   std::vector<cv::KeyPoint>* keypoints) {
   std::erase_if(*keypoints, [&](const cv::KeyPoint& k) {
     const float reach = reach_px(k);
-    return !(k.pt.x >= reach && k.pt.y >= reach && k.pt.x <= static_cast<float>(picture.width - 1) - reach &&
-             k.pt.y <= static_cast<float>(picture.height - 1) - reach);
+    return !(k.pt.x >= reach && k.pt.y >= reach && k.pt.x <= static_cast<float>(image_size.width - 1) - reach &&
+             k.pt.y <= static_cast<float>(image_size.height - 1) - reach);
   });
 }
 

@@ -8,12 +8,12 @@
 
 namespace floorloc {
 
-/// Drops keypoints where the mask (unless empty; CV_8UC1, of the picture's size) is zero, sorts the rest from the
+/// Drops keypoints where the mask (unless empty; CV_8UC1, of the image's size) is zero, sorts the rest from the
 /// strongest to the weakest and keeps this many (0: all).
 void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* keypoints);
 
-/// Drops keypoints whose reach (px, from the keypoint) leaves the picture.
-void DropNearEdge(const cv::Size& picture, const std::function<float(const cv::KeyPoint&)>& reach_px,
+/// Drops keypoints whose reach (px, from the keypoint) leaves the image.
+void DropNearEdge(const cv::Size& image_size, const std::function<float(const cv::KeyPoint&)>& reach_px,
                   std::vector<cv::KeyPoint>* keypoints);
 
 }  // namespace floorloc

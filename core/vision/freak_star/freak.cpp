@@ -41,20 +41,20 @@ void FreakOptions::Check() const {
 
 Freak::Freak(const FreakOptions& options) : options_(options) { options_.Check(); }
 
-cv::Mat Freak::Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
+cv::Mat Freak::Describe(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const {
   DropNearEdge(
-      {picture.width(), picture.height()}, [this](const cv::KeyPoint& k) { return ReachPx(options_, k); }, keypoints);
-  BoxSampler sampler(picture);
+      {integral.width(), integral.height()}, [this](const cv::KeyPoint& k) { return ReachPx(options_, k); }, keypoints);
+  BoxSampler sampler(integral);
   cv::Mat descriptors(static_cast<int>(keypoints->size()), kFreakBytes, CV_8UC1);
   for (int i = 0; i < descriptors.rows; ++i) {
     cv::KeyPoint& keypoint = (*keypoints)[static_cast<std::size_t>(i)];
-    FreakPlace place{keypoint.pt, ReachPx(options_, keypoint), 0.0F};
-    FreakFields fields = SampleFreakFields(place, &sampler);
+    FreakPatternPose pose{keypoint.pt, ReachPx(options_, keypoint), 0.0F};
+    FreakFields fields = SampleFreakFields(pose, &sampler);
     if (options_.oriented) {
-      place.angle_deg = FreakOrientation(fields);
-      fields = SampleFreakFields(place, &sampler);
+      pose.angle_deg = FreakOrientation(fields);
+      fields = SampleFreakFields(pose, &sampler);
     }
-    keypoint.angle = place.angle_deg;
+    keypoint.angle = pose.angle_deg;
     Compare(fields, descriptors.ptr(i));
   }
   return descriptors;

@@ -9,9 +9,9 @@
 
 namespace floorloc {
 
-/// How FREAK looks at a keypoint.
+/// Parameters of the FREAK descriptor.
 struct FreakOptions {
-  bool oriented = true;                ///< turn the pattern with the picture; false: keypoints get the angle 0
+  bool oriented = true;                ///< turn the pattern with the image; false: keypoints get the angle 0
   bool scaled = true;                  ///< size the pattern by the keypoint; false: as for a keypoint of 7 px
   double reach_per_size = 22.0 / 7.0;  ///< pattern's radius, fields included, in keypoint sizes
 
@@ -27,9 +27,9 @@ class Freak {
   explicit Freak(const FreakOptions& options);
 
   /// One row of 64 bytes (CV_8U, 512 bits) per keypoint, and the keypoint's angle, degrees clockwise from the
-  /// picture's right. gray: CV_8UC1. Keypoints nearer to the picture's edge than the pattern reaches are dropped.
+  /// image's right. gray: CV_8UC1. Keypoints nearer to the image's edge than the pattern reaches are dropped.
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const;
-  cv::Mat Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
+  cv::Mat Describe(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const;
 
  private:
   FreakOptions options_;

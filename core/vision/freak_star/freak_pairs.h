@@ -14,7 +14,7 @@ struct FreakPair {
 
 constexpr int kFreakPairCount = 512;
 
-/// Chosen by tests/bench/features/train_freak_pairs.cpp, which says how, on the sample survey's pictures. Maps hold
+/// Chosen by tests/bench/features/train_freak_pairs.cpp, which says how, on the sample survey's images. Maps hold
 /// descriptors made with these pairs: they must not change.
 extern const std::array<FreakPair, kFreakPairCount> kFreakPairs;
 

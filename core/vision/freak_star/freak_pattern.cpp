@@ -31,21 +31,21 @@ SamplePattern RingPattern(int ring) {
 
 }  // namespace
 
-FreakFields SampleFreakFields(const FreakPlace& place, BoxSampler* picture) {
+FreakFields SampleFreakFields(const FreakPatternPose& pose, BoxSampler* sampler) {
   static const std::array<SamplePattern, 2> kRings{RingPattern(0), RingPattern(1)};
   static const SamplePattern kMiddle{{0.0F}, {0.0F}};
-  const float angle = place.angle_deg * std::numbers::pi_v<float> / 180.0F;
+  const float angle = pose.angle_deg * std::numbers::pi_v<float> / 180.0F;
   const cv::Point2f direction(std::cos(angle), std::sin(angle));
   FreakFields fields;
-  float radius = place.reach_px / kReachPerRadius;
+  float radius = pose.reach_px / kReachPerRadius;
   int box = 1;
   for (int ring = 0; ring < kFreakRings; ++ring) {
     box = std::max(cvRound(radius), 1);
-    picture->Sample(kRings[static_cast<std::size_t>(ring % 2)], {place.middle, radius * direction, box},
+    sampler->Sample(kRings[static_cast<std::size_t>(ring % 2)], {pose.center, radius * direction, box},
                     fields.data() + ring * kFreakRingFields);
     radius *= kShrink;
   }
-  picture->Sample(kMiddle, {place.middle, direction, box}, fields.data() + kFreakFields - 1);
+  sampler->Sample(kMiddle, {pose.center, direction, box}, fields.data() + kFreakFields - 1);
   return fields;
 }
 

@@ -16,19 +16,19 @@ constexpr int kFreakFields = kFreakRings * kFreakRingFields + 1;
 /// middle.
 using FreakFields = std::array<float, kFreakFields>;
 
-/// Where the retina's pattern lies in a picture. Its rings shrink by a quarter from one to the next, each turned by 30
-/// degrees against the one outside it. A field is a square (upright in the picture) whose side is its ring's radius: it
+/// Where the retina's pattern lies in an image. Its rings shrink by a quarter from one to the next, each turned by 30
+/// degrees against the one outside it. A field is a square (upright in the image) whose side is its ring's radius: it
 /// touches its neighbours on the ring and overlaps the next rings.
-struct FreakPlace {
-  cv::Point2f middle;      ///< px
+struct FreakPatternPose {
+  cv::Point2f center;      ///< px
   float reach_px = 0.0F;   ///< from the middle to the outermost fields' far sides
-  float angle_deg = 0.0F;  ///< clockwise from the picture's right
+  float angle_deg = 0.0F;  ///< clockwise from the image's right
 };
 
-FreakFields SampleFreakFields(const FreakPlace& place, BoxSampler* picture);
+FreakFields SampleFreakFields(const FreakPatternPose& pose, BoxSampler* sampler);
 
 /// The direction in which brightness rises, from 45 pairs of fields (every second and every opposite one on the five
-/// outer rings), degrees clockwise from the picture's right. The fields must have been sampled at the angle 0.
+/// outer rings), degrees clockwise from the image's right. The fields must have been sampled at the angle 0.
 float FreakOrientation(const FreakFields& fields);
 
 }  // namespace floorloc

@@ -18,8 +18,8 @@ void Require(bool ok, const char* message) {
   }
 }
 
-// Whether the response changes along one direction only, as on edges and scratches: the blob's place along it is
-// anyone's guess. From the response's gradients within the inner star.
+// Whether the response changes along one direction only, as on edges and scratches: the blob's position along it is
+// undetermined. From the response's gradients within the inner star.
 bool IsOnLine(const cv::Mat& response, const ResponsePeak& peak, int radius, double max_ratio) {
   double xx = 0.0;
   double yy = 0.0;

@@ -76,7 +76,7 @@ TriangleSums::TriangleSums(const cv::Mat& gray)
     const std::uint8_t* const above = y > 0 ? gray.ptr(y - 1) : black.ptr();
     std::uint32_t* const odd_row = MutableRow(&odd_, y);
     AddRow(odd(y - 1), odd(y - 2), pixels, above, odd_row, width);
-    // What of a triangle whose tip lies beside the picture is in it opens from a higher pixel of the edge.
+    // What of a triangle whose tip lies beside the image is in it opens from a higher pixel of the edge.
     odd_row[-1] = odd(y - 1)[0];
     odd_row[width] = odd(y - 1)[width - 1];
     std::uint32_t* const even_row = MutableRow(&even_, y);

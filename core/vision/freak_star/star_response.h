@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Sums over triangles of a picture, from which those over tilted squares come in four reads.
+/// Sums over triangles of an image, from which those over tilted squares come in four reads.
 class TriangleSums {
  public:
   /// gray: CV_8UC1, not empty.
@@ -26,7 +26,7 @@ class TriangleSums {
     return reinterpret_cast<const std::uint32_t*>(sums.ptr<int>(y + 2));
   }
 
-  cv::Mat odd_;   // CV_32SC1; two rows of zeros and one column on each side more than the picture
+  cv::Mat odd_;   // CV_32SC1; two rows of zeros and one column on each side more than the image
   cv::Mat even_;  // likewise
 };
 

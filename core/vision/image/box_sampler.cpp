@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-constexpr float kUnit = 256.0F;  // of the smoothed pictures: 8 bits before the point and 8 after it
+constexpr float kUnit = 256.0F;  // of the smoothed images: 8 bits before the point and 8 after it
 
 // Means of the squares whose upper left pixels are x and, in the upper half of the word, x + 1.
 FLOORLOC_WIDE_VECTORS void SmoothRow(const std::uint32_t* __restrict top, const std::uint32_t* __restrict bottom,
@@ -24,13 +24,14 @@ FLOORLOC_WIDE_VECTORS void SmoothRow(const std::uint32_t* __restrict top, const 
   }
 }
 
-void Smooth(const IntegralImage& picture, int box, cv::Mat* means) {
+void Smooth(const IntegralImage& integral, int box, cv::Mat* means) {
   for (int y = 0; y < means->rows; ++y) {
-    SmoothRow(picture.row(y), picture.row(y + box), box, means->cols, reinterpret_cast<std::uint32_t*>(means->ptr(y)));
+    SmoothRow(integral.row(y), integral.row(y + box), box, means->cols,
+              reinterpret_cast<std::uint32_t*>(means->ptr(y)));
   }
 }
 
-// Pattern, place and picture in one.
+// Pattern, place and image in one.
 struct Sampling {
   const float* u;
   const float* v;
@@ -86,11 +87,11 @@ FLOORLOC_WIDE_VECTORS void SampleRounded(const Sampling& s, float* __restrict me
 
 SamplePattern SquareGrid(int side) {
   SamplePattern grid;
-  const float middle = 0.5F * static_cast<float>(side - 1);
+  const float center = 0.5F * static_cast<float>(side - 1);
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
-      grid.u.push_back(static_cast<float>(i) - middle);
-      grid.v.push_back(static_cast<float>(j) - middle);
+      grid.u.push_back(static_cast<float>(i) - center);
+      grid.v.push_back(static_cast<float>(j) - center);
     }
   }
   return grid;
@@ -100,33 +101,33 @@ cv::Mat BoxSampler::SmoothedRows(int box) {
   cv::Mat& smoothed = smoothed_[static_cast<std::size_t>(box)];
   if (smoothed.empty()) {
     if (block_.empty()) {
-      block_.create(kWidestSmoothed * picture_.height(), picture_.width(), CV_32SC1);
+      block_.create(kWidestSmoothed * integral_.height(), integral_.width(), CV_32SC1);
     }
-    const int first = (box - 1) * picture_.height();
-    smoothed = block_(cv::Rect(0, first, picture_.width() - box + 1, picture_.height() - box + 1));
-    Smooth(picture_, box, &smoothed);
+    const int first = (box - 1) * integral_.height();
+    smoothed = block_(cv::Rect(0, first, integral_.width() - box + 1, integral_.height() - box + 1));
+    Smooth(integral_, box, &smoothed);
   }
   return smoothed;
 }
 
-void BoxSampler::Sample(const SamplePattern& pattern, const SamplePlace& place, float* means) {
-  const int widest = std::min(picture_.width(), picture_.height()) - 1;
+void BoxSampler::Sample(const SamplePattern& pattern, const SamplePatternPose& pose, float* means) {
+  const int widest = std::min(integral_.width(), integral_.height()) - 1;
   if (widest < 1) {
     std::fill_n(means, pattern.u.size(), 0.0F);
     return;
   }
-  const int box = std::clamp(place.box_px, 1, widest);
+  const int box = std::clamp(pose.box_px, 1, widest);
   const float to_corner = -0.5F * static_cast<float>(box - 1);
   Sampling sampling{pattern.u.data(),
                     pattern.v.data(),
                     static_cast<int>(pattern.u.size()),
-                    place.middle + cv::Point2f(to_corner, to_corner),
-                    place.u_axis,
+                    pose.center + cv::Point2f(to_corner, to_corner),
+                    pose.u_axis,
                     box,
-                    picture_.data(),
-                    static_cast<int>(picture_.stride()),
-                    picture_.width() - box,
-                    picture_.height() - box};
+                    integral_.data(),
+                    static_cast<int>(integral_.stride()),
+                    integral_.width() - box,
+                    integral_.height() - box};
   if (box > kWidestSmoothed) {
     SampleRounded(sampling, means);
     return;

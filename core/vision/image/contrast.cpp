@@ -138,10 +138,10 @@ cv::Mat NormalizeContrast(const cv::Mat& gray, const cv::Mat& mask, const Contra
   const float per_pixel = 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1));
   for (int v = 0; v < height; ++v) {
     NormalizeRow(levels.ptr<float>(v), sum.data(), squares.data(), per_pixel, width, normalized.ptr<std::uint8_t>(v));
-    const int enters = Mirror(v + radius + 1, height);
-    const int leaves = Mirror(v - radius, height);
-    AddDifference(row_sums.ptr<float>(enters), row_sums.ptr<float>(leaves), width, sum.data());
-    AddDifference(row_squares.ptr<float>(enters), row_squares.ptr<float>(leaves), width, squares.data());
+    const int entering_row = Mirror(v + radius + 1, height);
+    const int leaving_row = Mirror(v - radius, height);
+    AddDifference(row_sums.ptr<float>(entering_row), row_sums.ptr<float>(leaving_row), width, sum.data());
+    AddDifference(row_squares.ptr<float>(entering_row), row_squares.ptr<float>(leaving_row), width, squares.data());
   }
   normalized.setTo(kMiddle, mask == 0);
   return normalized;

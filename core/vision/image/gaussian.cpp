@@ -44,10 +44,10 @@ void AddPair(const float* __restrict before, const float* __restrict after, floa
 
 }  // namespace
 
-cv::Mat SmoothGaussian(const cv::Mat& picture, double sigma_px) {
+cv::Mat SmoothGaussian(const cv::Mat& image, double sigma_px) {
   cv::Mat levels;
-  picture.convertTo(levels, CV_32F);
-  if (sigma_px <= 0.0 || picture.empty()) {
+  image.convertTo(levels, CV_32F);
+  if (sigma_px <= 0.0 || image.empty()) {
     return levels;
   }
   const std::vector<float> weights = HalfKernel(sigma_px);

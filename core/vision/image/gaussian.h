@@ -5,8 +5,8 @@
 
 namespace floorloc {
 
-/// Gaussian smoothing, mirrored at the edges (the edge pixel twice). picture: CV_8UC1 or CV_32FC1; returns CV_32FC1,
+/// Gaussian smoothing, mirrored at the edges (the edge pixel twice). image: CV_8UC1 or CV_32FC1; returns CV_32FC1,
 /// the same on every processor. sigma_px 0: only converts.
-cv::Mat SmoothGaussian(const cv::Mat& picture, double sigma_px);
+cv::Mat SmoothGaussian(const cv::Mat& image, double sigma_px);
 
 }  // namespace floorloc

@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// The pixel grid of a rectified picture: seen from above, the robot's forward (+x) is up, its left (+y) is left.
+/// The pixel grid of a rectified image: seen from above, the robot's forward (+x) is up, its left (+y) is left.
 /// Pixel (0, 0) is the centre of the top-left pixel.
 struct GroundGrid {
   double x_top_m = 0.0;   ///< x of row 0, base frame
@@ -27,7 +27,7 @@ struct GroundGrid {
   }
 };
 
-/// A metric picture of the floor in the base frame. Pixels that the camera did not see are 0 in gray and in mask.
+/// A metric image of the floor in the base frame. Pixels that the camera did not see are 0 in gray and in mask.
 struct GroundImage {
   GroundGrid grid;
   cv::Mat gray;  ///< CV_8UC1

@@ -12,7 +12,7 @@ IntegralImage::IntegralImage(const cv::Mat& gray) : width_(gray.cols), height_(g
     return;
   }
   if (gray.type() != CV_8UC1) {
-    throw std::invalid_argument("the picture must be grey with 8 bits per pixel");
+    throw std::invalid_argument("the image must be grey with 8 bits per pixel");
   }
   cv::integral(gray, sums_, CV_32S);
 }

@@ -39,9 +39,9 @@ Rectifier::Rectifier(const FloorCamera& camera) : camera_(camera) {
   cv::convertMaps(map, cv::noArray(), map_xy_, map_fraction_, CV_16SC2);
 }
 
-cv::Mat Rectifier::RectifyPicture(const cv::Mat& raw) const {
+cv::Mat Rectifier::RectifyImage(const cv::Mat& raw) const {
   if (raw.depth() != CV_8U || raw.cols != camera_.camera.width_px || raw.rows != camera_.camera.height_px) {
-    throw std::invalid_argument("the picture is not an 8-bit picture of the calibrated camera's size");
+    throw std::invalid_argument("the image is not an 8-bit image of the calibrated camera's size");
   }
   cv::Mat rectified;
   cv::remap(raw, rectified, map_xy_, map_fraction_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
@@ -50,9 +50,9 @@ cv::Mat Rectifier::RectifyPicture(const cv::Mat& raw) const {
 
 GroundImage Rectifier::Rectify(const cv::Mat& raw) const {
   if (raw.channels() != 1) {
-    throw std::invalid_argument("the picture is not grey");
+    throw std::invalid_argument("the image is not grey");
   }
-  return {grid_, RectifyPicture(raw), mask_};
+  return {grid_, RectifyImage(raw), mask_};
 }
 
 }  // namespace floorloc

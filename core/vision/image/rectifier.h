@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// Raw camera picture -> GroundImage: undistortion and homography in one precomputed fixed-point map, restricted to
+/// Raw camera image -> GroundImage: undistortion and homography in one precomputed fixed-point map, restricted to
 /// the region of interest. Immutable after construction; Rectify may run in many threads.
 class Rectifier {
  public:
@@ -18,7 +18,7 @@ class Rectifier {
   /// raw: CV_8UC1 of the camera's size; throws std::invalid_argument otherwise.
   GroundImage Rectify(const cv::Mat& raw) const;
   /// The colour twin, for mosaics: CV_8UC1 or CV_8UC3 in, same type out; invalid pixels are 0.
-  cv::Mat RectifyPicture(const cv::Mat& raw) const;
+  cv::Mat RectifyImage(const cv::Mat& raw) const;
 
   const FloorCamera& camera() const { return camera_; }
   const GroundGrid& grid() const { return grid_; }

@@ -36,22 +36,22 @@ enum class MatcherType {
 const char* ToString(MatcherType type);
 MatcherType ParseMatcherType(const std::string& name);
 
-/// Hashing looks into no more buckets than this.
+/// Hashing probes no more buckets than this.
 constexpr int kMaxProbes = 4096;
 
 struct IndexOptions {
   MatcherType type = MatcherType::kAuto;
   int trees = 4;     ///< FLANN: randomised kd-trees, or hierarchical clusterings for binary descriptors
-  int checks = 64;   ///< FLANN: leaves looked at per query
-  int probes = 512;  ///< hashing: buckets looked at per query, at most kMaxProbes
+  int checks = 64;   ///< FLANN: leaves checked per query
+  int probes = 512;  ///< hashing: buckets probed per query, at most kMaxProbes
   std::uint32_t seed = 1;
 };
 
-/// What is looked for, and how hard.
+/// Parameters of a search.
 struct NeighbourSearch {
   int count = 2;                                                ///< the nearest so many
   float max_distance = std::numeric_limits<float>::infinity();  ///< farther ones are left out
-  int probes = 0;  ///< hashing: buckets looked at per query; 0: as many as the index's options say
+  int probes = 0;  ///< hashing: buckets probed per query; 0: as many as the index's options say
 };
 
 /// Nearest neighbours among a fixed set of descriptors. Keeps its data alive (binary ones it may share with the matrix

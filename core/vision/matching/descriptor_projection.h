@@ -31,7 +31,7 @@ class DescriptorProjection {
   std::vector<Values> sums_;  // of each value of each half byte
 };
 
-/// Rows spread evenly over all, at most max_rows: what is learned from them depends on no chance.
+/// Rows spread evenly over all, at most max_rows: what is learned from them is deterministic.
 std::vector<int> SampleRows(int rows, int max_rows);
 
 }  // namespace floorloc

@@ -99,7 +99,7 @@ GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::M
     high = high.cwiseMax(k.Position());
   }
   origin_ = low;
-  // However far apart the keypoints of a strange map lie, the grid stays in proportion to their number.
+  // Bounds the grid by the number of keypoints, however far apart those of a damaged map lie.
   const double max_cells = std::max(1e5, 64.0 * static_cast<double>(keypoints.size()));
   const Eigen::Vector2d extent = high - low;
   while ((extent.x() / cell_m_ + 1.0) * (extent.y() / cell_m_ + 1.0) > max_cells) {
@@ -165,7 +165,7 @@ void GuidedMatcher::Collect(const Window& window, std::vector<int>* candidates) 
   const auto radius_m = static_cast<double>(window.radius_m);
   const Eigen::Vector2d low = (center.array() - radius_m - origin_.array()) / cell_m_;
   const Eigen::Vector2d high = (center.array() + radius_m - origin_.array()) / cell_m_;
-  // Compared as doubles: a wild prior must not overflow an int.
+  // Compared as doubles: an extreme prior must not overflow an int.
   if (!(low.x() < columns_ && low.y() < rows_ && high.x() >= 0.0 && high.y() >= 0.0)) {
     return;
   }

@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// Where a query frame is thought to be in the frame of the matcher's keypoints.
+/// Predicted pose of a query frame in the frame of the matcher's keypoints.
 struct MatchGuide {
   Pose2 target_from_query;
   double radius_m = 0.1;        ///< how far a keypoint may lie from its predicted place

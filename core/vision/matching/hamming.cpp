@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// Distances computed before they are looked at.
+// Distances computed per block.
 constexpr int kBlock = 256;
 
 void Consider(int index, int distance, TwoNearest* best) {

@@ -111,12 +111,12 @@ class HashIndex final : public DescriptorIndex {
   // In passes over some probes at a time, so that the processor waits for many places of memory at once.
   std::span<const int> CollectCandidates(const std::uint64_t* query, std::span<const ProbeSequence::Probe> probes,
                                          Scratch* scratch) const {
-    constexpr std::size_t kAtOnce = 128;
-    std::array<std::span<const int>, kAtOnce> buckets;
+    constexpr std::size_t kBatchSize = 128;
+    std::array<std::span<const int>, kBatchSize> buckets;
     const HashKey::Uncertain uncertain = key_.UncertainKeyOf(query);
     std::size_t count = 0;
-    for (std::size_t first = 0; first < probes.size(); first += kAtOnce) {
-      const std::size_t end = std::min(first + kAtOnce, probes.size());
+    for (std::size_t first = 0; first < probes.size(); first += kBatchSize) {
+      const std::size_t end = std::min(first + kBatchSize, probes.size());
       for (std::size_t i = first; i < end; ++i) {
         const std::uint32_t parent = i == 0 ? uncertain.key : scratch->keys[probes[i].parent];
         scratch->keys[i] = i == 0 ? parent : parent ^ uncertain.changes[probes[i].rank];

@@ -10,29 +10,29 @@ namespace {
 constexpr int kMaxBitsPerPart = 2;
 constexpr int kSampleRows = 4096;
 
-// Below this variance a projection tells nothing that noise doesn't.
+// Below this variance a projection is noise.
 constexpr double kMinVariance = 1e-3;
 
 }  // namespace
 
 HashKey::HashKey(const PackedDescriptors& descriptors, int bits) : projection_(descriptors) {
-  AllotBits(bits);
+  AllocateBits(bits);
   LearnThresholds(descriptors);
 }
 
-// Each bit goes to where most variance is left; a bit halves a projection's spread.
-void HashKey::AllotBits(int bits) {
+// Each bit is allocated to the largest remaining variance; a bit halves a projection's spread.
+void HashKey::AllocateBits(int bits) {
   std::array<double, DescriptorProjection::kDimensions> left = projection_.variances();
-  std::array<int, DescriptorProjection::kDimensions> given{};
+  std::array<int, DescriptorProjection::kDimensions> allocated{};
   for (int bit = 0; bit < bits; ++bit) {
     const auto most = static_cast<std::size_t>(std::max_element(left.begin(), left.end()) - left.begin());
     if (left[most] < kMinVariance) {
       break;
     }
-    ++given[most];
-    left[most] = given[most] == kMaxBitsPerPart ? 0.0 : left[most] / 4.0;
+    ++allocated[most];
+    left[most] = allocated[most] == kMaxBitsPerPart ? 0.0 : left[most] / 4.0;
   }
-  for (const int count : given) {
+  for (const int count : allocated) {
     if (count == 0) {
       break;  // variances decrease, so that none follows
     }

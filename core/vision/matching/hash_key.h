@@ -38,7 +38,7 @@ class HashKey {
     std::uint32_t InKey(int cell) const { return static_cast<std::uint32_t>(cell) << shift; }
   };
 
-  void AllotBits(int bits);
+  void AllocateBits(int bits);
   void LearnThresholds(const PackedDescriptors& descriptors);
 
   DescriptorProjection projection_;

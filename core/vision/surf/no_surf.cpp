@@ -14,16 +14,16 @@ Surf::Surf(const SurfOptions& /*options*/) {
       "this build has no SURF; choose another extractor, or build floorloc with -DFLOORLOC_WITH_SURF=ON");
 }
 
-std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& /*picture*/, const cv::Mat& /*mask*/) const {
+std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& /*integral*/, const cv::Mat& /*mask*/) const {
   assert(false);
   return {};
 }
 
-void Surf::Orient(const IntegralImage& /*picture*/, std::vector<cv::KeyPoint>* /*keypoints*/) const { assert(false); }
+void Surf::Orient(const IntegralImage& /*integral*/, std::vector<cv::KeyPoint>* /*keypoints*/) const { assert(false); }
 
 void Surf::Orient(BoxSampler* /*sampler*/, std::vector<cv::KeyPoint>* /*keypoints*/) const { assert(false); }
 
-cv::Mat Surf::Describe(const IntegralImage& /*picture*/, std::vector<cv::KeyPoint>* /*keypoints*/) const {
+cv::Mat Surf::Describe(const IntegralImage& /*integral*/, std::vector<cv::KeyPoint>* /*keypoints*/) const {
   assert(false);
   return {};
 }

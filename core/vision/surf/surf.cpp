@@ -16,14 +16,14 @@ bool SurfAvailable() { return true; }
 
 Surf::Surf(const SurfOptions& options) : options_(options) { options_.Check(); }
 
-std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& picture, const cv::Mat& mask) const {
-  std::vector<cv::KeyPoint> keypoints = DetectFastHessian(picture, options_);
+std::vector<cv::KeyPoint> Surf::Find(const IntegralImage& integral, const cv::Mat& mask) const {
+  std::vector<cv::KeyPoint> keypoints = DetectFastHessian(integral, options_);
   KeepStrongest(mask, options_.max_keypoints, &keypoints);
   return keypoints;
 }
 
-void Surf::Orient(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
-  BoxSampler sampler(picture);
+void Surf::Orient(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const {
+  BoxSampler sampler(integral);
   Orient(&sampler, keypoints);
 }
 
@@ -37,9 +37,9 @@ void Surf::Orient(BoxSampler* sampler, std::vector<cv::KeyPoint>* keypoints) con
   }
 }
 
-cv::Mat Surf::Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const {
-  DropNearEdge({picture.width(), picture.height()}, SurfReachPx, keypoints);
-  BoxSampler sampler(picture);
+cv::Mat Surf::Describe(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const {
+  DropNearEdge({integral.width(), integral.height()}, SurfReachPx, keypoints);
+  BoxSampler sampler(integral);
   Orient(&sampler, keypoints);
   cv::Mat descriptors(static_cast<int>(keypoints->size()), kSurfLength, CV_32FC1);
   for (int i = 0; i < descriptors.rows; ++i) {
@@ -49,9 +49,9 @@ cv::Mat Surf::Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* 
 }
 
 std::vector<cv::KeyPoint> Surf::Detect(const cv::Mat& gray, const cv::Mat& mask) const {
-  const IntegralImage picture(gray);
-  std::vector<cv::KeyPoint> keypoints = Find(picture, mask);
-  Orient(picture, &keypoints);
+  const IntegralImage integral(gray);
+  std::vector<cv::KeyPoint> keypoints = Find(integral, mask);
+  Orient(integral, &keypoints);
   return keypoints;
 }
 
@@ -60,9 +60,9 @@ cv::Mat Surf::Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints
 }
 
 cv::Mat Surf::DetectAndDescribe(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>* keypoints) const {
-  const IntegralImage picture(gray);
-  *keypoints = Find(picture, mask);
-  return Describe(picture, keypoints);
+  const IntegralImage integral(gray);
+  *keypoints = Find(integral, mask);
+  return Describe(integral, keypoints);
 }
 
 }  // namespace floorloc

@@ -17,10 +17,10 @@ bool SurfAvailable();
 struct SurfOptions {
   double threshold = 3.0;  ///< least determinant of the Hessian, (grey levels)^2, filters normalised by their area
   int octaves = 2;         ///< each octave doubles the range of scales; 1 to 8
-  int layers = 2;          ///< scales per octave at which keypoints are looked for; 1 to 8
+  int layers = 2;          ///< scales per octave at which keypoints are detected; 1 to 8
   int first_step_px = 1;   ///< between the samples of the first octave, 1 or 2; doubled from octave to octave
   int max_keypoints = 0;   ///< the strongest are kept; 0: all
-  bool upright = false;    ///< no orientation (angle 0): faster, for pictures that all look the same way
+  bool upright = false;    ///< no orientation (angle 0): faster, for images that all look the same way
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;
@@ -29,7 +29,7 @@ struct SurfOptions {
 /// Speeded-Up Robust Features after Bay, Ess, Tuytelaars and Van Gool (CVIU 2008). Const and thread-safe.
 ///
 /// Keypoints are blobs: pt has (0, 0) in the centre of the top-left pixel; size is the side of the box filter that
-/// answered most strongly, px (9 px belong to the scale s = 1.2 px); angle is in degrees clockwise from the picture's
+/// answered most strongly, px (9 px belong to the scale s = 1.2 px); angle is in degrees clockwise from the image's
 /// right; response is the determinant of the Hessian; octave counts from 0; class_id is 1 for dark blobs on bright
 /// ground and -1 for bright ones on dark (the sign of the Laplacian).
 class Surf {
@@ -40,7 +40,7 @@ class Surf {
   /// Keypoints with their angles, strongest first. gray: CV_8UC1; mask: empty, or zero where no keypoint may be.
   std::vector<cv::KeyPoint> Detect(const cv::Mat& gray, const cv::Mat& mask = cv::Mat()) const;
 
-  /// One row of 64 numbers (CV_32F, length 1) per keypoint. Keypoints nearer to the picture's edge than the descriptor
+  /// One row of 64 numbers (CV_32F, length 1) per keypoint. Keypoints nearer to the image's edge than the descriptor
   /// reaches (SurfReachPx) are dropped; those of other detectors without an angle (below 0) are given SURF's.
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const;
 
@@ -49,9 +49,9 @@ class Surf {
 
   /// The stages, for callers that choose keypoints in between. Find leaves the angle at -1; Orient gives an angle to
   /// those without one (upright: 0 to all), as Describe does first.
-  std::vector<cv::KeyPoint> Find(const IntegralImage& picture, const cv::Mat& mask = cv::Mat()) const;
-  void Orient(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
-  cv::Mat Describe(const IntegralImage& picture, std::vector<cv::KeyPoint>* keypoints) const;
+  std::vector<cv::KeyPoint> Find(const IntegralImage& integral, const cv::Mat& mask = cv::Mat()) const;
+  void Orient(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const;
+  cv::Mat Describe(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const;
 
  private:
   void Orient(BoxSampler* sampler, std::vector<cv::KeyPoint>* keypoints) const;
@@ -62,7 +62,7 @@ class Surf {
 constexpr int kSurfLength = 64;                   ///< numbers per descriptor
 constexpr float kSurfScalePerSize = 1.2F / 9.0F;  ///< the scale of a filter of 9 px is 1.2 px
 
-/// How far from the keypoint its descriptor (whatever the orientation) looks, px.
+/// Radius of the descriptor's support for any orientation, px.
 inline float SurfReachPx(const cv::KeyPoint& keypoint) {
   // The corners of the grid of boxes, 20 scales square, half a box of about one scale, and rounding.
   return 15.0F * kSurfScalePerSize * keypoint.size + 2.0F;

@@ -92,13 +92,13 @@ void Normalize(float* descriptor) {
 
 }  // namespace
 
-void DescribeSurf(const cv::KeyPoint& keypoint, BoxSampler* picture, float* descriptor) {
+void DescribeSurf(const cv::KeyPoint& keypoint, BoxSampler* sampler, float* descriptor) {
   static const Weights kWeights = MakeWeights();
   const float scale = keypoint.size * kSurfScalePerSize;
   const float angle = keypoint.angle * std::numbers::pi_v<float> / 180.0F;
   static const SamplePattern kGrid = SquareGrid(kNodes);
   Nodes nodes;
-  picture->Sample(kGrid, {keypoint.pt, {scale * std::cos(angle), scale * std::sin(angle)}, std::max(cvRound(scale), 1)},
+  sampler->Sample(kGrid, {keypoint.pt, {scale * std::cos(angle), scale * std::sin(angle)}, std::max(cvRound(scale), 1)},
                   nodes.data());
   SumFields(nodes, kWeights, descriptor);
   Normalize(descriptor);

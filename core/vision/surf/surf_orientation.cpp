@@ -81,11 +81,11 @@ float StrongestDirection(const Wavelets& wavelets) {
 
 }  // namespace
 
-float SurfOrientation(const cv::KeyPoint& keypoint, BoxSampler* picture) {
+float SurfOrientation(const cv::KeyPoint& keypoint, BoxSampler* sampler) {
   const float scale = keypoint.size * kSurfScalePerSize;
   static const SamplePattern kGrid = SquareGrid(kNodes);
   std::array<float, kNodes * kNodes> nodes;
-  picture->Sample(kGrid, {keypoint.pt, {scale, 0.0F}, std::max(cvRound(2.0F * scale), 1)}, nodes.data());
+  sampler->Sample(kGrid, {keypoint.pt, {scale, 0.0F}, std::max(cvRound(2.0F * scale), 1)}, nodes.data());
   return StrongestDirection(MakeWavelets(nodes));
 }
 

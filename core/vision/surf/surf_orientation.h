@@ -8,7 +8,7 @@
 namespace floorloc {
 
 /// The direction in which most Haar wavelets within 6 s of the keypoint point (s its scale), degrees clockwise from the
-/// picture's right, 0 to 360. Where wavelets would leave the picture, its nearest ones count.
-float SurfOrientation(const cv::KeyPoint& keypoint, BoxSampler* picture);
+/// image's right, 0 to 360. Where wavelets would leave the image, its nearest ones count.
+float SurfOrientation(const cv::KeyPoint& keypoint, BoxSampler* sampler);
 
 }  // namespace floorloc

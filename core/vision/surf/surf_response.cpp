@@ -96,18 +96,18 @@ int FittingSamples(int side_px, int half_px, const ResponseLayer& layer) {
   return (side_px - 1 - half_px) / layer.step_px - layer.margin + 1;
 }
 
-void FillLayer(const IntegralImage& picture, ResponseLayer* filled) {
+void FillLayer(const IntegralImage& integral, ResponseLayer* filled) {
   ResponseLayer& layer = *filled;
   layer.response = 0.0F;
   const int step_px = layer.step_px;
   const int half = layer.filter_px / 2;
-  const int count = FittingSamples(picture.width(), half, layer);
-  const int rows = FittingSamples(picture.height(), half, layer);
-  RowBuffers buffers(picture.width() + 1);
+  const int count = FittingSamples(integral.width(), half, layer);
+  const int rows = FittingSamples(integral.height(), half, layer);
+  RowBuffers buffers(integral.width() + 1);
   for (int j = layer.margin; j < layer.margin + rows && count > 0; ++j) {
-    const RowJob job{picture.row(j * step_px),
-                     picture.stride(),
-                     picture.width() + 1,
+    const RowJob job{integral.row(j * step_px),
+                     integral.stride(),
+                     integral.width() + 1,
                      layer.filter_px / 3,
                      step_px,
                      layer.margin,
@@ -118,7 +118,7 @@ void FillLayer(const IntegralImage& picture, ResponseLayer* filled) {
 }
 
 // Every second sample of every second row.
-void Thin(const ResponseLayer& fine, ResponseLayer* layer) {
+void Decimate(const ResponseLayer& fine, ResponseLayer* layer) {
   for (int j = 0; j < layer->response.rows; ++j) {
     const float* const from = fine.row(2 * j);
     float* const to = layer->response.ptr<float>(j);
@@ -130,14 +130,14 @@ void Thin(const ResponseLayer& fine, ResponseLayer* layer) {
 
 }  // namespace
 
-ResponseOctave ComputeOctave(const IntegralImage& picture, int octave, int layers, const ResponseOctave& previous,
+ResponseOctave ComputeOctave(const IntegralImage& integral, int octave, int layers, const ResponseOctave& previous,
                              int first_step_px) {
   ResponseOctave result;
   const int step_px = first_step_px << octave;
-  const int rows = std::max(picture.height() - 1, 0) / step_px + 1;
+  const int rows = std::max(integral.height() - 1, 0) / step_px + 1;
   // One block for all: memory that is freed in smaller ones goes back to the system and costs time again.
-  const cv::Mat block(layers * rows, std::max(picture.width() - 1, 0) / step_px + 1, CV_32FC1);
-  const int side_px = std::min(picture.width(), picture.height());
+  const cv::Mat block(layers * rows, std::max(integral.width() - 1, 0) / step_px + 1, CV_32FC1);
+  const int side_px = std::min(integral.width(), integral.height());
   for (int i = 1; i <= layers; ++i) {
     const int filter_px = 3 * ((2 << octave) * i + 1);
     if (filter_px > side_px) {
@@ -147,20 +147,20 @@ ResponseOctave ComputeOctave(const IntegralImage& picture, int octave, int layer
     const auto shared = std::find_if(previous.begin(), previous.end(),
                                      [filter_px](const ResponseLayer& layer) { return layer.filter_px == filter_px; });
     if (shared != previous.end()) {
-      Thin(*shared, &result.back());
+      Decimate(*shared, &result.back());
     } else {
-      FillLayer(picture, &result.back());
+      FillLayer(integral, &result.back());
     }
   }
   return result;
 }
 
-float LaplacianAt(const IntegralImage& picture, int filter_px, int x, int y) {
+float LaplacianAt(const IntegralImage& integral, int filter_px, int x, int y) {
   const int l = filter_px / 3;
   const int h = filter_px / 2;
-  const auto box = [&picture](int left, int top, int right, int bottom) {
-    const std::uint32_t* const upper = picture.row(top);
-    const std::uint32_t* const lower = picture.row(bottom);
+  const auto box = [&integral](int left, int top, int right, int bottom) {
+    const std::uint32_t* const upper = integral.row(top);
+    const std::uint32_t* const lower = integral.row(bottom);
     return static_cast<float>(static_cast<std::int32_t>(lower[right] - lower[left] - upper[right] + upper[left]));
   };
   const float d_xx = box(x - h, y - l + 1, x + h + 1, y + l) - 3.0F * box(x - h + l, y - l + 1, x - h + 2 * l, y + l);

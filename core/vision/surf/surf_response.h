@@ -22,11 +22,12 @@ struct ResponseLayer {
 using ResponseOctave = std::vector<ResponseLayer>;
 
 /// Octave 0 is sampled every first_step_px; each next one takes the layers that it shares with the previous one from
-/// there. Fewer layers than asked for where filters outgrow the picture.
-ResponseOctave ComputeOctave(const IntegralImage& picture, int octave, int layers, const ResponseOctave& previous,
+/// there. Fewer layers than asked for where filters outgrow the image.
+ResponseOctave ComputeOctave(const IntegralImage& integral, int octave, int layers, const ResponseOctave& previous,
                              int first_step_px);
 
-/// Sum of the second derivatives at a pixel where the filter fits; its sign tells dark blobs (+) from bright ones (-).
-float LaplacianAt(const IntegralImage& picture, int filter_px, int x, int y);
+/// Sum of the second derivatives at a pixel where the filter fits; its sign separates dark blobs (+) from bright ones
+/// (-).
+float LaplacianAt(const IntegralImage& integral, int filter_px, int x, int y);
 
 }  // namespace floorloc

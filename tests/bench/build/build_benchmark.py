@@ -21,7 +21,7 @@ from limited_process import Limits, run_limited
 
 
 def read_truth(folder):
-    """Picture name -> true place of its middle, and stamp -> (picture name, middle in the base frame)."""
+    """Image name -> true place of its middle, and stamp -> (image name, middle in the base frame)."""
     places, by_stamp = {}, {}
     with open(folder / "truth.csv", newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -31,7 +31,7 @@ def read_truth(folder):
 
 
 def part_of_survey(survey, folder, count, with_odometry):
-    """The survey's first frames as a survey of their own; pictures are linked, not copied."""
+    """The survey's first frames as a survey of their own; images are linked, not copied."""
     folder.mkdir(parents=True)
     for name in ["camera.yaml", "floor.yaml"] + (["odometry.tum"] if with_odometry else []):
         if (survey / name).exists():
@@ -51,47 +51,47 @@ class Comparison:
         self.limits = Limits(arguments.limit_s, arguments.limit_gb)
         self.folder = arguments.state / f"{survey.resolve().parent.name}-{survey.name}-{count}"
         shutil.rmtree(self.folder, ignore_errors=True)
-        self.pictures_folder = self.folder / "rectified"
+        self.image_folder = self.folder / "rectified"
         outcome = run_limited(
-            [arguments.bin / "rectify_frames", survey, self.pictures_folder, count], Limits(3600, 64)
+            [arguments.bin / "rectify_frames", survey, self.image_folder, count], Limits(3600, 64)
         )
         if outcome.failure:
             sys.exit(f"bench: {survey}: {outcome.failure}")
-        self.places, self.by_stamp = read_truth(self.pictures_folder)
-        self.pictures = sorted(self.pictures_folder.resolve().glob("*.png"))
+        self.places, self.by_stamp = read_truth(self.image_folder)
+        self.images = sorted(self.image_folder.resolve().glob("*.png"))
 
     def row(self, method, outcome, positions, with_scale):
         error = geometric_error(positions, self.places, with_scale)
-        return Row(method, len(self.pictures), outcome, len(positions), error)
+        return Row(method, len(self.images), outcome, len(positions), error)
 
     def floorloc(self, with_odometry):
         name = "floorloc" if with_odometry else "floorloc, no odometry"
         folder = self.folder / name.replace(", ", "-").replace(" ", "-")
-        survey = part_of_survey(self.survey, folder / "survey", len(self.pictures), with_odometry)
+        survey = part_of_survey(self.survey, folder / "survey", len(self.images), with_odometry)
         outcome, poses = build_map(self.arguments.bin, [survey], folder, self.limits)
         positions = {}
         for stamp, position, heading in poses:
-            picture, middle = self.by_stamp[stamp]
-            positions[picture] = position + heading * middle
+            image, middle = self.by_stamp[stamp]
+            positions[image] = position + heading * middle
         return self.row(name, outcome, positions, False)
 
     def stitcher(self):
         folder = self.folder / "stitcher"
         folder.mkdir()
-        command = [self.arguments.bin / "stitch_frames", self.pictures_folder.resolve(), folder.resolve()]
+        command = [self.arguments.bin / "stitch_frames", self.image_folder.resolve(), folder.resolve()]
         outcome = run_limited(command, self.limits)
         positions = {}
         file = folder / "positions.csv"
         if file.exists():
             for line in file.read_text(encoding="utf-8").splitlines():
-                picture, x, y = line.split(",")
-                positions[picture] = complex(float(x), float(y))
+                image, x, y = line.split(",")
+                positions[image] = complex(float(x), float(y))
         return self.row("OpenCV Stitcher", outcome, positions, True)
 
     def hugin(self):
         folder = self.folder / "hugin"
         folder.mkdir()
-        outcome, positions = hugin.stitch(folder.resolve(), self.pictures, self.places, self.limits)
+        outcome, positions = hugin.stitch(folder.resolve(), self.images, self.places, self.limits)
         return self.row("Hugin", outcome, positions, True)
 
 
@@ -113,13 +113,13 @@ def compare(arguments):
             rows = []
             for name, method in methods.items():
                 if name not in gave_up:
-                    print(f"bench: {survey}, {len(comparison.pictures)} frames: {name}", file=sys.stderr, flush=True)
+                    print(f"bench: {survey}, {len(comparison.images)} frames: {name}", file=sys.stderr, flush=True)
                     rows.append(method())
                     if rows[-1].outcome.failure.endswith(("out of time", "out of memory")):
                         gave_up.add(name)
-            print(f"\n{survey}, first {len(comparison.pictures)} frames")
+            print(f"\n{survey}, first {len(comparison.images)} frames")
             print_rows(rows)
-            if len(comparison.pictures) < count:
+            if len(comparison.images) < count:
                 break
 
 

@@ -51,7 +51,7 @@ class LimitedProcess(unittest.TestCase):
         self.assertEqual(outcome.failure, "")
         self.assertGreater(outcome.peak_mb, 100)
 
-    def test_failures_are_told_apart(self):
+    def test_failures_are_distinguished(self):
         self.assertEqual(self.run_python("import sys; sys.exit('no such thing')").failure, "no such thing")
         self.assertEqual(self.run_python("import os; os.abort()").failure, "killed by SIGABRT")
         self.assertEqual(self.run_python("import time; time.sleep(60)", seconds=0.2).failure, "out of time")
@@ -64,7 +64,7 @@ class Hugin(unittest.TestCase):
     MIDDLE = 300 + 200j
 
     def project(self, places, pairs):
-        """Control points between pictures at these places (turn, shift), as cpfind writes them."""
+        """Control points between images at these places (turn, shift), as cpfind writes them."""
         lines = ["i w601 h401 f0 v10 r0 p0 y0 TrX0 TrY-1.5e-05 TrZ0 n\"a.png\""]
         for first, second in pairs:
             for point in points(8, seed=first + 10 * second):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hugin's command line tools on pictures of a plane, seen straight from above: control points, positions, mosaic."""
+"""Hugin's command line tools on images of a plane, seen straight from above: control points, positions, mosaic."""
 
 import cmath
 import collections
@@ -28,7 +28,7 @@ CPFIND_OPTIONS = [
     "--sieve1size=300",
 ]
 
-# cpfind believes homographies between pictures that share nothing, and one false pair spoils a whole mosaic. What a
+# cpfind accepts homographies between images that share nothing, and one false pair spoils a whole mosaic. What a
 # patient user would see and delete by hand is deleted for it: pairs that are no rigid motion, and pairs whose distance
 # is not the true one.
 MIN_POINTS_OF_PAIR = 5
@@ -59,7 +59,7 @@ def parse_control_points(text):
 
 
 def parse_images(text):
-    """Width of the pictures, and of each its number: (TrX, TrY)."""
+    """Width of the images, and of each its number: (TrX, TrY)."""
     width = 0
     positions = {}
     for line in text.splitlines():
@@ -74,12 +74,12 @@ def parse_images(text):
 @dataclasses.dataclass
 class Pair:
     points: list
-    turn: complex  # first = turn * second + shift, pixels from the middles of the pictures
+    turn: complex  # first = turn * second + shift, pixels from the middles of the images
     shift: complex
 
 
 def pairs_of(points, middle):
-    """Pairs of pictures whose control points tell a rigid motion: (first, second) -> Pair."""
+    """Pairs of images whose control points fit a rigid motion: (first, second) -> Pair."""
     grouped = collections.defaultdict(list)
     for point in points:
         grouped[point.first, point.second].append(point)
@@ -94,7 +94,7 @@ def pairs_of(points, middle):
 
 
 def chain(pairs):
-    """Pictures that the pairs connect to the best connected one: number -> (turn, shift). Strongest pairs first."""
+    """Images that the pairs connect to the best connected one: number -> (turn, shift). Strongest pairs first."""
     neighbours = collections.defaultdict(list)
     for (first, second), pair in pairs.items():
         neighbours[first].append((len(pair.points), second, pair.turn, pair.shift))
@@ -116,7 +116,7 @@ def chain(pairs):
 
 
 def true_pairs(pairs, truth):
-    """Those whose pictures are as far from each other as in the truth (number -> place, any unit)."""
+    """Those whose images are as far from each other as in the truth (number -> place, any unit)."""
     ratios = {(a, b): abs(truth[b] - truth[a]) / abs(pair.shift) for (a, b), pair in pairs.items() if pair.shift != 0}
     if not ratios:
         return {}
@@ -150,9 +150,9 @@ def start_values(placed, width):
 class Hugin:
     """One project: steps with a common limit of time; the first failure ends it."""
 
-    def __init__(self, folder, pictures, truth, limits):
+    def __init__(self, folder, images, truth, limits):
         self.folder = folder
-        self.pictures = pictures
+        self.images = images
         self.truth = dict(enumerate(truth))
         self.limits = limits
         self.start = time.monotonic()
@@ -176,7 +176,7 @@ class Hugin:
     def find_positions(self):
         fov = f"{FIELD_OF_VIEW_DEG:g}"
         if not (
-            self.step("pto_gen", "-p", "0", "-f", fov, "-o", "empty.pto", *self.pictures)
+            self.step("pto_gen", "-p", "0", "-f", fov, "-o", "empty.pto", *self.images)
             and self.step("cpfind", *CPFIND_OPTIONS, "-o", "points.pto", "empty.pto")
             and self.step("cpclean", "-o", "clean.pto", "points.pto")
         ):
@@ -187,7 +187,7 @@ class Hugin:
         pairs = true_pairs(pairs_of(parse_control_points(self.read("clean.pto")), middle), self.truth)
         self.placed = chain(pairs)
         if len(self.placed) < 2:
-            self.total.failure = "cpfind: no pictures that overlap"
+            self.total.failure = "cpfind: no images that overlap"
             return
         (self.folder / "good.pto").write_text(keep_points(self.read("clean.pto"), pairs))
         free = ",".join(f"TrX{n},TrY{n},r{n}" for n in sorted(self.placed)[1:])
@@ -214,8 +214,8 @@ class Hugin:
         return self.total
 
 
-def stitch(folder, pictures, truth, limits):
-    """Outcome, and picture name -> position (any unit). truth: name -> true place, to delete false control points."""
-    project = Hugin(folder, pictures, [truth[picture.name] for picture in pictures], limits)
+def stitch(folder, images, truth, limits):
+    """Outcome, and image name -> position (any unit). truth: name -> true place, to delete false control points."""
+    project = Hugin(folder, images, [truth[image.name] for image in images], limits)
     outcome = project.run()
-    return outcome, {pictures[n].name: p for n, p in project.positions.items()}
+    return outcome, {images[n].name: p for n, p in project.positions.items()}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the frames of a survey as other stitchers like them best: undistorted, seen from straight above, one scale.
 // rectify_frames SURVEY OUT COUNT: OUT/0000.png ... of the first COUNT frames, and OUT/truth.csv: where the middle of
-// each picture really is, and where it lies in the base frame (metres).
+// each image really is, and where it lies in the base frame (metres).
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string PictureName(std::size_t index) {
+std::string ImageName(std::size_t index) {
   char name[32];
   std::snprintf(name, sizeof(name), "%04zu.png", index);
   return name;
@@ -38,16 +38,16 @@ void RectifyFrames(const fs::path& folder, const fs::path& out, std::size_t coun
   for (std::size_t i = 0; i < std::min(count, survey.frames.size()); ++i) {
     const fs::path file = survey.ImagePath(survey.frames[i]);
     const cv::Mat raw = ReadColorImage(file, camera.width_px, camera.height_px);
-    const fs::path picture = out / PictureName(i);
-    if (!cv::imwrite(picture.string(), rectifier.RectifyPicture(raw))) {
-      throw InputError(picture, "cannot be written; is the disk full?");
+    const fs::path image = out / ImageName(i);
+    if (!cv::imwrite(image.string(), rectifier.RectifyImage(raw))) {
+      throw InputError(image, "cannot be written; is the disk full?");
     }
     const auto pose = InterpolatePose(survey.ground_truth, survey.frames[i].stamp_ns);
     if (!pose) {
       throw InputError(folder / "groundtruth.tum", "does not cover every frame; the comparison needs the truth");
     }
     const Eigen::Vector2d p = *pose * middle;
-    truth << picture.filename().string() << "," << FormatSeconds(survey.frames[i].stamp_ns) << "," << p.x() << ","
+    truth << image.filename().string() << "," << FormatSeconds(survey.frames[i].stamp_ns) << "," << p.x() << ","
           << p.y() << "," << middle.x() << "," << middle.y() << "\n";
   }
 }

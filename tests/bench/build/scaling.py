@@ -13,12 +13,12 @@ from limited_process import Limits
 
 SIZES = [250, 1000, 4000, 20000]
 
-# Step of the built-in camera's pictures at an overlap of one half, and what the floor is larger than their centres.
+# Step of the built-in camera's images at an overlap of one half, and what the floor is larger than their centres.
 STEP_ALONG_M = 0.155
 STEP_ACROSS_M = 0.2075
 MARGIN_M = 0.47
 
-# A floor's picture finer than the camera's 0.7 mm costs memory and shows nothing more.
+# A floor's image finer than the camera's 0.7 mm costs memory and shows nothing more.
 FLOOR_RESOLUTION_M = 0.0007
 
 

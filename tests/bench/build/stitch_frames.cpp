@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenCV's Stitcher in SCANS mode, as its documentation shows it, on the pictures of a folder.
+// OpenCV's Stitcher in SCANS mode, as its documentation shows it, on the images of a folder.
 // stitch_frames FOLDER OUT: writes OUT/mosaic.jpg and OUT/positions.csv (filename,x,y): where the middle of each
-// picture that it placed is, pixels of its first picture.
+// image that it placed is, pixels of its first image.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -16,15 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> Pictures(const fs::path& folder) {
-  std::vector<fs::path> pictures;
+std::vector<fs::path> Images(const fs::path& folder) {
+  std::vector<fs::path> images;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() == ".png") {
-      pictures.push_back(entry.path());
+      images.push_back(entry.path());
     }
   }
-  std::sort(pictures.begin(), pictures.end());
-  return pictures;
+  std::sort(images.begin(), images.end());
+  return images;
 }
 
 const char* ToText(cv::Stitcher::Status status) {
@@ -32,7 +32,7 @@ const char* ToText(cv::Stitcher::Status status) {
     case cv::Stitcher::OK:
       return "ok";
     case cv::Stitcher::ERR_NEED_MORE_IMGS:
-      return "finds no pictures that overlap";
+      return "finds no images that overlap";
     case cv::Stitcher::ERR_HOMOGRAPHY_EST_FAIL:
       return "cannot estimate the motions";
     case cv::Stitcher::ERR_CAMERA_PARAMS_ADJUST_FAIL:
@@ -41,8 +41,8 @@ const char* ToText(cv::Stitcher::Status status) {
   return "unknown status";
 }
 
-// Camera i's R takes pixels of picture i to the plane that all share.
-void WritePositions(const fs::path& file, const cv::Stitcher& stitcher, const std::vector<fs::path>& pictures,
+// Camera i's R takes pixels of image i to the plane that all share.
+void WritePositions(const fs::path& file, const cv::Stitcher& stitcher, const std::vector<fs::path>& images,
                     const cv::Size& size) {
   std::ofstream out(file);
   out.precision(12);
@@ -53,22 +53,22 @@ void WritePositions(const fs::path& file, const cv::Stitcher& stitcher, const st
     cameras[i].R.convertTo(transform, CV_64F);
     const cv::Mat middle = (cv::Mat_<double>(3, 1) << 0.5 * (size.width - 1), 0.5 * (size.height - 1), 1.0);
     const cv::Mat at = transform * middle;
-    out << pictures[static_cast<std::size_t>(component[i])].filename().string() << "," << at.at<double>(0) << ","
+    out << images[static_cast<std::size_t>(component[i])].filename().string() << "," << at.at<double>(0) << ","
         << at.at<double>(1) << "\n";
   }
 }
 
 int Stitch(const fs::path& folder, const fs::path& out) {
-  const std::vector<fs::path> files = Pictures(folder);
-  std::vector<cv::Mat> pictures;
+  const std::vector<fs::path> files = Images(folder);
+  std::vector<cv::Mat> images;
   for (const fs::path& file : files) {
-    pictures.push_back(cv::imread(file.string()));
+    images.push_back(cv::imread(file.string()));
   }
   cv::setRNGSeed(1);
   const cv::Ptr<cv::Stitcher> stitcher = cv::Stitcher::create(cv::Stitcher::SCANS);
-  cv::Stitcher::Status status = stitcher->estimateTransform(pictures);
+  cv::Stitcher::Status status = stitcher->estimateTransform(images);
   if (status == cv::Stitcher::OK) {
-    WritePositions(out / "positions.csv", *stitcher, files, pictures.front().size());
+    WritePositions(out / "positions.csv", *stitcher, files, images.front().size());
     cv::Mat mosaic;
     status = stitcher->composePanorama(mosaic);
     if (status == cv::Stitcher::OK) {

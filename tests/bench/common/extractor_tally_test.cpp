@@ -19,7 +19,7 @@ LocalizationResult ResultAt(const Pose2& pose, LocalizationStatus status) {
   return result;
 }
 
-TEST(SearchTallyTest, TellsRightFromWrongFromNone) {
+TEST(SearchTallyTest, CountsRightWrongAndNone) {
   SearchTally tally;
   tally.Add(ResultAt(kTruth * Pose2(0.003, 0.004, 0.01), LocalizationStatus::kLocalized), kTruth);
   tally.Add(ResultAt(kTruth * Pose2(0.0, 0.011, 0.0), LocalizationStatus::kLocalized), kTruth);

@@ -11,12 +11,12 @@
 
 namespace floorloc {
 
-/// A folder of frames with ground truth, its pictures in memory as they came from the camera (JPEG or PNG).
+/// A folder of frames with ground truth, its images in memory as they came from the camera (JPEG or PNG).
 struct FrameSet {
   std::string name;
   Rectifier rectifier;
   std::vector<std::vector<std::uint8_t>> encoded;
-  std::vector<Pose2> truth_from_base;  ///< of each picture
+  std::vector<Pose2> truth_from_base;  ///< of each image
 
   /// Frames that the ground truth does not cover are left out. Throws InputError, also when none is left.
   static FrameSet Read(const std::filesystem::path& folder);

@@ -43,7 +43,7 @@ std::vector<ExtractorVariant> SelectVariants(const std::vector<std::string>& onl
 // One after the other: all at once would need much memory.
 using SceneMakers = std::vector<std::function<Scene()>>;
 
-SceneMakers MakersOfScenes(const Arguments& arguments) {
+SceneMakers MakeSceneMakers(const Arguments& arguments) {
   if (!arguments.folders.empty()) {
     const std::vector<fs::path> frames(arguments.folders.begin() + 1, arguments.folders.end());
     return {[survey = arguments.folders.front(), frames] { return ReadScene(survey, frames); }};
@@ -70,7 +70,7 @@ void PrintExplanation(const Arguments& arguments) {
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   const std::vector<ExtractorVariant> variants = SelectVariants(arguments.only);
-  const SceneMakers makers = MakersOfScenes(arguments);
+  const SceneMakers makers = MakeSceneMakers(arguments);
   fs::remove_all(arguments.state);
   fs::create_directories(arguments.state);
   std::vector<ExtractorTally> tallies(variants.size());
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
   CLI::App app("Builds maps with every feature extractor, localizes frames in them and prints one table.",
                "extractor_benchmark");
   app.add_option("--state", arguments.state, "Folder of floors and maps; what is there is lost")->required();
-  app.add_option("--photograph", arguments.photograph, "Picture of a floor to make one of")->required();
+  app.add_option("--photograph", arguments.photograph, "Image of a floor to make one of")->required();
   app.add_option("--frames", arguments.frames, "Mild and as many hard frames per simulated floor")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -5,7 +5,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
-#include "mapbuilder/laboratory/picture_features.h"
+#include "mapbuilder/laboratory/image_features.h"
 #include "tests/bench/common/score.h"
 
 namespace floorloc {
@@ -22,17 +22,17 @@ struct FrameOutcome {
 };
 
 // A map to localize in.
-struct TriedMap {
+struct MapUnderTest {
   const Localizer& localizer;
   const FeatureExtractor& extractor;
   Pose2 map_from_truth;
 };
 
-FrameOutcome TryFrame(const TriedMap& map, const Rectifier& rectifier, const SceneFrame& frame) {
+FrameOutcome TryFrame(const MapUnderTest& map, const Rectifier& rectifier, const SceneFrame& frame) {
   FrameOutcome outcome;
-  const GroundImage picture = rectifier.Rectify(frame.raw);
+  const GroundImage image = rectifier.Rectify(frame.raw);
   const double start_ms = ThreadMilliseconds();
-  outcome.keypoints = map.extractor.Extract(picture).keypoints.size();
+  outcome.keypoints = map.extractor.Extract(image).keypoints.size();
   outcome.extract_ms = ThreadMilliseconds() - start_ms;
   outcome.global = map.localizer.Localize(rectifier, frame.raw, std::nullopt);
   PosePrior prior = frame.prior;
@@ -41,7 +41,7 @@ FrameOutcome TryFrame(const TriedMap& map, const Rectifier& rectifier, const Sce
   return outcome;
 }
 
-void TryGroup(const TriedMap& map, const FrameGroup& group, GroupTally* tally) {
+void TryGroup(const MapUnderTest& map, const FrameGroup& group, GroupTally* tally) {
   const Rectifier rectifier(group.camera.AtResolution(map.localizer.map().info.camera().floor.resolution_m));
   std::vector<FrameOutcome> outcomes(group.frames.size());
   ParallelFor(static_cast<int>(outcomes.size()), 0, [&](int i) {
@@ -78,7 +78,7 @@ void TryExtractor(const ExtractorVariant& variant, const Scene& scene, const std
                             [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
   const std::unique_ptr<FeatureExtractor> extractor = CreateFeatureExtractor(localizer.map().info.extractor);
   const Trajectory truth = ReadSurvey(scene.survey).ground_truth;
-  const TriedMap map{localizer, *extractor, AlignMapToTruth(database.ReadFrames(), truth).Inverse()};
+  const MapUnderTest map{localizer, *extractor, AlignMapToTruth(database.ReadFrames(), truth).Inverse()};
   AddMap(localizer.map(), tally);
   for (const FrameGroup& group : scene.groups) {
     TryGroup(map, group, &tally->groups[group.name]);

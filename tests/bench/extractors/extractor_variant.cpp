@@ -4,7 +4,7 @@
 namespace floorloc {
 namespace {
 
-// AKAZE and BRISK compare neighbouring scales and make little sense with one. OpenCV's SIFT looks at all octaves,
+// AKAZE and BRISK compare neighbouring scales and make little sense with one. OpenCV's SIFT uses all octaves,
 // whatever the options say.
 bool WorksOnOneScale(ExtractorType type) { return type == ExtractorType::kOrb || type == ExtractorType::kSurf; }
 

@@ -8,32 +8,32 @@
 
 #include "tests/bench/features/feature_method.h"
 #include "tests/bench/features/feature_score.h"
-#include "tests/bench/features/picture_change.h"
+#include "tests/bench/features/image_change.h"
 
 namespace floorloc {
 namespace {
 
-std::vector<cv::Mat> Pictures() {
-  std::vector<cv::Mat> pictures;
+std::vector<cv::Mat> Images() {
+  std::vector<cv::Mat> images;
   for (const char* name : {"textures/warehouse_concrete.png", "sample/survey/images/000000.jpg"}) {
-    const cv::Mat picture = cv::imread(std::string(FLOORLOC_MAPS_DIR "/") + name, cv::IMREAD_GRAYSCALE);
-    EXPECT_FALSE(picture.empty()) << name;
-    pictures.push_back(picture(cv::Rect(0, 0, 640, 480)).clone());
+    const cv::Mat image = cv::imread(std::string(FLOORLOC_MAPS_DIR "/") + name, cv::IMREAD_GRAYSCALE);
+    EXPECT_FALSE(image.empty()) << name;
+    images.push_back(image(cv::Rect(0, 0, 640, 480)).clone());
   }
-  return pictures;
+  return images;
 }
 
 const FeatureMethod& MethodNamed(const std::vector<FeatureMethod>& methods, const std::string& name) {
   return *std::find_if(methods.begin(), methods.end(), [&](const FeatureMethod& m) { return m.name == name; });
 }
 
-class AgainstDlib : public ::testing::TestWithParam<PictureChange> {};
+class AgainstDlib : public ::testing::TestWithParam<ImageChange> {};
 
 TEST_P(AgainstDlib, AtLeastAsSteady) {
   const std::vector<FeatureMethod> methods = ComparedMethods(800);
   FeatureScore ours;
   FeatureScore dlibs;
-  for (const cv::Mat& before : Pictures()) {
+  for (const cv::Mat& before : Images()) {
     const cv::Mat after = Apply(GetParam(), before);
     const auto score = [&](const std::string& name) {
       const FeatureMethod& method = MethodNamed(methods, name);
@@ -49,7 +49,7 @@ TEST_P(AgainstDlib, AtLeastAsSteady) {
   EXPECT_LT(cv::norm(ours.offset) / ours.matched, 0.1);  // px, systematic
 }
 
-INSTANTIATE_TEST_SUITE_P(Changes, AgainstDlib, ::testing::ValuesIn(PictureChanges()), [](const auto& change) {
+INSTANTIATE_TEST_SUITE_P(Changes, AgainstDlib, ::testing::ValuesIn(ImageChanges()), [](const auto& change) {
   std::string name = change.param.name;
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == ' ' || c == '.'; }, '_');

@@ -10,10 +10,10 @@
 
 namespace floorloc {
 
-PictureFeatures DlibSurf(const cv::Mat& gray, double threshold, int max_keypoints) {
-  const dlib::cv_image<unsigned char> picture(gray);
-  const std::vector<dlib::surf_point> points = dlib::get_surf_points(picture, max_keypoints, threshold);
-  PictureFeatures features;
+ImageFeatures DlibSurf(const cv::Mat& gray, double threshold, int max_keypoints) {
+  const dlib::cv_image<unsigned char> image(gray);
+  const std::vector<dlib::surf_point> points = dlib::get_surf_points(image, max_keypoints, threshold);
+  ImageFeatures features;
   features.descriptors.create(static_cast<int>(points.size()), kSurfLength, CV_32FC1);
   for (int i = 0; i < features.descriptors.rows; ++i) {
     const dlib::surf_point& point = points[static_cast<std::size_t>(i)];

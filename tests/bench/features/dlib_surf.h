@@ -6,6 +6,6 @@
 namespace floorloc {
 
 /// The strongest of dlib's SURF features (4 octaves of 4 scales, first samples 2 px apart), keypoints as Surf has them.
-PictureFeatures DlibSurf(const cv::Mat& gray, double threshold, int max_keypoints);
+ImageFeatures DlibSurf(const cv::Mat& gray, double threshold, int max_keypoints);
 
 }  // namespace floorloc

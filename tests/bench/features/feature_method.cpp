@@ -18,7 +18,7 @@ FeatureMethod SurfMethod(const std::string& name, SurfOptions options, int max_k
   options.threshold = kSurfThreshold;
   options.max_keypoints = max_keypoints;
   return {name, [surf = Surf(options)](const cv::Mat& gray) {
-            PictureFeatures features;
+            ImageFeatures features;
             features.descriptors = surf.DetectAndDescribe(gray, cv::Mat(), &features.keypoints);
             return features;
           }};
@@ -27,7 +27,7 @@ FeatureMethod SurfMethod(const std::string& name, SurfOptions options, int max_k
 FeatureMethod StarFreakMethod(int max_keypoints) {
   return {"star+freak",
           [star = Star({.threshold = 2.0, .max_keypoints = max_keypoints}), freak = Freak({})](const cv::Mat& gray) {
-            PictureFeatures features;
+            ImageFeatures features;
             features.keypoints = star.Detect(gray);
             features.descriptors = freak.Describe(gray, &features.keypoints);
             return features;
@@ -36,7 +36,7 @@ FeatureMethod StarFreakMethod(int max_keypoints) {
 
 FeatureMethod OpenCvMethod(const std::string& name, const cv::Ptr<cv::Feature2D>& feature) {
   return {name, [feature](const cv::Mat& gray) {
-            PictureFeatures features;
+            ImageFeatures features;
             feature->detectAndCompute(gray, cv::noArray(), features.keypoints, features.descriptors);
             return features;
           }};

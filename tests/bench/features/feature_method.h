@@ -8,8 +8,8 @@
 
 namespace floorloc {
 
-/// What a method finds in a picture: descriptor i belongs to keypoint i; CV_32F or CV_8U (bits).
-struct PictureFeatures {
+/// What a method finds in an image: descriptor i belongs to keypoint i; CV_32F or CV_8U (bits).
+struct ImageFeatures {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
 };
@@ -17,11 +17,11 @@ struct PictureFeatures {
 /// A detector with a descriptor, set up to find about as many keypoints as the others.
 struct FeatureMethod {
   std::string name;
-  std::function<PictureFeatures(const cv::Mat& gray)> extract;
+  std::function<ImageFeatures(const cv::Mat& gray)> extract;
 };
 
 /// Our SURF with dlib's octaves, layers and sampling, dlib's SURF, our SURF for floors, STAR with FREAK, and OpenCV's
-/// SIFT and ORB. All keep the strongest max_keypoints; those whose descriptor would leave the picture go after that.
+/// SIFT and ORB. All keep the strongest max_keypoints; those whose descriptor would leave the image go after that.
 std::vector<FeatureMethod> ComparedMethods(int max_keypoints);
 
 }  // namespace floorloc

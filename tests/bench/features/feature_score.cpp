@@ -22,19 +22,19 @@ bool Inside(const cv::Size& size, const cv::Point2d& p) {
   return p.x >= kEdge && p.y >= kEdge && p.x <= size.width - 1 - kEdge && p.y <= size.height - 1 - kEdge;
 }
 
-// The features that are well inside the picture before and after the motion.
-PictureFeatures SeenTwice(const PictureFeatures& all, const cv::Matx23d& motion, const cv::Size& size) {
-  PictureFeatures seen;
+// The features that are well inside the image before and after the motion.
+ImageFeatures VisibleInBoth(const ImageFeatures& all, const cv::Matx23d& motion, const cv::Size& size) {
+  ImageFeatures visible;
   for (std::size_t i = 0; i < all.keypoints.size(); ++i) {
     if (Inside(size, all.keypoints[i].pt) && Inside(size, Move(motion, all.keypoints[i].pt))) {
-      seen.keypoints.push_back(all.keypoints[i]);
-      seen.descriptors.push_back(all.descriptors.row(static_cast<int>(i)));
+      visible.keypoints.push_back(all.keypoints[i]);
+      visible.descriptors.push_back(all.descriptors.row(static_cast<int>(i)));
     }
   }
-  return seen;
+  return visible;
 }
 
-int CountRepeated(const PictureFeatures& before, const PictureFeatures& after, const cv::Matx23d& motion) {
+int CountRepeated(const ImageFeatures& before, const ImageFeatures& after, const cv::Matx23d& motion) {
   const double zoom = std::hypot(motion(0, 0), motion(1, 0));
   std::vector<bool> taken(after.keypoints.size(), false);
   int repeated = 0;
@@ -67,12 +67,12 @@ void FeatureScore::Add(const FeatureScore& other) {
   offset += other.offset;
 }
 
-FeatureScore ScoreFeatures(const PictureFeatures& before, const PictureFeatures& after, const cv::Matx23d& motion,
+FeatureScore ScoreFeatures(const ImageFeatures& before, const ImageFeatures& after, const cv::Matx23d& motion,
                            const cv::Size& size) {
   cv::Matx23d back;
   cv::invertAffineTransform(motion, back);
-  const PictureFeatures from = SeenTwice(before, motion, size);
-  const PictureFeatures to = SeenTwice(after, back, size);
+  const ImageFeatures from = VisibleInBoth(before, motion, size);
+  const ImageFeatures to = VisibleInBoth(after, back, size);
   FeatureScore score;
   score.keypoints = static_cast<int>(std::min(from.keypoints.size(), to.keypoints.size()));
   if (score.keypoints == 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Speed and steadiness of features, ours beside dlib's and OpenCV's. Usage: surf_benchmark PICTURE...
+// Speed and steadiness of features, ours beside dlib's and OpenCV's. Usage: surf_benchmark IMAGE...
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -7,7 +7,7 @@
 
 #include "tests/bench/features/feature_method.h"
 #include "tests/bench/features/feature_score.h"
-#include "tests/bench/features/picture_change.h"
+#include "tests/bench/features/image_change.h"
 
 namespace floorloc {
 namespace {
@@ -18,7 +18,7 @@ constexpr int kRepetitions = 11;
 struct Row {
   std::string name;
   double median_ms = 0.0;
-  double keypoints = 0.0;  // per picture
+  double keypoints = 0.0;  // per image
   std::vector<FeatureScore> scores;
 };
 
@@ -36,35 +36,35 @@ double Median(std::vector<double> values) {
 }
 
 // The middle 640 x 480 pixels.
-std::vector<cv::Mat> ReadPictures(int count, char** names) {
-  std::vector<cv::Mat> pictures;
+std::vector<cv::Mat> ReadImages(int count, char** names) {
+  std::vector<cv::Mat> images;
   for (int i = 0; i < count; ++i) {
-    const cv::Mat picture = cv::imread(names[i], cv::IMREAD_GRAYSCALE);
-    if (picture.cols < 640 || picture.rows < 480) {
-      std::fprintf(stderr, "surf_benchmark: %s is no picture of at least 640 x 480 pixels\n", names[i]);
+    const cv::Mat image = cv::imread(names[i], cv::IMREAD_GRAYSCALE);
+    if (image.cols < 640 || image.rows < 480) {
+      std::fprintf(stderr, "surf_benchmark: %s is no image of at least 640 x 480 pixels\n", names[i]);
       continue;
     }
-    pictures.push_back(picture(cv::Rect((picture.cols - 640) / 2, (picture.rows - 480) / 2, 640, 480)).clone());
+    images.push_back(image(cv::Rect((image.cols - 640) / 2, (image.rows - 480) / 2, 640, 480)).clone());
   }
-  return pictures;
+  return images;
 }
 
-Row Measure(const FeatureMethod& method, const std::vector<cv::Mat>& pictures) {
+Row Measure(const FeatureMethod& method, const std::vector<cv::Mat>& images) {
   Row row{.name = method.name, .scores = {}};
   std::vector<double> times_ms;
-  const std::vector<PictureChange> changes = PictureChanges();
+  const std::vector<ImageChange> changes = ImageChanges();
   row.scores.resize(changes.size());
-  for (const cv::Mat& picture : pictures) {
-    PictureFeatures features;
+  for (const cv::Mat& image : images) {
+    ImageFeatures features;
     for (int i = 0; i < kRepetitions; ++i) {
       const double start_ms = ThreadMs();
-      features = method.extract(picture);
+      features = method.extract(image);
       times_ms.push_back(ThreadMs() - start_ms);
     }
-    row.keypoints += static_cast<double>(features.keypoints.size()) / static_cast<double>(pictures.size());
+    row.keypoints += static_cast<double>(features.keypoints.size()) / static_cast<double>(images.size());
     for (std::size_t i = 0; i < changes.size(); ++i) {
-      const PictureFeatures after = method.extract(Apply(changes[i], picture));
-      row.scores[i].Add(ScoreFeatures(features, after, changes[i].motion(picture.size()), picture.size()));
+      const ImageFeatures after = method.extract(Apply(changes[i], image));
+      row.scores[i].Add(ScoreFeatures(features, after, changes[i].motion(image.size()), image.size()));
     }
   }
   row.median_ms = Median(times_ms);
@@ -73,7 +73,7 @@ Row Measure(const FeatureMethod& method, const std::vector<cv::Mat>& pictures) {
 
 void PrintScores(const char* title, const std::vector<Row>& rows, double (FeatureScore::*value)() const) {
   std::printf("\n%-14s", title);
-  for (const PictureChange& change : PictureChanges()) {
+  for (const ImageChange& change : ImageChanges()) {
     std::printf("%10s", change.name.c_str());
   }
   std::printf("%10s\n", "mean");
@@ -99,19 +99,19 @@ void PrintSpeeds(const std::vector<Row>& rows, const Row& reference) {
 
 int Run(int count, char** names) {
   cv::setNumThreads(1);
-  const std::vector<cv::Mat> pictures = ReadPictures(count, names);
-  if (pictures.empty()) {
-    std::fprintf(stderr, "usage: surf_benchmark PICTURE...\n");
+  const std::vector<cv::Mat> images = ReadImages(count, names);
+  if (images.empty()) {
+    std::fprintf(stderr, "usage: surf_benchmark IMAGE...\n");
     return 2;
   }
   std::vector<Row> rows;
   for (const FeatureMethod& method : ComparedMethods(kMaxKeypoints)) {
-    rows.push_back(Measure(method, pictures));
+    rows.push_back(Measure(method, images));
   }
   std::printf(
-      "%zu pictures of 640 x 480 pixels, one thread, the strongest %d keypoints of each, threshold 1 for SURF.\n"
+      "%zu images of 640 x 480 pixels, one thread, the strongest %d keypoints of each, threshold 1 for SURF.\n"
       "'surf as dlib' looks where dlib does: 4 octaves of 4 scales, first samples 2 px apart.\n",
-      pictures.size(), kMaxKeypoints);
+      images.size(), kMaxKeypoints);
   PrintSpeeds(rows, rows[1]);
   PrintScores("repeatability", rows, &FeatureScore::repeatability);
   PrintScores("matching score", rows, &FeatureScore::matching_score);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the pairs of receptive fields that FREAK compares and prints core/vision/freak_pairs.cpp.
-// Usage: train_freak_pairs PICTURE...   (the table in use: maps/sample/survey/images/*.jpg)
+// Usage: train_freak_pairs IMAGE...   (the table in use: maps/sample/survey/images/*.jpg)
 //
 // As the paper does: every pair of fields is a candidate. It is good when it is set on half of the keypoints and says
 // what the pairs before it do not. So the candidates are gone through from the mean nearest to one half to the
@@ -41,13 +41,13 @@ std::vector<FreakPair> AllPairs() {
 
 // One row per keypoint, one column per pair: 0 or 1.
 void AddRows(const cv::Mat& gray, const std::vector<FreakPair>& pairs, cv::Mat* bits) {
-  const IntegralImage picture(gray);
-  BoxSampler sampler(picture);
+  const IntegralImage image(gray);
+  BoxSampler sampler(image);
   std::vector<cv::KeyPoint> keypoints = Star({.threshold = 2.0, .max_keypoints = 800}).Detect(gray);
   const auto reach = [](const cv::KeyPoint& k) { return static_cast<float>(kReachPerSize) * k.size; };
   DropNearEdge(gray.size(), reach, &keypoints);
   for (const cv::KeyPoint& keypoint : keypoints) {
-    FreakPlace place{keypoint.pt, reach(keypoint), 0.0F};
+    FreakPatternPose place{keypoint.pt, reach(keypoint), 0.0F};
     place.angle_deg = FreakOrientation(SampleFreakFields(place, &sampler));
     const FreakFields fields = SampleFreakFields(place, &sampler);
     cv::Mat row(1, static_cast<int>(pairs.size()), CV_32F);
@@ -118,7 +118,7 @@ void Run(int count, char** names) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: train_freak_pairs PICTURE...\n");
+    std::fprintf(stderr, "usage: train_freak_pairs IMAGE...\n");
     return 2;
   }
   floorloc::Run(argc - 1, argv + 1);

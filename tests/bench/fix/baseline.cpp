@@ -56,7 +56,7 @@ Mosaic Mosaic::Read(const std::filesystem::path& png) {
   mosaic.resolution_m = x_step;
   mosaic.gray = cv::imread(png.string(), cv::IMREAD_GRAYSCALE);
   if (mosaic.gray.empty()) {
-    throw InputError(png, "cannot be read as a picture; export the mosaic again");
+    throw InputError(png, "cannot be read as an image; export the mosaic again");
   }
   return mosaic;
 }

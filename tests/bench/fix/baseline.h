@@ -18,7 +18,7 @@ struct Mosaic {
   double resolution_m = 0.0;
   Eigen::Vector2d top_left_m = Eigen::Vector2d::Zero();  ///< centre of pixel (0, 0), map frame
 
-  /// Reads the picture and the world file beside it (same name, .pgw). Throws InputError.
+  /// Reads the image and the world file beside it (same name, .pgw). Throws InputError.
   static Mosaic Read(const std::filesystem::path& png);
 };
 
@@ -40,7 +40,7 @@ class Baseline {
  public:
   Baseline(const Mosaic& mosaic, BaselineMatcher matcher, const BaselineOptions& options);
 
-  /// Where the base frame of the picture stands in the map; empty when there is no plausible answer.
+  /// Pose of the image's base frame in the map; empty when there is no plausible answer.
   std::optional<Pose2> Locate(const GroundImage& image) const;
 
   int map_keypoints() const { return static_cast<int>(points_.size()); }

@@ -52,7 +52,7 @@ void Compare(const Contestants& all, const FrameSet& frames) {
   std::cout << "\nframes: " << frames.name << ", " << frames.size() << " with ground truth\n";
   PrintTable(std::cout, {
                             LocalizerColumn("with prior", all, frames,
-                                            PriorsBesideTruth(frames.truth_from_base, all.truth_from_map)),
+                                            PerturbedPriors(frames.truth_from_base, all.truth_from_map)),
                             LocalizerColumn("global", all, frames, NoPriors(frames.size())),
                             BaselineColumn("SIFT + brute", all.brute_force, frames, all.truth_from_map),
                             BaselineColumn("SIFT + FLANN", all.flann, frames, all.truth_from_map),

@@ -37,7 +37,7 @@ struct StageSamples {
 
 Priors NoPriors(std::size_t frames) { return Priors(frames); }
 
-Priors PriorsBesideTruth(const std::vector<Pose2>& truth_from_base, const Pose2& truth_from_map) {
+Priors PerturbedPriors(const std::vector<Pose2>& truth_from_base, const Pose2& truth_from_map) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> offset(-0.1, 0.1);
   Priors priors;

@@ -31,7 +31,7 @@ using Priors = std::vector<std::optional<PosePrior>>;
 /// No prior for any of the frames.
 Priors NoPriors(std::size_t frames);
 /// Priors up to 0.1 m and 0.1 rad beside the truth. `truth_from_map` as in AlignMapToTruth.
-Priors PriorsBesideTruth(const std::vector<Pose2>& truth_from_base, const Pose2& truth_from_map);
+Priors PerturbedPriors(const std::vector<Pose2>& truth_from_base, const Pose2& truth_from_map);
 
 /// Localizes the frames one after the other.
 MethodRun RunLocalizer(const Localizer& localizer, const FrameSet& frames, const Priors& priors);

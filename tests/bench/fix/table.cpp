@@ -55,7 +55,7 @@ void PrintTable(std::ostream& out, const std::vector<Column>& columns) {
   PrintStage(out, "match             ms", columns, &StageTimes::match_ms);
   PrintStage(out, "register          ms", columns, &StageTimes::register_ms);
   PrintScore(
-      out, "picture to pose   ms", columns, [](const Score& s) { return s.total_median_ms; }, 2);
+      out, "image to pose   ms", columns, [](const Score& s) { return s.total_median_ms; }, 2);
   PrintRow(out, "  times the first", columns, [&](const Column& column) {
     return Number(column.score.total_median_ms / columns.front().score.total_median_ms, 1);
   });

@@ -71,9 +71,9 @@ std::vector<Interval> ScoreRecoveries(const std::vector<FusionSample>& samples,
 }
 
 double JumpM(const FusionSample& before, const FusionSample& after) {
-  const Pose2 told = before.estimate->map_from_base.Between(after.estimate->map_from_base);
+  const Pose2 estimated = before.estimate->map_from_base.Between(after.estimate->map_from_base);
   const Pose2 real = before.truth.Between(after.truth);
-  return (told.translation() - real.translation()).norm();
+  return (estimated.translation() - real.translation()).norm();
 }
 
 }  // namespace

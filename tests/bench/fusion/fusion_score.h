@@ -30,7 +30,7 @@ struct FusionScore {
   void Add(const FusionScore& other);
 };
 
-/// Time after a kidnap that neither RMSE nor NEES look at: nobody can know before the next pictures.
+/// Time after a kidnap that RMSE and NEES exclude: it cannot be detected before the next images.
 inline constexpr double kSettleS = 2.0;
 
 FusionScore ScoreFusion(const std::vector<FusionSample>& samples, const std::vector<std::int64_t>& kidnaps_ns);

@@ -87,7 +87,7 @@ void PrintFusionTables(std::ostream& out, const std::vector<FusionVariant>& vari
   PrintTable(out, "mean NEES; 3 is exact", variants, rows, Consistency);
   out << "Jump: a step of the pose from one odometry message to the next, beyond the true motion. Wrong: beyond 50 mm "
          "or 3\n"
-         "degrees; between a kidnap and the next picture nobody can know. RMSE and NEES leave out the two seconds "
+         "degrees; between a kidnap and the next image nobody can know. RMSE and NEES leave out the two seconds "
          "after a\n"
          "kidnap, jumps the time until the vehicle is found again.\n";
 }

@@ -17,36 +17,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How the wheels have the motion between two times: what visual odometry is told to expect.
+// Motion between two times by wheel odometry: the prediction of visual odometry.
 std::optional<Pose2> WheelsBetween(const Trajectory& odometry, std::int64_t from_ns, std::int64_t to_ns) {
   const std::optional<Pose2> from = InterpolatePose(odometry, from_ns);
   const std::optional<Pose2> to = InterpolatePose(odometry, to_ns);
   return from && to ? std::optional(from->Between(*to)) : std::nullopt;
 }
 
-std::vector<RecordedPicture> LookAtPictures(const Localizer& localizer, const Survey& survey) {
+std::vector<RecordedImage> LocalizeImages(const Localizer& localizer, const Survey& survey) {
   const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m));
   PlanarOdometryOptions options;
   options.resolution_m = localizer.map().info.camera().floor.resolution_m;
   PlanarOdometry visual(options);
-  std::vector<RecordedPicture> pictures;
+  std::vector<RecordedImage> images;
   const CameraModel& camera = survey.camera.camera;
   for (const SurveyFrame& frame : survey.frames) {
     const cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
-    const FrameObservation seen = localizer.Observe(rectifier, raw);
-    const LocalizationResult found = localizer.Localize(seen, std::nullopt);
-    RecordedPicture picture{frame.stamp_ns, std::nullopt, std::nullopt};
+    const FrameObservation observation = localizer.Observe(rectifier, raw);
+    const LocalizationResult found = localizer.Localize(observation, std::nullopt);
+    RecordedImage image{frame.stamp_ns, std::nullopt, std::nullopt};
     if (found.status == LocalizationStatus::kLocalized) {
-      picture.fix = PoseFix{frame.stamp_ns, found.map_from_base, found.covariance, found.p_wrong};
+      image.fix = PoseFix{frame.stamp_ns, found.map_from_base, found.covariance, found.p_wrong};
     }
     const auto guess =
-        pictures.empty() ? std::nullopt : WheelsBetween(survey.odometry, pictures.back().stamp_ns, frame.stamp_ns);
-    if (const auto motion = visual.Track(frame.stamp_ns, seen.features, guess).motion) {
-      picture.motion = MotionIncrement{motion->from_ns, motion->to_ns, motion->from_from_to, motion->covariance};
+        images.empty() ? std::nullopt : WheelsBetween(survey.odometry, images.back().stamp_ns, frame.stamp_ns);
+    if (const auto motion = visual.Track(frame.stamp_ns, observation.features, guess).motion) {
+      image.motion = MotionIncrement{motion->from_ns, motion->to_ns, motion->from_from_to, motion->covariance};
     }
-    pictures.push_back(picture);
+    images.push_back(image);
   }
-  return pictures;
+  return images;
 }
 
 std::vector<std::int64_t> ReadKidnaps(const fs::path& events) {
@@ -69,12 +69,12 @@ std::vector<std::int64_t> ReadKidnaps(const fs::path& events) {
 }
 
 // Least squares, and again over the better half, so that a wrong fix cannot bend it.
-Pose2 MapFromTruth(const std::vector<RecordedPicture>& pictures, const Trajectory& truth, const fs::path& drive) {
+Pose2 MapFromTruth(const std::vector<RecordedImage>& images, const Trajectory& truth, const fs::path& drive) {
   std::vector<PosePair> pairs;
-  for (const RecordedPicture& picture : pictures) {
-    if (const auto pose = InterpolatePose(truth, picture.stamp_ns); pose && picture.fix) {
-      pairs.push_back({StampedPose3::FromPose2(picture.stamp_ns, picture.fix->map_from_base),
-                       StampedPose3::FromPose2(picture.stamp_ns, *pose)});
+  for (const RecordedImage& image : images) {
+    if (const auto pose = InterpolatePose(truth, image.stamp_ns); pose && image.fix) {
+      pairs.push_back({StampedPose3::FromPose2(image.stamp_ns, image.fix->map_from_base),
+                       StampedPose3::FromPose2(image.stamp_ns, *pose)});
     }
   }
   if (pairs.size() < 10) {
@@ -104,10 +104,10 @@ FusionRecording ReadFusionRecording(const Localizer& localizer, const fs::path& 
   for (const ImuSample& sample : survey.imu) {
     recording.imu.push_back({sample.stamp_ns, sample.angular_velocity.z(), sample.acceleration.head<2>()});
   }
-  recording.pictures = LookAtPictures(localizer, survey);
+  recording.images = LocalizeImages(localizer, survey);
   recording.kidnaps_ns = ReadKidnaps(drive / "events.csv");
   const Trajectory truth = ReadTum(drive / "groundtruth_dense.tum");
-  const Pose2 map_from_truth = MapFromTruth(recording.pictures, survey.ground_truth, drive);
+  const Pose2 map_from_truth = MapFromTruth(recording.images, survey.ground_truth, drive);
   for (const StampedPose3& pose : truth) {
     recording.truth.push_back(StampedPose3::FromPose2(pose.stamp_ns, map_from_truth * pose.ToPose2()));
   }

@@ -13,20 +13,20 @@
 
 namespace floorloc {
 
-/// One picture and what it told.
-struct RecordedPicture {
+/// One image and its measurements.
+struct RecordedImage {
   std::int64_t stamp_ns = 0;
   std::optional<PoseFix> fix;             ///< sought on the whole map; empty: not localized
-  std::optional<MotionIncrement> motion;  ///< since the picture before; empty: not known
+  std::optional<MotionIncrement> motion;  ///< since the image before; empty: not known
 };
 
 /// What a robot sent on a drive, and the truth.
 struct FusionRecording {
   std::string name;
-  Trajectory odometry;                    ///< odom_from_base
-  std::vector<ImuReading> imu;            ///< empty without one
-  std::vector<RecordedPicture> pictures;  ///< in the order of time, in the map's frame
-  Trajectory truth;                       ///< map_from_base at the odometry's times, in the map's frame
+  Trajectory odometry;                ///< odom_from_base
+  std::vector<ImuReading> imu;        ///< empty without one
+  std::vector<RecordedImage> images;  ///< in order of time, in the map's frame
+  Trajectory truth;                   ///< map_from_base at the odometry's times, in the map's frame
   std::vector<std::int64_t> kidnaps_ns;
 };
 

@@ -11,8 +11,8 @@ struct Deliver {
   PoseFuser& fuser;
   const FusionVariant& variant;
 
-  void operator()(const ToldMotion& motion) const {
-    if (motion.source == MotionSource::kWheels || variant.uses_pictures_motion) {
+  void operator()(const MotionMessage& motion) const {
+    if (motion.source == MotionSource::kWheels || variant.uses_visual_motion) {
       fuser.AddIncrement(motion.source, motion.increment);
     }
   }
@@ -22,7 +22,7 @@ struct Deliver {
     }
   }
   void operator()(const PoseFix& fix) const { fuser.AddFix(fix); }
-  void operator()(const PictureMiss& miss) const { fuser.AddMiss(miss.stamp_ns); }
+  void operator()(const LocalizationFailure& miss) const { fuser.AddUnlocalizedFrame(miss.stamp_ns); }
 };
 
 }  // namespace
@@ -30,7 +30,7 @@ struct Deliver {
 std::vector<FusionVariant> AllFusionVariants() {
   return {{"increments only", FusionMethod::kIncrements},     {"fixes only", FusionMethod::kFixes},
           {"thesis: replace on fix", FusionMethod::kReplace}, {"thesis: jump filter", FusionMethod::kJumpFilter},
-          {"floorloc: wheels", FusionMethod::kEkf},           {"+ pictures' motion", FusionMethod::kEkf, true},
+          {"floorloc: wheels", FusionMethod::kEkf},           {"+ images' motion", FusionMethod::kEkf, true},
           {"+ IMU", FusionMethod::kEkf, true, true}};
 }
 
@@ -40,7 +40,7 @@ std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messa
   std::vector<FusionSample> samples;
   for (const FusionMessage& message : messages) {
     std::visit(Deliver{*fuser, variant}, message.content);
-    const auto* motion = std::get_if<ToldMotion>(&message.content);
+    const auto* motion = std::get_if<MotionMessage>(&message.content);
     if (motion != nullptr && motion->source == MotionSource::kWheels) {
       const StampedPose3& pose = truth.at(samples.size() + 1);  // the first row is before the first motion
       const std::int64_t now_ns = motion->increment.to_ns;

@@ -10,17 +10,17 @@
 
 namespace floorloc {
 
-/// A way to fuse, as it stands in the table.
+/// A fusion method, as named in the table.
 struct FusionVariant {
   std::string name;
   FusionMethod method = FusionMethod::kEkf;
-  bool uses_pictures_motion = false;
+  bool uses_visual_motion = false;
   bool uses_imu = false;
 };
 
 std::vector<FusionVariant> AllFusionVariants();
 
-/// What the fuser said when the wheels had told of a motion, and the truth of that time.
+/// The fuser's estimate after a wheel increment, and the truth of that time.
 struct FusionSample {
   std::int64_t stamp_ns = 0;
   std::optional<FusedPose> estimate;

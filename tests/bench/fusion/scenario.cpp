@@ -10,10 +10,10 @@
 namespace floorloc {
 namespace {
 
-// Places, and how look-alikes lie to each other on floors of patterns.
-class WrongPlaces {
+// Places, and the offsets of aliased places on patterned floors.
+class WrongPositions {
  public:
-  WrongPlaces(const Trajectory& truth, std::mt19937_64& random) : random_(random) {
+  WrongPositions(const Trajectory& truth, std::mt19937_64& random) : random_(random) {
     for (const StampedPose3& pose : truth) {
       min_ = min_.cwiseMin(pose.translation_m.head<2>());
       max_ = max_.cwiseMax(pose.translation_m.head<2>());
@@ -63,7 +63,7 @@ void AddIncrements(const FusionRecording& recording, const FusionScenario& scena
     MotionIncrement increment{before.stamp_ns, after.stamp_ns, Pose2(), std::nullopt};
     twist.x() += SlippedM(increment, recording, scenario.slips);
     increment.motion = Pose2::Exp(twist);
-    messages.push_back({after.stamp_ns, ToldMotion{MotionSource::kWheels, increment}});
+    messages.push_back({after.stamp_ns, MotionMessage{MotionSource::kWheels, increment}});
   }
 }
 
@@ -74,14 +74,14 @@ bool IsInOutage(std::int64_t stamp_ns, const FusionRecording& recording, const F
 }
 
 // Makes some fixes wrong, alone or in runs.
-class FixSpoiler {
+class FixCorruptor {
  public:
-  FixSpoiler(const FusionScenario& scenario, WrongPlaces& places) : scenario_(scenario), places_(places) {}
+  FixCorruptor(const FusionScenario& scenario, WrongPositions& places) : scenario_(scenario), places_(places) {}
 
   PoseFix Spoil(PoseFix fix) {
     constexpr int kUnharmed = 5;  // at the start: whether a first fix is right, no fuser can know
     const bool begins = places_.Uniform(0.0, 1.0) < scenario_.wrong_rate / scenario_.wrong_run;
-    if (left_in_run_ == 0 && begins && seen_ >= kUnharmed) {
+    if (left_in_run_ == 0 && begins && fix_count_ >= kUnharmed) {
       left_in_run_ = scenario_.wrong_run;
       error_ = places_.DrawError(fix.map_from_base);
     }
@@ -89,37 +89,37 @@ class FixSpoiler {
       fix.map_from_base = error_ * fix.map_from_base;
       --left_in_run_;
     }
-    ++seen_;
+    ++fix_count_;
     return fix;
   }
 
  private:
   const FusionScenario& scenario_;
-  WrongPlaces& places_;
-  int seen_ = 0;
+  WrongPositions& places_;
+  int fix_count_ = 0;
   int left_in_run_ = 0;
   Pose2 error_;
 };
 
-void AddPictures(const FusionRecording& recording, const FusionScenario& scenario, std::uint64_t seed,
-                 std::vector<FusionMessage>& messages) {
+void AddImages(const FusionRecording& recording, const FusionScenario& scenario, std::uint64_t seed,
+               std::vector<FusionMessage>& messages) {
   std::mt19937_64 random(seed);
-  WrongPlaces places(recording.truth, random);
-  FixSpoiler spoiler(scenario, places);
-  for (const RecordedPicture& picture : recording.pictures) {
+  WrongPositions places(recording.truth, random);
+  FixCorruptor corruptor(scenario, places);
+  for (const RecordedImage& image : recording.images) {
     const bool dropped = places.Uniform(0.0, 1.0) < scenario.drop_rate;
     const double late_s = scenario.latency_s * places.Uniform(0.5, 1.5);
-    const std::int64_t arrival_ns = picture.stamp_ns + std::llround(1e9 * late_s);
-    if (IsInOutage(picture.stamp_ns, recording, scenario)) {
+    const std::int64_t arrival_ns = image.stamp_ns + std::llround(1e9 * late_s);
+    if (IsInOutage(image.stamp_ns, recording, scenario)) {
       continue;
     }
-    if (picture.motion) {
-      messages.push_back({arrival_ns, ToldMotion{MotionSource::kVision, *picture.motion}});
+    if (image.motion) {
+      messages.push_back({arrival_ns, MotionMessage{MotionSource::kVision, *image.motion}});
     }
-    if (picture.fix && !dropped) {
-      messages.push_back({arrival_ns, spoiler.Spoil(*picture.fix)});
+    if (image.fix && !dropped) {
+      messages.push_back({arrival_ns, corruptor.Spoil(*image.fix)});
     } else {
-      messages.push_back({arrival_ns, PictureMiss{picture.stamp_ns}});
+      messages.push_back({arrival_ns, LocalizationFailure{image.stamp_ns}});
     }
   }
 }
@@ -134,7 +134,7 @@ std::vector<FusionScenario> AllFusionScenarios() {
       {.name = "80 % not localized, 8 s blind", .drop_rate = 0.8, .outage_s = 8.0},
       {.name = "10 % of the fixes wrong", .wrong_rate = 0.1},
       {.name = "10 % wrong, 4 in a row by the same", .wrong_rate = 0.1, .wrong_run = 4},
-      {.name = "pictures 0.4 s late", .latency_s = 0.4},
+      {.name = "images 0.4 s late", .latency_s = 0.4},
       {.name = "kidnaps", .kidnapped = true},
       {.name = "kidnaps and a bit of all",
        .kidnapped = true,
@@ -154,7 +154,7 @@ std::vector<FusionMessage> MakeMessages(const FusionRecording& recording, const 
   for (const ImuReading& reading : recording.imu) {
     messages.push_back({reading.stamp_ns, reading});
   }
-  AddPictures(recording, scenario, seed, messages);
+  AddImages(recording, scenario, seed, messages);
   std::stable_sort(messages.begin(), messages.end(),
                    [](const FusionMessage& a, const FusionMessage& b) { return a.arrival_ns < b.arrival_ns; });
   return messages;

@@ -23,9 +23,9 @@ FusionRecording StraightDrive() {
     recording.truth.push_back(StampedPose3::FromPose2(stamp_ns, pose));
     if (stamp_ns % kFixNs == 0) {
       const Eigen::Matrix3d covariance = 1e-6 * Eigen::Matrix3d::Identity();
-      recording.pictures.push_back({stamp_ns, PoseFix{stamp_ns, pose, covariance, 1e-9}, std::nullopt});
+      recording.images.push_back({stamp_ns, PoseFix{stamp_ns, pose, covariance, 1e-9}, std::nullopt});
       if (stamp_ns > 0) {
-        recording.pictures.back().motion =
+        recording.images.back().motion =
             MotionIncrement{stamp_ns - kFixNs, stamp_ns, Pose2(0.06, 0.0, 0.0), covariance};
       }
     }
@@ -43,7 +43,7 @@ std::vector<PoseFix> FixesIn(const std::vector<FusionMessage>& messages) {
   return fixes;
 }
 
-bool IsWheels(const ToldMotion* motion) { return motion != nullptr && motion->source == MotionSource::kWheels; }
+bool IsWheels(const MotionMessage* motion) { return motion != nullptr && motion->source == MotionSource::kWheels; }
 
 bool IsWrong(const PoseFix& fix) {
   const Pose2 truth(0.3e-9 * static_cast<double>(fix.stamp_ns), 0.0, 0.0);
@@ -92,7 +92,7 @@ TEST(FusionScenario, StretchesAndBendsOdometry) {
   const FusionScenario scenario{.odometry_scale = 1.1, .drift_rad_per_m = 0.02};
   Pose2 odom_from_base;
   for (const FusionMessage& message : MakeMessages(StraightDrive(), scenario, 1)) {
-    if (const auto* motion = std::get_if<ToldMotion>(&message.content); IsWheels(motion)) {
+    if (const auto* motion = std::get_if<MotionMessage>(&message.content); IsWheels(motion)) {
       odom_from_base = odom_from_base * motion->increment.motion;
     }
   }
@@ -103,7 +103,7 @@ TEST(FusionScenario, StretchesAndBendsOdometry) {
 TEST(FusionScenario, LetsWheelsSlip) {
   double distance_m = 0.0;
   for (const FusionMessage& message : MakeMessages(StraightDrive(), {.slips = 4}, 1)) {
-    if (const auto* motion = std::get_if<ToldMotion>(&message.content); IsWheels(motion)) {
+    if (const auto* motion = std::get_if<MotionMessage>(&message.content); IsWheels(motion)) {
       distance_m += motion->increment.motion.x();
     }
   }
@@ -114,7 +114,7 @@ TEST(ReplayMessages, SamplesEveryIncrementOfEveryFuser) {
   FusionRecording recording = StraightDrive();
   recording.odometry.resize(501);
   recording.truth.resize(501);
-  recording.pictures.resize(51);
+  recording.images.resize(51);
   const std::vector<FusionMessage> messages = MakeMessages(recording, {}, 1);
   for (const FusionVariant& variant : AllFusionVariants()) {
     const std::vector<FusionSample> samples = ReplayMessages(messages, recording.truth, variant);

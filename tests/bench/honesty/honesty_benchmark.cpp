@@ -38,7 +38,7 @@ struct Bench {
   Arguments arguments;
   std::vector<FloorCase> floors;
   std::vector<ConditionCase> conditions;
-  std::vector<GrayFloor> pictures;  // of each floor as it was surveyed
+  std::vector<GrayFloor> images;  // of each floor as it was surveyed
 
   FloorFiles Files(std::size_t floor) const { return {arguments.state, floors[floor].name}; }
   fs::path Results(std::size_t floor) const { return fs::path(arguments.state) / (floors[floor].name + ".jsonl"); }
@@ -54,7 +54,7 @@ Bench Prepare(const Arguments& arguments) {
       fs::remove(bench.Results(i));
     }
     PrepareFloor(bench.Files(i), bench.floors[i], ProgressOutput::Stderr());
-    bench.pictures.push_back(ReadGrayFloor(bench.Files(i), 0.0));
+    bench.images.push_back(ReadGrayFloor(bench.Files(i), 0.0));
   }
   return bench;
 }
@@ -68,7 +68,7 @@ FrameRunner MakeRunner(const Bench& bench, std::size_t index, const BenchFloor& 
   std::vector<const GrayFloor*> others;
   for (std::size_t i = 0; i < bench.floors.size(); ++i) {
     if (i != index) {
-      others.push_back(&bench.pictures[i]);
+      others.push_back(&bench.images[i]);
       planner.other_sizes_m.emplace_back(bench.floors[i].texture.width_m, bench.floors[i].texture.height_m);
     }
   }
@@ -139,8 +139,8 @@ int main(int argc, char** argv) {
   app.add_option("--frames", arguments.frames, "Frames over all floors")->capture_default_str();
   app.add_option("--seed", arguments.seed, "Of the frames")->capture_default_str();
   app.add_option("--state", arguments.state, "Folder of maps and results")->required();
-  app.add_option("--photograph", arguments.photograph, "Picture of a floor to make one of")->required();
-  app.add_option("--threads", arguments.threads, "0: one per core")->capture_default_str();
+  app.add_option("--photograph", arguments.photograph, "Image of a floor to make one of")->required();
+  app.add_option("--threads", arguments.threads, "Number of threads; 0: one per core")->capture_default_str();
   app.add_flag("--restart", arguments.restart, "Forget the results; after a change of the localizer");
   app.add_flag("--rebuild", arguments.rebuild, "Forget the maps too; after a change of features or builder");
   CLI11_PARSE(app, argc, argv);

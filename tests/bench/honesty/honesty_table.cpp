@@ -87,18 +87,18 @@ void PrintVerdict(std::ostream& out, SearchKind search, const HonestyReport& rep
 
 // Those with a wrong prior can't be helped: they are only counted.
 void PrintWrongFixes(std::ostream& out, const HonestyReport& report) {
-  constexpr int kMost = 40;
+  constexpr int kMaxRows = 40;
   int listed = 0;
   for (const WrongFix& wrong : report.wrong_fixes) {
-    if (wrong.fix.search != SearchKind::kWrongPrior && ++listed <= kMost) {
+    if (wrong.fix.search != SearchKind::kWrongPrior && ++listed <= kMaxRows) {
       out << "WRONG: " << wrong.floor << " frame " << wrong.frame << ", " << ToString(wrong.place) << ", "
           << wrong.condition << ", " << ToString(wrong.fix.search) << ": off by "
           << Number(1000.0 * wrong.fix.error_m, 1) << " mm, p_wrong " << Scientific(wrong.fix.p_wrong) << ", "
           << wrong.fix.inliers << " inliers\n";
     }
   }
-  if (listed > kMost) {
-    out << "and " << listed - kMost << " more; the JSON report has all\n";
+  if (listed > kMaxRows) {
+    out << "and " << listed - kMaxRows << " more; the JSON report has all\n";
   }
 }
 

@@ -52,13 +52,13 @@ std::vector<int> TrueMatches(const QueryFrame& frame, const FloorMap& real) {
   const std::vector<Keypoint>& map = real.keypoints.keypoints;
   std::vector<int> matches;
   for (std::size_t q = 0; q < frame.features.keypoints.size(); ++q) {
-    const Keypoint& seen = frame.features.keypoints[q];
-    const Eigen::Vector2d place = frame.map_from_base * seen.Position();
+    const Keypoint& query = frame.features.keypoints[q];
+    const Eigen::Vector2d position = frame.map_from_base * query.Position();
     int best = -1;
     double best_distance = kMaxDistance;
     for (std::size_t i = 0; i < map.size(); ++i) {
-      if ((map[i].Position() - place).squaredNorm() > kMaxOffM * kMaxOffM ||
-          std::abs(WrapAngle(map[i].angle_rad - seen.angle_rad - frame.map_from_base.yaw())) > kMaxTurnRad) {
+      if ((map[i].Position() - position).squaredNorm() > kMaxOffM * kMaxOffM ||
+          std::abs(WrapAngle(map[i].angle_rad - query.angle_rad - frame.map_from_base.yaw())) > kMaxTurnRad) {
         continue;
       }
       const double distance = cv::norm(real.keypoints.descriptors.row(static_cast<int>(i)),

@@ -37,7 +37,7 @@ GlobalSearchResult SearchGlobally(const DescriptorIndex& index, const BigFloor& 
     const auto inliers = poses.empty() ? 0 : static_cast<int>(poses[0].inliers.size());
     if (inliers >= options.registration.min_inliers &&
         Log10NfaOfPose(static_cast<int>(matches.size()), inliers, {floor.area_m2()}, options.registration) <=
-            options.max_log_chance) {
+            options.max_log10_nfa) {
       result.floor_from_base = poses[0].target_from_source;
       break;
     }

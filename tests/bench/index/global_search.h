@@ -10,20 +10,20 @@
 
 namespace floorloc {
 
-/// How a frame is looked for in the whole floor.
+/// How a frame is searched on the whole floor.
 struct GlobalSearchOptions {
   std::vector<int> efforts = {16, 128, 1024};  ///< probes per keypoint, until a pose is beyond chance
   int neighbours = 2;                          ///< per keypoint; each of them votes
   float max_distance = 64.0F;                  ///< bits
-  double max_log_chance = -6.0;                ///< log10 of the poses that chance would give
+  double max_log10_nfa = -6.0;                 ///< log10 of the poses that chance would give
   RegistrationOptions registration;
 };
 
 struct GlobalSearchResult {
   std::optional<Pose2> floor_from_base;
-  int effort = 0;              ///< probes of the last look
+  int effort = 0;              ///< probes of the last search
   double ms = 0.0;             ///< processor time
-  std::vector<Match> matches;  ///< of the last look
+  std::vector<Match> matches;  ///< of the last search
 };
 
 /// From descriptors to a pose that is beyond chance, or none.

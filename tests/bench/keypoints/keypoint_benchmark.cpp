@@ -35,7 +35,7 @@ std::vector<KeypointTally> MakeTallies(const std::vector<double>& budgets) {
 // One after the other: all at once would need much memory.
 using SceneMakers = std::vector<std::function<Scene()>>;
 
-SceneMakers MakersOfScenes(const Arguments& arguments) {
+SceneMakers MakeSceneMakers(const Arguments& arguments) {
   if (!arguments.folders.empty()) {
     const std::vector<fs::path> frames(arguments.folders.begin() + 1, arguments.folders.end());
     return {[survey = arguments.folders.front(), frames] { return ReadScene(survey, frames); }};
@@ -51,7 +51,7 @@ void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   fs::remove_all(arguments.state);
   fs::create_directories(arguments.state);
-  const SceneMakers makers = MakersOfScenes(arguments);
+  const SceneMakers makers = MakeSceneMakers(arguments);
   std::vector<KeypointTally> tallies = MakeTallies(arguments.budgets);
   std::vector<std::string> groups;
   ProgressBar progress("keypoints", static_cast<std::int64_t>(makers.size() * tallies.size()),
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
   CLI::App app("Prunes maps to budgets by several rules, localizes frames in them and prints one table.",
                "keypoint_benchmark");
   app.add_option("--state", arguments.state, "Folder of floors and maps; what is there is lost")->required();
-  app.add_option("--photograph", arguments.photograph, "Picture of a floor to make one of")->required();
+  app.add_option("--photograph", arguments.photograph, "Image of a floor to make one of")->required();
   app.add_option("--frames", arguments.frames, "Mild and as many hard frames per simulated floor")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -48,9 +48,9 @@ BuiltMap Read(const MapDatabase& database, const std::filesystem::path& survey) 
   return built;
 }
 
-FusionOptions OptionsFor(const BuiltMap& built, double budget_per_m2) {
+KeypointFusionOptions OptionsFor(const BuiltMap& built, double budget_per_m2) {
   const MapInfo& info = built.map.info;
-  FusionOptions options = FusionOptions().ForCamera(info.camera().floor, info.extractor.max_keypoints);
+  KeypointFusionOptions options = KeypointFusionOptions().ForCamera(info.camera().floor, info.extractor.max_keypoints);
   options.pruning.max_per_m2 = budget_per_m2;
   return options;
 }
@@ -87,7 +87,7 @@ void TryBudgets(const Scene& scene, const std::filesystem::path& folder, std::ve
   Build(scene.survey, file);
   const MapDatabase database(file);
   const BuiltMap built = Read(database, scene.survey);
-  const FusionInput input{built.frames, built.map_from_base, built.floor_in_base};
+  const KeypointFusionInput input{built.frames, built.map_from_base, built.floor_in_base};
   for (KeypointTally& tally : *tallies) {
     FloorMap map = built.map;
     map.keypoints = FuseByRule(tally.rule, input, OptionsFor(built, tally.budget_per_m2));

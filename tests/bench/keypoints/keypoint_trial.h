@@ -23,7 +23,7 @@ struct KeypointTally {
   std::map<std::string, GroupTally> groups;
 };
 
-/// Builds the scene's map in the folder, and for every tally fuses its keypoints anew by the tally's rule and budget,
+/// Builds the scene's map in the folder, and for every tally fuses its keypoints again by the tally's rule and budget,
 /// localizes the scene's frames with them on all cores, and adds what came out to the tally; `advance` is called after
 /// each. Throws what the builder throws.
 void TryBudgets(const Scene& scene, const std::filesystem::path& folder, std::vector<KeypointTally>* tallies,

@@ -46,16 +46,16 @@ std::vector<int> ChooseMostObserved(const MapKeypoints& all, const PruningOption
   return chosen;
 }
 
-std::vector<int> ChooseAny(const MapKeypoints& all, const FusionInput& input, const PruningOptions& options) {
+std::vector<int> ChooseAny(const MapKeypoints& all, const KeypointFusionInput& input, const PruningOptions& options) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  std::vector<Eigen::Vector2d> places;
+  std::vector<Eigen::Vector2d> positions;
   std::vector<double> usefulness;
   for (const Keypoint& k : all.keypoints) {
-    places.push_back(k.Position());
+    positions.push_back(k.Position());
     usefulness.push_back(unit(random));
   }
-  return ChooseEvenly(places, usefulness, CoverageGrid(input.map_from_base, input.floor_in_base), options);
+  return ChooseEvenly(positions, usefulness, CoverageGrid(input.map_from_base, input.floor_in_base), options);
 }
 
 }  // namespace
@@ -77,11 +77,11 @@ const std::vector<PruningRule>& AllPruningRules() {
   return rules;
 }
 
-MapKeypoints FuseByRule(PruningRule rule, const FusionInput& input, const FusionOptions& options) {
+MapKeypoints FuseByRule(PruningRule rule, const KeypointFusionInput& input, const KeypointFusionOptions& options) {
   if (rule == PruningRule::kUseful) {
     return FuseKeypoints(input, options);
   }
-  FusionOptions unlimited = options;
+  KeypointFusionOptions unlimited = options;
   unlimited.pruning.max_per_m2 = HUGE_VAL;
   const MapKeypoints all = FuseKeypoints(input, unlimited);
   return Select(all, rule == PruningRule::kObserved ? ChooseMostObserved(all, options.pruning)

@@ -19,6 +19,6 @@ const char* ToString(PruningRule rule);
 const std::vector<PruningRule>& AllPruningRules();
 
 /// A map's keypoints, chosen by the rule within options.pruning's budget.
-MapKeypoints FuseByRule(PruningRule rule, const FusionInput& input, const FusionOptions& options);
+MapKeypoints FuseByRule(PruningRule rule, const KeypointFusionInput& input, const KeypointFusionOptions& options);
 
 }  // namespace floorloc

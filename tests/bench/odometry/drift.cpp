@@ -51,7 +51,7 @@ void AddNees(const std::vector<OdometryStep>& steps, const std::vector<Pose2>& t
     if (steps[i].motion && !steps[i - 1].lost && steps[i].chain == steps[i - 1].chain) {
       const VisualMotion& motion = *steps[i].motion;
       tally->nees_alone.push_back(Nees(truth[i - 1].Between(truth[i]), motion.from_from_to, motion.covariance_alone));
-      sum.covariance = CarriedCovariance(sum, motion.from_from_to, motion.covariance);
+      sum.covariance = PropagatedCovariance(sum, motion.from_from_to, motion.covariance);
       sum.anchor_from_base = sum.anchor_from_base * motion.from_from_to;
       if (whole) {
         tally->nees_summed.push_back(Nees(truth[keyframe].Between(truth[i]), sum.anchor_from_base, sum.covariance));

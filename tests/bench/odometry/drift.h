@@ -12,7 +12,7 @@ namespace floorloc {
 struct OdometryStep {
   bool lost = false;
   Pose2 odom_from_base;
-  int chain = 0;  ///< poses of one number hang together by measured motions
+  int chain = 0;  ///< poses of one number are connected by measured motions
   std::optional<VisualMotion> motion;
   bool new_keyframe = false;
   double extract_ms = 0.0;

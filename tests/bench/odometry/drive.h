@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// A recorded drive, its pictures rectified.
+/// A recorded drive, its images rectified.
 struct Drive {
   std::string name;
   FloorCamera camera;

@@ -36,7 +36,7 @@ void KltOdometry::Detect(const cv::Mat& gray, const GroundImage& image) {
 }
 
 // Keeps the corners that come back to where they were.
-void KltOdometry::Carry(const std::vector<cv::Mat>& pyramid, const GroundGrid& grid) {
+void KltOdometry::TrackPoints(const std::vector<cv::Mat>& pyramid, const GroundGrid& grid) {
   std::vector<cv::Point2f> next;
   const Pose2 back_step = step_.Inverse();
   for (const cv::Point2f& p : places_px_) {
@@ -50,12 +50,13 @@ void KltOdometry::Carry(const std::vector<cv::Mat>& pyramid, const GroundGrid& g
                            cv::OPTFLOW_USE_INITIAL_FLOW);
   cv::calcOpticalFlowPyrLK(pyramid, pyramid_, next, back, found_back, cv::noArray(), window, kLevels, criteria,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
-  const cv::Rect2f picture(0.0F, 0.0F, static_cast<float>(grid.width_px - 1), static_cast<float>(grid.height_px - 1));
+  const cv::Rect2f image_bounds(0.0F, 0.0F, static_cast<float>(grid.width_px - 1),
+                                static_cast<float>(grid.height_px - 1));
   std::vector<cv::Point2f> kept;
   std::vector<Eigen::Vector2d> kept_places;
   for (std::size_t i = 0; i < next.size(); ++i) {
     const cv::Point2f miss = back[i] - places_px_[i];
-    if (found[i] != 0 && found_back[i] != 0 && picture.contains(next[i]) &&
+    if (found[i] != 0 && found_back[i] != 0 && image_bounds.contains(next[i]) &&
         miss.dot(miss) < kMaxReturnPx * kMaxReturnPx) {
       kept.push_back(next[i]);
       kept_places.push_back(keyframe_places_[i]);
@@ -71,7 +72,7 @@ std::optional<Pose2> KltOdometry::Track(const cv::Mat& gray, const GroundImage& 
   std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(gray, pyramid, {kWindowPx, kWindowPx}, kLevels);
   if (!places_px_.empty()) {
-    Carry(pyramid, image.grid);
+    TrackPoints(pyramid, image.grid);
   }
   pyramid_ = std::move(pyramid);
   const Pose2 predicted = keyframe_from_base_ * step_;

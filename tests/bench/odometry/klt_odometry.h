@@ -12,21 +12,21 @@
 
 namespace floorloc {
 
-/// Planar odometry by corners that are carried from picture to picture (pyramidal Lucas-Kanade, forward and backward):
+/// Planar odometry by corners that are tracked from image to image (pyramidal Lucas-Kanade, forward and backward):
 /// the alternative to features that the product does not use. Where corners were first seen is the keyframe; it is
 /// kept while half of them are left.
 class KltOdometry {
  public:
   explicit KltOdometry(const RegistrationOptions& registration) : registration_(registration) {}
 
-  /// gray: rectified picture or a filtered one of its size. guess: motion since the previous frame; without it that
+  /// gray: rectified image or a filtered one of its size. guess: motion since the previous frame; without it that
   /// since the one before goes on. The base's motion since the previous frame; empty when it is lost, and for the first
   /// frame.
   std::optional<Pose2> Track(const cv::Mat& gray, const GroundImage& image, const std::optional<Pose2>& guess);
 
  private:
   void Detect(const cv::Mat& gray, const GroundImage& image);
-  void Carry(const std::vector<cv::Mat>& pyramid, const GroundGrid& grid);
+  void TrackPoints(const std::vector<cv::Mat>& pyramid, const GroundGrid& grid);
 
   RegistrationOptions registration_;
   std::vector<cv::Mat> pyramid_;                  // of the previous frame

@@ -32,9 +32,9 @@ double Quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return std::nan("");
   }
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
 }
 
 double Rms(const std::vector<double>& values) {
@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
   CLI::App app("Measures planar visual odometry by features and by KLT on simulated and recorded drives.",
                "odometry_benchmark");
   app.add_option("--state", arguments.state, "Folder of simulated drives")->required();
-  app.add_option("--photograph", arguments.photograph, "Picture of a floor to make one of")->required();
+  app.add_option("--photograph", arguments.photograph, "Image of a floor to make one of")->required();
   app.add_option("--frames", arguments.frames, "Of each simulated drive")
       ->check(CLI::Range(20, 100000))
       ->capture_default_str();

@@ -16,8 +16,7 @@ struct OdometryMethod {
   std::function<std::vector<OdometryStep>(const Drive&)> run;
 };
 
-/// The product's with and without wheel odometry as a guess, KLT alike, and KLT on contrast-normalised
-/// pictures.
+/// The product's with and without wheel odometry as initial guess, KLT likewise, and KLT on contrast-normalised images.
 std::vector<OdometryMethod> OdometryMethods();
 
 }  // namespace floorloc

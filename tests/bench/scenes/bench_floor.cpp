@@ -27,13 +27,13 @@ constexpr int kSurveyJpegQuality = 90;
 constexpr std::uint64_t kSurveySeed = 11;
 constexpr std::uint64_t kWearSeed = 12;
 
-void WritePicture(const fs::path& file, const cv::Mat& picture, const std::vector<int>& parameters) {
-  if (!cv::imwrite(file.string(), picture, parameters)) {
+void WriteImage(const fs::path& file, const cv::Mat& image, const std::vector<int>& parameters) {
+  if (!cv::imwrite(file.string(), image, parameters)) {
     throw InputError(file, "cannot be written; check the folder's permissions and the space on the disk");
   }
 }
 
-void WriteLooks(const FloorFiles& files, const FloorTexture& floor) {
+void WriteWornFloors(const FloorFiles& files, const FloorTexture& floor) {
   std::set<double> shares;
   for (const ConditionCase& condition : ConditionCases()) {
     shares.insert(condition.wear);
@@ -43,7 +43,7 @@ void WriteLooks(const FloorFiles& files, const FloorTexture& floor) {
     WearFloor(worn, share, kWearSeed);
     cv::Mat gray;
     cv::cvtColor(worn.bgr, gray, cv::COLOR_BGR2GRAY);
-    WritePicture(files.Picture(share), gray, {});
+    WriteImage(files.ImageFile(share), gray, {});
   }
 }
 
@@ -73,9 +73,9 @@ void WriteSurvey(const fs::path& folder, const FloorCase& floor_case, const Floo
   ParallelFor(static_cast<int>(path.frames.size()), 0, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     const PathFrame& frame = path.frames[index];
-    const cv::Mat picture =
+    const cv::Mat image =
         renderer.Render(frame.map_from_base, sampler.Sample(index, ToSeconds(frame.stamp_ns), frame.twist));
-    WritePicture(folder / names[index], picture, {cv::IMWRITE_JPEG_QUALITY, kSurveyJpegQuality});
+    WriteImage(folder / names[index], image, {cv::IMWRITE_JPEG_QUALITY, kSurveyJpegQuality});
   });
   WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(camera.camera));
   WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(camera.floor));
@@ -98,14 +98,14 @@ double RmsError(const std::vector<MapFrame>& frames, const Trajectory& truth, co
 
 }  // namespace
 
-fs::path FloorFiles::Picture(double wear) const {
+fs::path FloorFiles::ImageFile(double wear) const {
   return folder / (name + "-" + std::to_string(std::lround(100.0 * wear)) + ".pgm");
 }
 
 void MakeFloor(const FloorFiles& files, const FloorCase& floor_case) {
   fs::create_directories(files.folder);
   const FloorTexture floor = MakeFloorTexture(floor_case.texture);
-  WriteLooks(files, floor);
+  WriteWornFloors(files, floor);
   WriteSurvey(files.Survey(), floor_case, floor);
 }
 
@@ -122,10 +122,10 @@ void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const Pr
 }
 
 GrayFloor ReadGrayFloor(const FloorFiles& files, double wear) {
-  const fs::path file = files.Picture(wear);
+  const fs::path file = files.ImageFile(wear);
   GrayFloor floor{cv::imread(file.string(), cv::IMREAD_GRAYSCALE), FloorTextureOptions().resolution_m};
   if (floor.gray.empty()) {
-    throw InputError(file, "cannot be read as a picture; run the benchmark with --rebuild");
+    throw InputError(file, "cannot be read as an image; run the benchmark with --rebuild");
   }
   return floor;
 }

@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// Where the benchmark keeps a floor's pictures, survey and map.
+/// Where the benchmark keeps a floor's images, survey and map.
 struct FloorFiles {
   std::filesystem::path folder;
   std::string name;
@@ -21,7 +21,7 @@ struct FloorFiles {
   std::filesystem::path Survey() const { return folder / (name + "-survey"); }
   std::filesystem::path Map() const { return folder / (name + ".floormap"); }
   /// The floor when the share `wear` of it has changed.
-  std::filesystem::path Picture(double wear) const;
+  std::filesystem::path ImageFile(double wear) const;
 };
 
 /// Makes the floor, its worn variants and a survey of its left part. Throws InputError when they can't be written.

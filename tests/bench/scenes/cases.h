@@ -14,7 +14,8 @@ struct FloorCase {
   std::string name;  ///< also of its files
   FloorTextureOptions texture;
   double mapped_width_m = 0.0;
-  /// What was never surveyed shows the same pictures, pixel by pixel: no frame looks there, for none could be told.
+  /// What was never surveyed shows the same images, pixel by pixel: no frame is taken there, for none could be
+  /// distinguished.
   bool copies_itself = false;
   double repeat_m = 0.0;  ///< the floor nearly repeats itself after this distance; 0: it doesn't
 };

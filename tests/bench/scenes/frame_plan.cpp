@@ -16,8 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kEdgeShare = 0.08;
 constexpr double kUnmappedShare = 0.06;
 constexpr double kOtherFloorShare = 0.06;
-constexpr double kEdgeReachM = 0.12;    // of the picture's middle, to both sides of the border
-constexpr double kUnmappedGapM = 0.05;  // between the surveyed floor and a picture beside it
+constexpr double kEdgeReachM = 0.12;    // of the image's middle, to both sides of the border
+constexpr double kUnmappedGapM = 0.05;  // between the surveyed floor and an image beside it
 constexpr double kSpeedMPerS = 0.3;
 constexpr double kPriorFill = 0.95;  // how much of the prior's radius its error uses
 constexpr double kWrongPriorJitterM = 0.03;
@@ -27,7 +27,7 @@ struct Area {
   Eigen::Vector2d max_m;
 };
 
-// The base pose that has the middle of the picture there.
+// The base pose that has the middle of the image there.
 Pose2 PoseWithViewAt(const Eigen::Vector2d& middle_m, double yaw_rad, const RectM& roi) {
   const Eigen::Vector2d position = middle_m - Pose2(0.0, 0.0, yaw_rad) * roi.Center();
   return {position.x(), position.y(), yaw_rad};

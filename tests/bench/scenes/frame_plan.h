@@ -27,7 +27,7 @@ const char* ToString(FramePlace place);
 /// Throws std::invalid_argument for another name.
 FramePlace ParseFramePlace(const std::string& name);
 
-/// What the localizer is told.
+/// Options of the localizer.
 enum class SearchKind {
   kGlobal,      ///< nothing
   kPrior,       ///< a prior that holds

@@ -60,7 +60,7 @@ TEST(FramePlanner, FloorsThatCopyThemselvesHaveNoUnmappedFrames) {
   }
 }
 
-TEST(FramePlanner, StaysOnTheMapWhenTold) {
+TEST(FramePlanner, StaysOnTheMapWhenAsked) {
   FramePlanner planner = MakePlanner();
   planner.only_on_map = true;
   planner.floor.texture.width_m = planner.floor.mapped_width_m;  // no unmapped part

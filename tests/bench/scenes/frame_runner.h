@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// The picture of a planned frame (CV_8UC1). floor: what the frame is on, as the condition has left it.
+/// The image of a planned frame (CV_8UC1). floor: what the frame is on, as the condition has left it.
 cv::Mat RenderFrame(const GrayRenderer& renderer, const GrayFloor& floor, const ConditionCase& condition,
                     const FramePlan& plan);
 
@@ -35,7 +35,7 @@ class FrameRunner {
   Rectifier rectifier_;
 };
 
-/// True when both tell the same but for the times: the program still gives the same answers.
+/// True when both are equal but for the times: the program still gives the same answers.
 bool SameAnswers(const FrameRecord& a, const FrameRecord& b);
 
 }  // namespace floorloc

@@ -55,18 +55,18 @@ double BlurPx(const FloorCamera& camera, const Eigen::Vector3d& motion) {
   return (motion.head<2>().norm() + std::abs(motion.z()) * view_distance_m) / camera.floor.resolution_m;
 }
 
-void AddNoise(cv::Mat& picture, const RenderConditions& conditions) {
+void AddNoise(cv::Mat& image, const RenderConditions& conditions) {
   if (conditions.read_noise <= 0.0 && conditions.shot_noise <= 0.0) {
     return;
   }
   const auto read_variance = static_cast<float>(conditions.read_noise * conditions.read_noise);
   const auto shot = static_cast<float>(conditions.shot_noise);
-  cv::Mat noise(picture.size(), CV_32FC1);
+  cv::Mat noise(image.size(), CV_32FC1);
   cv::RNG rng(conditions.noise_seed);
   rng.fill(noise, cv::RNG::NORMAL, 0.0, kLumaNoise);
-  auto* values = picture.ptr<float>();
+  auto* values = image.ptr<float>();
   const auto* normal = noise.ptr<float>();
-  const auto count = static_cast<int>(picture.total());
+  const auto count = static_cast<int>(image.total());
   for (int i = 0; i < count; ++i) {
     values[i] += normal[i] * std::sqrt(read_variance + shot * std::max(0.0F, values[i]));
   }
@@ -104,14 +104,14 @@ GrayRenderer::GrayRenderer(const FloorCamera& camera) : camera_(camera) {
 
 cv::Mat GrayRenderer::Render(const GrayFloor& floor, const Pose2& map_from_base, const RenderConditions& conditions,
                              int jpeg_quality) const {
-  cv::Mat picture = RenderFloor(floor, map_from_base, conditions);
-  picture = picture.mul(RenderLight(map_from_base, conditions)) + conditions.bias;
+  cv::Mat image = RenderFloor(floor, map_from_base, conditions);
+  image = image.mul(RenderLight(map_from_base, conditions)) + conditions.bias;
   if (conditions.defocus_px > 0.0) {
-    cv::GaussianBlur(picture, picture, {}, conditions.defocus_px);
+    cv::GaussianBlur(image, image, {}, conditions.defocus_px);
   }
-  AddNoise(picture, conditions);
+  AddNoise(image, conditions);
   cv::Mat raw;
-  picture.convertTo(raw, CV_8UC1);
+  image.convertTo(raw, CV_8UC1);
   return ThroughJpeg(raw, jpeg_quality);
 }
 

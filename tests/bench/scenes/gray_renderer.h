@@ -22,7 +22,7 @@ class GrayRenderer {
  public:
   explicit GrayRenderer(const FloorCamera& camera);
 
-  /// Raw camera picture (CV_8UC1) after a JPEG of the given quality.
+  /// Raw camera image (CV_8UC1) after a JPEG of the given quality.
   cv::Mat Render(const GrayFloor& floor, const Pose2& map_from_base, const RenderConditions& conditions,
                  int jpeg_quality) const;
 

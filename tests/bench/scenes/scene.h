@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// A picture to localize.
+/// An image to localize.
 struct SceneFrame {
   cv::Mat raw;  ///< CV_8UC1
   Pose2 truth_from_base;

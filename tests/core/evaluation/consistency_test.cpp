@@ -43,7 +43,7 @@ TEST(SummarizeNees, BoundsAreThoseOfTheChiSquareTables) {
   EXPECT_NEAR(hundred.upper, 3.49874, 1e-3);
 }
 
-TEST(SummarizeNees, TellsHonestFromOverconfidentAndTimid) {
+TEST(SummarizeNees, SeparatesConsistentFromOverconfidentAndConservative) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   std::vector<double> honest, overconfident, timid;

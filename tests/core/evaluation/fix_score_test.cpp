@@ -27,7 +27,7 @@ TEST(Percentile, OfNothingIsNotANumber) {
   EXPECT_EQ(Percentile({3.0, 1.0, 2.0}, 0.5), 2.0);
 }
 
-TEST(ComputeScore, TellsAccuracyFromPrecision) {
+TEST(ComputeScore, SeparatesAccuracyFromPrecision) {
   // Three poses around (1.010, 2.000): a bias of 10 mm in x, a spread in y.
   const std::vector<Pose2> truth(3, Pose2(1.0, 2.0, 0.0));
   const std::vector<Fix> fixes = {

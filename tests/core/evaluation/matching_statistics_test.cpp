@@ -33,11 +33,11 @@ TEST(Repeatability, OfNothingIsZero) {
   EXPECT_EQ(Repeatability({At(0, 0)}, {}, Pose2(), 0.01), 0.0);
 }
 
-TEST(FindRightMatches, JudgesByTheTruePose) {
+TEST(FindCorrectMatches, JudgesByTheTruePose) {
   const std::vector<Keypoint> query = {At(1, 0), At(2, 0)};
   const std::vector<Keypoint> target = {At(5, 2), At(5, 1)};
   const std::vector<Match> matches = {{0, 1, 1.0F, 2.0F}, {1, 1, 1.0F, 2.0F}, {1, 0, 1.0F, 2.0F}};
-  const std::vector<bool> right = FindRightMatches(matches, query, target, kTargetFromQuery, 0.01);
+  const std::vector<bool> right = FindCorrectMatches(matches, query, target, kTargetFromQuery, 0.01);
   EXPECT_EQ(right, (std::vector<bool>{true, false, true}));
   EXPECT_DOUBLE_EQ(MatchingScore(right, 8), 0.25);
   EXPECT_EQ(MatchingScore({}, 0), 0.0);

@@ -31,7 +31,7 @@ struct SensorErrors {
   double fix_sigma_rad = 6e-4;
 };
 
-/// A drive with curves and changes of speed, exactly known, and what the sensors tell of it.
+/// A drive with curves and changes of speed, exactly known, and what the sensors measure of it.
 class DriveSimulation {
  public:
   explicit DriveSimulation(std::uint32_t seed, const SensorErrors& errors = {}) : random_(seed), errors_(errors) {

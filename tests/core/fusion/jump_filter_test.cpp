@@ -26,7 +26,7 @@ TEST(JumpFilter, ComparesWithTheLastAcceptedPose) {
   EXPECT_TRUE(filter.Accept(Pose2(0.1, 0.0, 0.0), std::nullopt));
 }
 
-TEST(JumpFilter, OdometryCarriesTheLastPoseOn) {
+TEST(JumpFilter, OdometryPropagatesTheLastPose) {
   JumpFilter filter{JumpFilterOptions()};
   EXPECT_TRUE(filter.Accept(Pose2(1.0, 1.0, 90.0 * kDeg), Pose2(0.0, 0.0, 0.0)));
   EXPECT_TRUE(filter.Accept(Pose2(1.0, 2.0, 90.0 * kDeg), Pose2(1.0, 0.0, 0.0)));

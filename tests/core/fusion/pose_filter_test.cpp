@@ -136,9 +136,9 @@ TEST(PoseFilter, LearnsTheScaleOfTheCamera) {
   for (int i = 1; i <= 200; ++i) {
     const std::int64_t from = drive.now_ns;
     drive.RunTo(0.25 * i);
-    MotionIncrement seen = drive.simulation.Vision(from, drive.now_ns);
-    seen.motion = Pose2(0.98 * seen.motion.x(), 0.98 * seen.motion.y(), seen.motion.yaw());
-    drive.filter.AddIncrement(MotionSource::kVision, seen);
+    MotionIncrement increment = drive.simulation.Vision(from, drive.now_ns);
+    increment.motion = Pose2(0.98 * increment.motion.x(), 0.98 * increment.motion.y(), increment.motion.yaw());
+    drive.filter.AddIncrement(MotionSource::kVision, increment);
   }
   EXPECT_NEAR(drive.filter.State()->vision_scale, 0.02, 0.006);
 }
@@ -149,7 +149,7 @@ TEST(PoseFilter, BridgesAHoleInTheOdometryByTheImu) {
   for (Drive* drive : {&with_imu, &blind}) {
     drive->RunTo(10.0);
   }
-  // Half a second in which only the IMU speaks.
+  // Half a second with IMU messages only.
   for (std::int64_t t = with_imu.now_ns; t < with_imu.now_ns + ToNs(0.5); t += kImuNs) {
     with_imu.filter.AddImu(with_imu.simulation.Imu(t + kImuNs));
   }
@@ -270,7 +270,7 @@ TEST(PoseFilter, IgnoresWhatIsTooOldOrInvalid) {
 }
 
 // The vehicle stops within 0.2 s while its wheels spin on.
-TEST(PoseFilter, BelievesPicturesWhenTheWheelsSlip) {
+TEST(PoseFilter, TrustsVisionWhenTheWheelsSlip) {
   Drive drive(16, {true, false, true});
   drive.RunTo(10.0);
   const double speed = drive.simulation.Speed(10.0);
@@ -288,7 +288,7 @@ TEST(PoseFilter, BelievesPicturesWhenTheWheelsSlip) {
 }
 
 // A knock turns the gyro by 20 degrees and back by 10, while the wheels roll straight on.
-TEST(PoseFilter, DoubtsItselfWhenGyroAndWheelsContradict) {
+TEST(PoseFilter, GrowsUncertainWhenGyroAndWheelsContradict) {
   Drive drive(16, {true, true, false});
   drive.RunTo(10.0);
   const double sigma_before = std::sqrt(drive.filter.Estimate()->covariance(2, 2));
@@ -399,10 +399,10 @@ TEST_F(Gates, WidenWhenTheVehicleMayBeFarOff) {
 TEST_F(Gates, ARejectedFixIsNoticed) {
   Send({0.5, 0, 0});
   EXPECT_EQ(drive_.filter.Estimate()->state, TrackingState::kTrackingOdometry);
-  EXPECT_TRUE(drive_.filter.Estimate()->in_doubt);
+  EXPECT_TRUE(drive_.filter.Estimate()->contradicted);
   EXPECT_TRUE(Send({0, 0, 0}).accepted);
   EXPECT_EQ(drive_.filter.Estimate()->state, TrackingState::kLocalized);
-  EXPECT_FALSE(drive_.filter.Estimate()->in_doubt);
+  EXPECT_FALSE(drive_.filter.Estimate()->contradicted);
 }
 
 TEST(PoseFilter, FindsAKidnappedVehicleAgain) {
@@ -464,9 +464,9 @@ TEST(PoseFilter, SaysWhenItIsLost) {
   EXPECT_FALSE(filter.Estimate().has_value());
   EXPECT_TRUE(filter.AddFix(simulation.Fix(kStartNs + kWheelNs, {})).first);
   EXPECT_EQ(filter.Estimate()->state, TrackingState::kLocalized);
-  filter.AddMiss(kStartNs + 2 * kWheelNs);
+  filter.AddUnlocalizedFrame(kStartNs + 2 * kWheelNs);
   EXPECT_EQ(filter.Estimate()->state, TrackingState::kTrackingOdometry);
-  EXPECT_EQ(filter.EstimateAt(kStartNs + ToNs(5.0))->state, TrackingState::kLost);  // nothing told where it went
+  EXPECT_EQ(filter.EstimateAt(kStartNs + ToNs(5.0))->state, TrackingState::kLost);  // nothing measured its motion
 }
 
 TEST(PoseFilter, CountsSinceTheLastFix) {

@@ -39,7 +39,7 @@ CameraModel Fisheye() {
 
 class LensTest : public ::testing::TestWithParam<CameraModel> {};
 
-TEST_P(LensTest, DistortUndoesUndistortAllOverThePicture) {
+TEST_P(LensTest, DistortUndoesUndistortAllOverTheImage) {
   const CameraModel& camera = GetParam();
   std::mt19937_64 rng(7);
   std::uniform_real_distribution<double> u(0, camera.width_px - 1);
@@ -92,7 +92,7 @@ void ExpectInverseOrNotANumberFarOutside(const CameraModel& camera) {
   }
 }
 
-TEST_P(LensTest, UndistortIsTheInverseOrNotANumberFarOutsideThePicture) {
+TEST_P(LensTest, UndistortIsTheInverseOrNotANumberFarOutsideTheImage) {
   ExpectInverseOrNotANumberFarOutside(GetParam());
 }
 
@@ -137,7 +137,7 @@ TEST(CameraModel, IdealFisheyeIsProportionalToTheAngle) {
   EXPECT_NEAR(camera.Undistort({100 * angle, 0}).x(), 100 * std::tan(angle), 1e-6);
 }
 
-TEST(CameraModel, ContainsThePixelCentresOfThePicture) {
+TEST(CameraModel, ContainsThePixelCentresOfTheImage) {
   const CameraModel camera = PlumbBob();
   EXPECT_TRUE(camera.Contains({0, 0}));
   EXPECT_TRUE(camera.Contains({639, 479}));

@@ -95,8 +95,8 @@ TEST(FloorCamera, LooksWhereItShould) {
   const Eigen::Vector2d center = camera.FloorFromRawPixel({320, 240});
   EXPECT_NEAR(center.x(), 0.4 / std::tan(0.9), 1e-9);
   EXPECT_NEAR(center.y(), 0.0, 1e-9);
-  EXPECT_GT(camera.FloorFromRawPixel({320, 100}).x(), center.x()) << "up in the picture is forward";
-  EXPECT_GT(camera.FloorFromRawPixel({100, 240}).y(), 0.0) << "left in the picture is left";
+  EXPECT_GT(camera.FloorFromRawPixel({320, 100}).x(), center.x()) << "up in the image is forward";
+  EXPECT_GT(camera.FloorFromRawPixel({100, 240}).y(), 0.0) << "left in the image is left";
 }
 
 class CameraCenterTest : public ::testing::TestWithParam<Mounting> {};
@@ -177,14 +177,14 @@ const BrokenFloor kBrokenFloors[] = {
        c.floor.roi.y_min += 3.0;
        c.floor.roi.y_max += 3.0;
      },
-     "outside the picture"},
+     "outside the image"},
 };
 INSTANTIATE_TEST_SUITE_P(Fields, FloorCheckTest, ::testing::ValuesIn(kBrokenFloors),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(FloorCamera, RefusesARegionBehindTheFoldOfTheLensModel) {
   FloorCamera camera = MakeTilted(1.5);
-  camera.camera.distortion = {-0.5, 0, 0, 0};  // folds at 0.82 focal lengths from the centre, inside the picture
+  camera.camera.distortion = {-0.5, 0, 0, 0};  // folds at 0.82 focal lengths from the centre, inside the image
   EXPECT_NO_THROW(camera.Check());
   camera.floor.roi = {-0.6, 0.6, -0.6, 0.6};
   try {

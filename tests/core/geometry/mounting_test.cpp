@@ -14,7 +14,7 @@ constexpr int kRounds = 500;
 using MountingVector4 = Eigen::Vector4d;  // rotation vector, height share
 
 // Where the ray of a floor point meets the floor when the camera is turned about its centre and raised.
-Eigen::Vector2d SeenAt(const Eigen::Vector3d& center, const Eigen::Vector2d& point, const MountingVector4& error) {
+Eigen::Vector2d ObservedAt(const Eigen::Vector3d& center, const Eigen::Vector2d& point, const MountingVector4& error) {
   const Eigen::Vector3d rotation = error.head<3>();
   const Eigen::Vector3d ray(point.x() - center.x(), point.y() - center.y(), -center.z());
   const Eigen::Vector3d turned =
@@ -45,7 +45,8 @@ TEST_F(MountingJacobianTest, IsTheDerivativeOfTheExactGeometry) {
     const Eigen::Matrix<double, 2, 4> jacobian = MountingJacobian(center, point);
     for (int i = 0; i < 4; ++i) {
       const MountingVector4 step = kStep * MountingVector4::Unit(i);
-      const Eigen::Vector2d slope = (SeenAt(center, point, step) - SeenAt(center, point, -step)) / (2.0 * kStep);
+      const Eigen::Vector2d slope =
+          (ObservedAt(center, point, step) - ObservedAt(center, point, -step)) / (2.0 * kStep);
       EXPECT_LT((jacobian.col(i) - slope).norm(), 1e-7 * (1.0 + slope.norm())) << "column " << i;
     }
   }
@@ -59,7 +60,7 @@ TEST_F(MountingJacobianTest, PredictsTheSumOfSmallErrorsToFirstOrder) {
         1e-3 * MountingVector4(Uniform(-1, 1), Uniform(-1, 1), Uniform(-1, 1), Uniform(-1, 1));
     const Eigen::Vector2d predicted = point + MountingJacobian(center, point) * error;
     // Points lie up to three heights from the camera, where second derivatives reach some thirty heights.
-    EXPECT_LT((predicted - SeenAt(center, point, error)).norm(), 60.0 * center.z() * error.squaredNorm());
+    EXPECT_LT((predicted - ObservedAt(center, point, error)).norm(), 60.0 * center.z() * error.squaredNorm());
   }
 }
 

@@ -112,7 +112,7 @@ const BrokenYaml kBrokenCameras[] = {
     {"HugeWidth", "640", "1e300", "dir/camera.yaml:1: ", "image_width must be a whole number"},
     {"LargeWidth", "640", "20000", "dir/camera.yaml: ", "image_width must be 1 to 16384 pixels"},
     {"NegativeHeight", "480", "-480", "dir/camera.yaml: ", "image_height must be 1 to 16384 pixels"},
-    {"MapAsName", "front", "{a: b}", "dir/camera.yaml:3: ", "camera_name must be a text"},
+    {"MapAsName", "front", "{a: b}", "dir/camera.yaml:3: ", "camera_name must be a string"},
     {"NoMatrix", "camera_matrix", "matrix", "dir/camera.yaml: ", "'camera_matrix' is missing"},
     {"NoData", "data", "dada", "dir/camera.yaml: ", "'data' is missing"},
     {"NoRows", "rows", "raws", "dir/camera.yaml: ", "'rows' is missing"},
@@ -165,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(Inputs, BrokenFloorYaml, ::testing::ValuesIn(kBrokenFlo
 
 TEST(CameraYaml, RefusesWhatIsNoMap) {
   for (const std::string text : {"", "# nothing\n", "just words", "- a\n- b\n", "42", "~"}) {
-    EXPECT_THAT(ErrorOf([&] { ParseCameraYaml(text, "camera.yaml"); }), HasSubstr("camera.yaml: holds no YAML keys"))
+    EXPECT_THAT(ErrorOf([&] { ParseCameraYaml(text, "camera.yaml"); }), HasSubstr("camera.yaml: has no YAML keys"))
         << text;
   }
 }

@@ -12,7 +12,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-using testing_io::EncodedPicture;
+using testing_io::EncodedImage;
 using testing_io::ErrorOf;
 using testing_io::TemporaryFolder;
 
@@ -35,7 +35,7 @@ std::size_t Find(const Bytes& bytes, std::uint8_t first, std::uint8_t second) {
 class ImageFormats : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(ImageFormats, ProbesTheHeaderAndDecodes) {
-  const Bytes bytes = EncodedPicture(GetParam(), 40, 30);
+  const Bytes bytes = EncodedImage(GetParam(), 40, 30);
   const std::optional<ImageHeader> header = ProbeImage(bytes);
   ASSERT_TRUE(header.has_value());
   EXPECT_EQ(header->width_px, 40);
@@ -50,24 +50,24 @@ TEST_P(ImageFormats, ProbesTheHeaderAndDecodes) {
 }
 
 TEST_P(ImageFormats, EveryCutOffFileIsRefused) {
-  const Bytes bytes = EncodedPicture(GetParam(), 40, 30);
+  const Bytes bytes = EncodedImage(GetParam(), 40, 30);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     EXPECT_THAT(DecodeError(cut), StartsWith("a.jpg: ")) << size << " of " << bytes.size() << " bytes";
   }
 }
 
-TEST_P(ImageFormats, RefusesPicturesOfAnotherSize) {
-  EXPECT_THAT(DecodeError(EncodedPicture(GetParam(), 40, 30), 640, 480),
-              AllOf(HasSubstr("the picture is 40x30 but camera.yaml says 640x480"),
-                    HasSubstr("use pictures of the calibrated camera")));
+TEST_P(ImageFormats, RefusesImagesOfAnotherSize) {
+  EXPECT_THAT(DecodeError(EncodedImage(GetParam(), 40, 30), 640, 480),
+              AllOf(HasSubstr("the image is 40x30 but camera.yaml says 640x480"),
+                    HasSubstr("use images of the calibrated camera")));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ImageFormats, ::testing::Values(".jpg", ".png"),
                          [](const auto& test) { return std::string(test.param).substr(1); });
 
 TEST(Image, IgnoresTheOrientationTag) {
-  Bytes bytes = EncodedPicture(".jpg", 40, 30);
+  Bytes bytes = EncodedImage(".jpg", 40, 30);
   // An APP1 segment with one EXIF tag: orientation 6, "turn right".
   const Bytes exif = {0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8,
                       0,    1,    1, 18, 0,   3,   0,   0,   0, 1, 0,   6,   0, 0,  0, 0, 0, 0};
@@ -76,25 +76,25 @@ TEST(Image, IgnoresTheOrientationTag) {
 }
 
 TEST(Image, ProgressiveJpegsAndTrailingBytesAreFine) {
-  cv::Mat picture(30, 40, CV_8UC1, cv::Scalar(77));
+  cv::Mat image(30, 40, CV_8UC1, cv::Scalar(77));
   Bytes bytes;
-  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 1});
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 1});
   EXPECT_GT(CountJpegScans(bytes).value_or(0), 1);
   bytes.insert(bytes.end(), 5000, 0);
   EXPECT_EQ(DecodeGray(bytes, 40, 30, "a.jpg").at<std::uint8_t>(15, 20), 77);
 }
 
 TEST(Image, RefusesAJpegWhoseEndIsOnlyThatOfItsThumbnail) {
-  Bytes bytes = EncodedPicture(".jpg", 40, 30);
+  Bytes bytes = EncodedImage(".jpg", 40, 30);
   bytes.resize(bytes.size() - 100);
-  // A comment that holds a whole picture, end marker included.
+  // A comment that holds a whole image, end marker included.
   const Bytes comment = {0xFF, 0xFE, 0, 6, 0xFF, 0xD8, 0xFF, 0xD9};
   bytes.insert(bytes.begin() + 2, comment.begin(), comment.end());
   EXPECT_THAT(DecodeError(bytes), HasSubstr("cut off"));
 }
 
 TEST(Image, RefusesAJpegOfThousandsOfScans) {
-  Bytes bytes = EncodedPicture(".jpg", 40, 30);
+  Bytes bytes = EncodedImage(".jpg", 40, 30);
   const Bytes scan = {0xFF, 0xDA, 0, 8, 1, 1, 0, 0, 63, 0, 0x12, 0x34};
   for (int i = 0; i < 1000; ++i) {
     bytes.insert(bytes.end() - 2, scan.begin(), scan.end());
@@ -103,39 +103,39 @@ TEST(Image, RefusesAJpegOfThousandsOfScans) {
   EXPECT_THAT(DecodeError(bytes), HasSubstr("more than 100 scans"));
 }
 
-TEST(Image, RefusesHugePicturesBeforeDecoding) {
-  Bytes bytes = EncodedPicture(".png", 40, 30);
+TEST(Image, RefusesHugeImagesBeforeDecoding) {
+  Bytes bytes = EncodedImage(".png", 40, 30);
   bytes[18] = 0x7F;  // the width is now 32552
   const std::optional<ImageHeader> header = ProbeImage(bytes);
   ASSERT_TRUE(header.has_value());
   EXPECT_THAT(DecodeError(bytes, header->width_px, header->height_px), HasSubstr("larger than 16384 pixels"));
 }
 
-TEST(Image, RefusesWhatIsNoPicture) {
+TEST(Image, RefusesWhatIsNoImage) {
   EXPECT_FALSE(ProbeImage({}).has_value());
   for (const std::string text : {"", "GIF89a", "BM", "\xFF\xD8", "\xFF\xD8\xFF", "\x89PNG\r\n\x1A\n"}) {
     const Bytes bytes(text.begin(), text.end());
     EXPECT_FALSE(ProbeImage(bytes).has_value()) << text;
-    EXPECT_THAT(DecodeError(bytes), HasSubstr("is no JPEG or PNG"));
+    EXPECT_THAT(DecodeError(bytes), HasSubstr("is not a JPEG or PNG"));
   }
 }
 
 TEST(Image, RefusesDamagedHeaders) {
-  Bytes no_height = EncodedPicture(".jpg", 40, 30);
+  Bytes no_height = EncodedImage(".jpg", 40, 30);
   const std::size_t frame = Find(no_height, 0xFF, 0xC0);
   no_height[frame + 5] = no_height[frame + 6] = 0;
   EXPECT_FALSE(ProbeImage(no_height).has_value());
 
-  Bytes short_frame = EncodedPicture(".jpg", 40, 30);
+  Bytes short_frame = EncodedImage(".jpg", 40, 30);
   short_frame[frame + 2] = 0;
   short_frame[frame + 3] = 5;
   EXPECT_FALSE(ProbeImage(short_frame).has_value());
 
-  Bytes scan_first = EncodedPicture(".jpg", 40, 30);
+  Bytes scan_first = EncodedImage(".jpg", 40, 30);
   scan_first[frame + 1] = 0xFE;
   EXPECT_FALSE(ProbeImage(scan_first).has_value());
 
-  Bytes no_width = EncodedPicture(".png", 40, 30);
+  Bytes no_width = EncodedImage(".png", 40, 30);
   no_width[19] = 0;
   EXPECT_FALSE(ProbeImage(no_width).has_value());
   no_width[16] = 0xFF;
@@ -143,18 +143,18 @@ TEST(Image, RefusesDamagedHeaders) {
 }
 
 TEST(Image, RefusesDamagedPixels) {
-  Bytes bytes = EncodedPicture(".png", 40, 30);
+  Bytes bytes = EncodedImage(".png", 40, 30);
   bytes[60] ^= 0x55;
   EXPECT_THAT(DecodeError(bytes), HasSubstr("damaged"));
 }
 
 TEST(Image, ReadsFilesAndNamesThem) {
   const TemporaryFolder folder;
-  const Bytes bytes = EncodedPicture(".png", 40, 30);
+  const Bytes bytes = EncodedImage(".png", 40, 30);
   std::ofstream(folder.path() / "a.png") << std::string(bytes.begin(), bytes.end());
   EXPECT_EQ(ReadGrayImage(folder.path() / "a.png", 40, 30).channels(), 1);
   EXPECT_EQ(ReadColorImage(folder.path() / "a.png", 40, 30).channels(), 3);
-  EXPECT_THAT(ErrorOf([&] { ReadGrayImage(folder.path() / "a.png", 41, 30); }), HasSubstr("a.png: the picture is"));
+  EXPECT_THAT(ErrorOf([&] { ReadGrayImage(folder.path() / "a.png", 41, 30); }), HasSubstr("a.png: the image is"));
   EXPECT_THAT(ErrorOf([&] { ReadGrayImage(folder.path() / "b.png", 40, 30); }), HasSubstr("b.png: cannot be opened"));
 }
 

@@ -33,16 +33,16 @@ inline std::string ErrorOf(const std::function<void()>& work) {
 }
 
 /// A grey ramp with some texture, encoded by OpenCV.
-inline std::vector<std::uint8_t> EncodedPicture(const std::string& extension, int width_px, int height_px) {
-  cv::Mat picture(height_px, width_px, CV_8UC3);
+inline std::vector<std::uint8_t> EncodedImage(const std::string& extension, int width_px, int height_px) {
+  cv::Mat image(height_px, width_px, CV_8UC3);
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
-      picture.at<cv::Vec3b>(v, u) = {static_cast<std::uint8_t>(u % 256), static_cast<std::uint8_t>(v % 256),
-                                     static_cast<std::uint8_t>(u * 7 % 256)};
+      image.at<cv::Vec3b>(v, u) = {static_cast<std::uint8_t>(u % 256), static_cast<std::uint8_t>(v % 256),
+                                   static_cast<std::uint8_t>(u * 7 % 256)};
     }
   }
   std::vector<std::uint8_t> bytes;
-  cv::imencode(extension, picture, bytes);
+  cv::imencode(extension, image, bytes);
   return bytes;
 }
 

@@ -36,7 +36,7 @@ class Mutator {
           text.insert(at, text.substr(at, length));
           break;
         default:
-          text.replace(at, length, Troublemaker());
+          text.replace(at, length, HostileToken());
       }
     }
     return text;
@@ -44,7 +44,7 @@ class Mutator {
 
  private:
   std::size_t Below(std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(rng_); }
-  std::string Troublemaker() {
+  std::string HostileToken() {
     static const std::vector<std::string> kAll = {
         "nan",
         "-inf",
@@ -118,8 +118,8 @@ std::vector<Parser> AllParsers() {
        [](const std::string& text) { ParseMarkersCsv(text, "mutated"); }},
       {"ControlPointsCsv", "filename,u,v,x,y\na.jpg,1,2,3,4\nb.jpg,5,6,7,8\n",
        [](const std::string& text) { ParseControlPointsCsv(text, "mutated"); }},
-      {"Jpeg", Text(testing_io::EncodedPicture(".jpg", 40, 30)), DecodeAnySize},
-      {"Png", Text(testing_io::EncodedPicture(".png", 40, 30)), DecodeAnySize},
+      {"Jpeg", Text(testing_io::EncodedImage(".jpg", 40, 30)), DecodeAnySize},
+      {"Png", Text(testing_io::EncodedImage(".png", 40, 30)), DecodeAnySize},
   };
 }
 

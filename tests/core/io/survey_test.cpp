@@ -76,9 +76,9 @@ const BrokenCsv kBrokenFrames[] = {
     {"OneField", "timestamp,filename\n1000\n", "frames.csv:2: ", "has 1 fields instead of 2"},
     {"ThreeFields", "timestamp,filename\n1000,a.jpg,b\n", "frames.csv:2: ", "has 3 fields instead of 2"},
     {"TextStamp", "timestamp,filename\n\nnoon,a.jpg\n", "frames.csv:3: ", "'noon' is not a number of seconds"},
-    {"EmptyName", "timestamp,filename\n1000,\n", "frames.csv:2: ", "does not lie inside the folder"},
-    {"AbsoluteName", "timestamp,filename\n1000,/etc/passwd\n", "frames.csv:2: ", "does not lie inside the folder"},
-    {"LeadsOut", "timestamp,filename\n1000,images/../../a.jpg\n", "frames.csv:2: ", "does not lie inside the folder"},
+    {"EmptyName", "timestamp,filename\n1000,\n", "frames.csv:2: ", "is not inside the folder"},
+    {"AbsoluteName", "timestamp,filename\n1000,/etc/passwd\n", "frames.csv:2: ", "is not inside the folder"},
+    {"LeadsOut", "timestamp,filename\n1000,images/../../a.jpg\n", "frames.csv:2: ", "is not inside the folder"},
     {"SameName", "timestamp,filename\n1,a.jpg\n2,b.jpg\n3,a.jpg\n", "frames.csv:4: ", "a.jpg is listed twice"},
     {"SameStamp", "timestamp,filename\n1,a.jpg\n1.0,b.jpg\n", "frames.csv:3: ", "is not later than the one before"},
     {"Backwards", "timestamp,filename\n2,a.jpg\n1,b.jpg\n", "frames.csv:3: ", "is not later than the one before"},
@@ -115,7 +115,7 @@ const BrokenCsv kBrokenControlPoints[] = {
     {"FourFields", "filename,u,v,x,y\na.jpg,1,2,3\n", "control_points.csv:2: ", "has 4 fields instead of 5"},
     {"Word", "filename,u,v,x,y\na.jpg,1,2,3,far\n", "control_points.csv:2: ", "'far' is not a finite number"},
     {"EmptyField", "filename,u,v,x,y\na.jpg,,2,3,4\n", "control_points.csv:2: ", "'' is not a finite number"},
-    {"LeadsOut", "filename,u,v,x,y\n../a.jpg,1,2,3,4\n", "control_points.csv:2: ", "does not lie inside the folder"},
+    {"LeadsOut", "filename,u,v,x,y\n../a.jpg,1,2,3,4\n", "control_points.csv:2: ", "is not inside the folder"},
 };
 INSTANTIATE_TEST_SUITE_P(Inputs, BrokenControlPointsCsv, ::testing::ValuesIn(kBrokenControlPoints),
                          [](const auto& test) { return std::string(test.param.name); });
@@ -195,10 +195,10 @@ TEST_F(SurveyFolder, ReadsEveryPart) {
   EXPECT_EQ(survey.control_points.size(), 1u);
 }
 
-TEST_F(SurveyFolder, ListsPicturesWithoutFramesCsv) {
+TEST_F(SurveyFolder, ListsImagesWithoutFramesCsv) {
   Remove("frames.csv");
-  Write("images/notes.txt", "no picture");
-  Write("images/C.JPEG", "a picture");
+  Write("images/notes.txt", "no image");
+  Write("images/C.JPEG", "an image");
   const Survey survey = Read();
   ASSERT_EQ(survey.frames.size(), 3u);
   EXPECT_EQ(survey.frames[0].filename, "images/C.JPEG");
@@ -209,7 +209,7 @@ TEST_F(SurveyFolder, ListsPicturesWithoutFramesCsv) {
 }
 
 TEST_F(SurveyFolder, SaysWhatIsMissing) {
-  EXPECT_THAT(ErrorOf([] { ReadSurvey("/nonexistent/survey"); }), HasSubstr("/nonexistent/survey: is no folder"));
+  EXPECT_THAT(ErrorOf([] { ReadSurvey("/nonexistent/survey"); }), HasSubstr("/nonexistent/survey: is not a folder"));
   Remove("images/a.png");
   EXPECT_THAT(Error(), AllOf(HasSubstr("frames.csv:3: "), HasSubstr("images/a.png is missing")));
   Write("frames.csv", "timestamp,filename\n");
@@ -223,16 +223,17 @@ TEST_F(SurveyFolder, SaysWhatIsMissing) {
   EXPECT_THAT(Error(), HasSubstr("camera.yaml: cannot be opened"));
 }
 
-TEST_F(SurveyFolder, AFolderIsNoPicture) {
-  const std::filesystem::path picture = Read().folder / "images" / "a.png";
-  std::filesystem::remove(picture);
-  std::filesystem::create_directory(picture);
+TEST_F(SurveyFolder, AFolderIsNoImage) {
+  const std::filesystem::path image = Read().folder / "images" / "a.png";
+  std::filesystem::remove(image);
+  std::filesystem::create_directory(image);
   EXPECT_THAT(Error(), HasSubstr("images/a.png is missing"));
 }
 
-TEST_F(SurveyFolder, RefusesControlPointsOfUnknownPictures) {
+TEST_F(SurveyFolder, RefusesControlPointsOfUnknownImages) {
   Write("control_points.csv", "filename,u,v,x,y\n# corner\nimages/a.png,1,2,3,4\nimages/z.png,1,2,3,4\n");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("control_points.csv:4: "), HasSubstr("images/z.png is none of the survey")));
+  EXPECT_THAT(Error(),
+              AllOf(HasSubstr("control_points.csv:4: "), HasSubstr("images/z.png is not a frame of the survey")));
 }
 
 TEST_F(SurveyFolder, PassesOnErrorsOfItsParts) {

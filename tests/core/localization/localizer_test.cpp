@@ -127,27 +127,28 @@ TEST_P(LocalizerTest, FindsAnyViewOnTheWholeMap) {
 }
 
 // The map's floor once more, a few metres away, every descriptor changed a little.
-FloorMap WithNearTwin(FloorMap map, double shift_m) {
+FloorMap WithNearDuplicate(FloorMap map, double shift_m) {
   std::mt19937 random(3);
   const std::size_t count = map.keypoints.size();
-  cv::Mat twins = map.keypoints.descriptors.clone();
+  cv::Mat duplicates = map.keypoints.descriptors.clone();
   for (std::size_t i = 0; i < count; ++i) {
     Keypoint k = map.keypoints.keypoints[i];
     k.x_m += static_cast<float>(shift_m);
     map.keypoints.keypoints.push_back(k);
     map.keypoints.observations.push_back(map.keypoints.observations[i]);
     for (int flip = 0; flip < 10; ++flip) {
-      twins.at<std::uint8_t>(static_cast<int>(i), static_cast<int>(random() % static_cast<unsigned>(twins.cols))) ^=
+      duplicates.at<std::uint8_t>(static_cast<int>(i),
+                                  static_cast<int>(random() % static_cast<unsigned>(duplicates.cols))) ^=
           static_cast<std::uint8_t>(1U << (random() % 8));
     }
   }
-  map.keypoints.descriptors.push_back(twins);
+  map.keypoints.descriptors.push_back(duplicates);
   return map;
 }
 
-TEST(RepeatingFloorTest, AWrongPriorIsNotConfirmedByWhatLooksAlikeThere) {
+TEST(RepeatingFloorTest, AWrongPriorIsNotConfirmedByAliasedFloor) {
   constexpr double kShiftM = 3.0;
-  const Localizer localizer(WithNearTwin(TheMap(), kShiftM), LocalizerOptions{});
+  const Localizer localizer(WithNearDuplicate(TheMap(), kShiftM), LocalizerOptions{});
   const Rectifier rectifier(Floor().camera());
   for (const Pose2& truth : RandomPoses(10, 9)) {
     const cv::Mat view = GrayView(Floor(), truth, 9);
@@ -195,7 +196,7 @@ TEST_P(LocalizerTest, AnotherFloorIsNotThisFloor) {
   }
 }
 
-TEST_P(LocalizerTest, ABlackPictureHasTooFewKeypoints) {
+TEST_P(LocalizerTest, ABlackImageHasTooFewKeypoints) {
   const LocalizationResult result = Localize(cv::Mat::zeros(480, 640, CV_8UC1));
   EXPECT_EQ(result.status, LocalizationStatus::kNotLocalized);
   EXPECT_EQ(result.reason, NotLocalizedReason::kTooFewKeypoints);
@@ -213,7 +214,7 @@ TEST_P(LocalizerTest, AWrongPriorFindsNothing) {
   }
 }
 
-TEST_P(LocalizerTest, PictureOfAnotherSizeIsRefused) {
+TEST_P(LocalizerTest, ImageOfAnotherSizeIsRefused) {
   EXPECT_THROW(Localize(cv::Mat::zeros(479, 640, CV_8UC1)), std::invalid_argument);
 }
 
@@ -329,8 +330,8 @@ TEST(LocalizerMosaicTest, AMosaicThatShowsNothingLeavesThePoseToTheKeypoints) {
   const Rectifier rectifier(Floor().camera());
   const cv::Mat view = GrayView(Floor(), Floor().BaseForView(0.5, 0.4, -2.0), 33);
   const LocalizationResult expected = by_keypoints.Localize(rectifier, view, std::nullopt);
-  const std::optional<std::vector<std::uint8_t>> no_picture = std::vector<std::uint8_t>(100, 7);
-  for (const auto& bytes : {std::optional<std::vector<std::uint8_t>>(), no_picture}) {
+  const std::optional<std::vector<std::uint8_t>> no_image = std::vector<std::uint8_t>(100, 7);
+  for (const auto& bytes : {std::optional<std::vector<std::uint8_t>>(), no_image}) {
     const Localizer localizer(TheMap(), LocalizerOptions{}, [&](const TileId&) { return bytes; });
     const LocalizationResult result = localizer.Localize(rectifier, view, std::nullopt);
     ASSERT_EQ(result.status, LocalizationStatus::kLocalized);

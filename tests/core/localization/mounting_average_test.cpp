@@ -136,7 +136,7 @@ TEST_F(MountingAverageTest, UncertaintyOfTheHeadingFollowsTheVibration) {
   const MountingEstimate shaken = MarginalizeMounting(Pose(RandomTruth(kStrongLevel)), MountingVector::Zero());
   EXPECT_GT(Sigma(shaken, 2), 5.0 * Sigma(calm, 2));
   EXPECT_GT(Sigma(shaken, 2), 1e-3);
-  // A turn of the robot and one of the camera look alike: they are known together, not each.
+  // Yaw of the robot and of the camera are not separable: their sum is known, not each.
   const Eigen::Vector2d both(1.0, 1.0);
   const Eigen::Matrix2d together = shaken.covariance(Eigen::seq(2, 5, 3), Eigen::seq(2, 5, 3));
   EXPECT_LT(std::sqrt(both.dot(together * both)), 0.1 * Sigma(shaken, 2));

@@ -140,7 +140,7 @@ TEST_F(PhotometricAlignerTest, AChangedFifthOfTheFloorSpoilsOnlyItsCells) {
     cv::Mat gray = GrayView(truth, {});
     const PhotometricFit whole = AlignView(gray, truth);
     cv::RNG random(static_cast<std::uint64_t>(round) + 1);
-    for (int i = 0; i < 4; ++i) {  // 4 x 5 % of the picture
+    for (int i = 0; i < 4; ++i) {  // 4 x 5 % of the image
       const cv::Rect paint(random.uniform(0, 640 - 140), 120 * i, 140, 110);
       cv::Mat speckles(paint.size(), CV_8UC1);
       random.fill(speckles, cv::RNG::UNIFORM, 60, 200);

@@ -48,7 +48,7 @@ class PoseDecisionTest : public ::testing::Test {
     }
     return pose;
   }
-  VerifiedPose WithPicture(VerifiedPose pose, float correlation) {
+  VerifiedPose WithImage(VerifiedPose pose, float correlation) {
     PhotometricFit fit;
     for (int c = 0; c < kCells; ++c) {
       fit.cell_correlation.push_back(correlation + Uniform(-0.1F, 0.1F));
@@ -57,7 +57,7 @@ class PoseDecisionTest : public ::testing::Test {
     pose.photo = fit;
     return pose;
   }
-  // Without floor in some of the picture's cells, as beyond the map's edge.
+  // Without floor in some of the image's cells, as beyond the map's edge.
   static VerifiedPose WithoutFloorFrom(VerifiedPose pose, std::size_t first_cell) {
     for (std::size_t c = first_cell; c < kCells; ++c) {
       pose.photo->cell_correlation[c] = 0.0F;
@@ -117,7 +117,7 @@ TEST_F(PoseDecisionTest, TooFewInliersAreNoPose) {
 }
 
 TEST_F(PoseDecisionTest, KeypointsThatChanceExplainsAreNotSignificant) {
-  VerifiedPose pose = WithPicture(MakePose(0.0), 0.9F);
+  VerifiedPose pose = WithImage(MakePose(0.0), 0.9F);
   pose.candidate.log10_nfa = -2.0;
   const PoseDecision decision = Decide({pose}, false);
   EXPECT_EQ(decision.status, RegistrationStatus::kNotSignificant);
@@ -131,7 +131,7 @@ TEST_F(PoseDecisionTest, EqualPosesAreAmbiguous) {
 }
 
 TEST_F(PoseDecisionTest, IdenticalPosesShareEvenly) {
-  const VerifiedPose pose = WithPicture(MakePose(0.0), 0.5F);
+  const VerifiedPose pose = WithImage(MakePose(0.0), 0.5F);
   for (std::size_t k = 2; k <= 10; ++k) {
     const PoseDecision decision = Decide(std::vector<VerifiedPose>(k, pose));
     const double share = 1.0 / static_cast<double>(k);
@@ -148,7 +148,7 @@ TEST_F(PoseDecisionTest, TheOrderOfThePosesDoesNotMatter) {
   std::vector<VerifiedPose> poses;
   for (int i = 0; i < 6; ++i) {
     const float merit = static_cast<float>(i % 3);
-    poses.push_back(WithPicture(WithNearerKeypoints(MakePose(i), 1.5F * merit), 0.3F + 0.02F * merit));
+    poses.push_back(WithImage(WithNearerKeypoints(MakePose(i), 1.5F * merit), 0.3F + 0.02F * merit));
   }
   const PoseDecision first = Decide(poses);
   const double best_x = poses[static_cast<std::size_t>(first.best)].candidate.target_from_source.x();
@@ -176,7 +176,7 @@ TEST_F(PoseDecisionTest, AHopelessRivalChangesNothing) {
   ExpectAccepted(Decide({hopeless, poses[0]}), 1);
 }
 
-TEST_F(PoseDecisionTest, APoseThatChanceOffersIsNoRival) {
+TEST_F(PoseDecisionTest, APoseExplainedByChanceIsNoRival) {
   VerifiedPose chance = MakePose(1.0);
   chance.candidate.log10_nfa = -0.5;
   ExpectAccepted(Decide({MakePose(0.0), chance}), 0);
@@ -189,60 +189,59 @@ TEST_F(PoseDecisionTest, NearerKeypointsDecide) {
   ExpectAccepted(Decide({nearer, pose}), 0);
 }
 
-TEST_F(PoseDecisionTest, ALeadingPictureDecidesBetweenEqualKeypoints) {
-  const VerifiedPose right = WithPicture(MakePose(0.0), 0.6F);
-  const VerifiedPose wrong = WithPicture(MakePose(1.0), 0.2F);
+TEST_F(PoseDecisionTest, AClearlyBetterImageScoreDecidesBetweenEqualKeypoints) {
+  const VerifiedPose right = WithImage(MakePose(0.0), 0.6F);
+  const VerifiedPose wrong = WithImage(MakePose(1.0), 0.2F);
   ExpectAccepted(Decide({right, wrong}), 0);
   ExpectAccepted(Decide({wrong, right}), 1);
 }
 
-TEST_F(PoseDecisionTest, EqualPicturesLeaveItOpen) {
-  ExpectAmbiguous(Decide({WithPicture(MakePose(0.0), 0.5F), WithPicture(MakePose(1.0), 0.5F)}), 2);
+TEST_F(PoseDecisionTest, EqualImageScoresAreAmbiguous) {
+  ExpectAmbiguous(Decide({WithImage(MakePose(0.0), 0.5F), WithImage(MakePose(1.0), 0.5F)}), 2);
 }
 
-TEST_F(PoseDecisionTest, APictureThatCannotTellDoesNotWeakenTheKeypoints) {
-  const VerifiedPose pose = WithPicture(MakePose(0.0), 0.5F);
+TEST_F(PoseDecisionTest, AnInconclusiveImageDoesNotWeakenTheKeypoints) {
+  const VerifiedPose pose = WithImage(MakePose(0.0), 0.5F);
   VerifiedPose nearer = WithNearerKeypoints(MakePose(1.0), 15.0F);
   nearer.photo = pose.photo;
   ExpectAccepted(Decide({pose, nearer}), 1);
 }
 
-TEST_F(PoseDecisionTest, ContradictingWitnessesAreAmbiguous) {
-  const VerifiedPose pose = WithPicture(MakePose(0.0), 0.2F);
-  VerifiedPose by_picture = WithPicture(pose, 0.6F);
-  by_picture.candidate.target_from_source = Pose2(1.0, 0.0, 0.0);
+TEST_F(PoseDecisionTest, ContradictingKeypointsAndImageAreAmbiguous) {
+  const VerifiedPose pose = WithImage(MakePose(0.0), 0.2F);
+  VerifiedPose by_image = WithImage(pose, 0.6F);
+  by_image.candidate.target_from_source = Pose2(1.0, 0.0, 0.0);
   const VerifiedPose by_keypoints = WithNearerKeypoints(pose, 15.0F);
-  ExpectAccepted(Decide({pose, by_picture}), 1);
+  ExpectAccepted(Decide({pose, by_image}), 1);
   ExpectAccepted(Decide({pose, by_keypoints}), 1);
-  ExpectAmbiguous(Decide({by_picture, by_keypoints}), 2);
-  ExpectAmbiguous(Decide({by_keypoints, by_picture}), 2);
+  ExpectAmbiguous(Decide({by_image, by_keypoints}), 2);
+  ExpectAmbiguous(Decide({by_keypoints, by_image}), 2);
 }
 
-TEST_F(PoseDecisionTest, OnePictureAloneComparesNothing) {
-  ExpectAmbiguous(Decide({WithPicture(MakePose(0.0), 0.9F), MakePose(1.0)}), 2);
+TEST_F(PoseDecisionTest, OneImageAloneComparesNothing) {
+  ExpectAmbiguous(Decide({WithImage(MakePose(0.0), 0.9F), MakePose(1.0)}), 2);
 }
 
-// One of several wrong poses always looks best.
-TEST_F(PoseDecisionTest, WithoutVotesAPictureThatLeadsIsNotEnough) {
+// One of several wrong poses always scores best.
+TEST_F(PoseDecisionTest, WithoutVotesABetterImageScoreIsNotEnough) {
   std::vector<VerifiedPose> poses;
   for (const double x : {0.0, 1.0, 2.0}) {
-    poses.push_back(WithPicture(WithoutVotes(MakePose(x)), 0.1F));
+    poses.push_back(WithImage(WithoutVotes(MakePose(x)), 0.1F));
   }
-  poses.push_back(WithPicture(WithoutVotes(MakePose(3.0)), 0.6F));
+  poses.push_back(WithImage(WithoutVotes(MakePose(3.0)), 0.6F));
   const PoseDecision decision = Decide(poses);
   EXPECT_EQ(decision.status, RegistrationStatus::kNotSignificant);
   EXPECT_EQ(decision.best, 3);
 }
 
-TEST_F(PoseDecisionTest, OnAFloorThatDoesNotRepeatItselfAPictureThatAgreesIsDistinctive) {
-  const VerifiedPose agrees = WithPicture(WithoutVotes(MakePose(0.0)), 0.6F);
+TEST_F(PoseDecisionTest, OnANonRepetitiveFloorAnAgreeingImageIsDistinctive) {
+  const VerifiedPose agrees = WithImage(WithoutVotes(MakePose(0.0)), 0.6F);
   ExpectAccepted(Decide({agrees}, false), 0);
   EXPECT_EQ(Decide({agrees}, true).status, RegistrationStatus::kNotSignificant);
-  EXPECT_EQ(Decide({WithPicture(WithoutVotes(MakePose(0.0)), 0.03F)}, false).status,
-            RegistrationStatus::kNotSignificant);
+  EXPECT_EQ(Decide({WithImage(WithoutVotes(MakePose(0.0)), 0.03F)}, false).status, RegistrationStatus::kNotSignificant);
 }
 
-TEST_F(PoseDecisionTest, OnAFloorThatRepeatsItselfFewInliersMayBeALookAlike) {
+TEST_F(PoseDecisionTest, OnARepetitiveFloorFewInliersMayBeAliased) {
   VerifiedPose few = MakePose(0.0);
   few.candidate.inliers.resize(20);
   ExpectAccepted(Decide({few}, false), 0);
@@ -250,15 +249,15 @@ TEST_F(PoseDecisionTest, OnAFloorThatRepeatsItselfFewInliersMayBeALookAlike) {
   EXPECT_GT(Decide({few}, true).p_wrong, 1e-4);
 }
 
-TEST_F(PoseDecisionTest, FloorBeyondTheMapsEdgeSpeaksForNobody) {
-  const VerifiedPose inside = WithPicture(MakePose(0.0), 0.5F);
-  VerifiedPose at_edge = WithPicture(MakePose(1.0), 0.5F);
+TEST_F(PoseDecisionTest, FloorOutsideTheMapIsExcluded) {
+  const VerifiedPose inside = WithImage(MakePose(0.0), 0.5F);
+  VerifiedPose at_edge = WithImage(MakePose(1.0), 0.5F);
   at_edge.distance = inside.distance;
   for (std::size_t i = kKeypoints / 2; i < kKeypoints; ++i) {
     at_edge.distance[i] = std::numeric_limits<float>::infinity();
   }
   std::erase_if(at_edge.supporting_keypoints, [](int keypoint) { return keypoint >= kKeypoints / 2; });
-  EXPECT_EQ(Decide({inside, at_edge}).best, 0);  // all of the picture counts: half of it is missing
+  EXPECT_EQ(Decide({inside, at_edge}).best, 0);  // all of the image counts: half of it is missing
   ExpectAmbiguous(Decide({inside, WithoutFloorFrom(at_edge, kCells / 2)}), 2);
 }
 
@@ -270,7 +269,7 @@ TEST_F(PoseDecisionTest, APlaceOutsideThePriorMustBeClearlyBetter) {
   ExpectAccepted(Decide({inside, WithNearerKeypoints(outside, 20.0F)}), 1);
 }
 
-TEST_F(PoseDecisionTest, WithoutVotesOrPicturesNothingIsDistinctive) {
+TEST_F(PoseDecisionTest, WithoutVotesOrImageScoresNothingIsDistinctive) {
   EXPECT_EQ(Decide({WithoutVotes(MakePose(0.0))}).status, RegistrationStatus::kNotSignificant);
 }
 

@@ -11,9 +11,9 @@ namespace {
 constexpr int kBytes = 32;
 constexpr int kPoints = 3000;
 
-// Points all over a floor with random descriptors; then, for a share of them, a twin `shift_m` away whose descriptor
-// differs in a few bits.
-MapKeypoints MakeMap(double twin_share, float shift_m) {
+// Points all over a floor with random descriptors; then, for a share of them, a duplicate `shift_m` away whose
+// descriptor differs in a few bits.
+MapKeypoints MakeMap(double duplicate_share, float shift_m) {
   std::mt19937 random(5);
   MapKeypoints map;
   map.descriptors = cv::Mat(0, kBytes, CV_8UC1);
@@ -27,7 +27,7 @@ MapKeypoints MakeMap(double twin_share, float shift_m) {
     }
     map.keypoints.push_back(k);
     map.descriptors.push_back(row);
-    if (i < twin_share * kPoints) {
+    if (i < duplicate_share * kPoints) {
       k.x_m += shift_m;
       for (int flip = 0; flip < 8; ++flip) {
         row.at<std::uint8_t>(0, static_cast<int>(random() % kBytes)) ^= static_cast<std::uint8_t>(1U << (random() % 8));
@@ -40,16 +40,16 @@ MapKeypoints MakeMap(double twin_share, float shift_m) {
 }
 
 bool Repeats(const MapKeypoints& map) {
-  return RepeatsItself(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), {}, 1);
+  return IsSelfSimilar(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), {}, 1);
 }
 
 TEST(SelfSimilarityTest, AFloorOfOneOffPointsDoesNotRepeatItself) { EXPECT_FALSE(Repeats(MakeMap(0.0, 3.0F))); }
 
-TEST(SelfSimilarityTest, AFloorOfTwinsRepeatsItself) { EXPECT_TRUE(Repeats(MakeMap(1.0, 3.0F))); }
+TEST(SelfSimilarityTest, AFloorOfDuplicatesIsSelfSimilar) { EXPECT_TRUE(Repeats(MakeMap(1.0, 3.0F))); }
 
-TEST(SelfSimilarityTest, FewTwinsAreNoRepetition) { EXPECT_FALSE(Repeats(MakeMap(0.2, 3.0F))); }
+TEST(SelfSimilarityTest, FewDuplicatesAreNoRepetition) { EXPECT_FALSE(Repeats(MakeMap(0.2, 3.0F))); }
 
-TEST(SelfSimilarityTest, TwoDescriptorsOfOnePointAreNoTwins) { EXPECT_FALSE(Repeats(MakeMap(1.0, 0.01F))); }
+TEST(SelfSimilarityTest, TwoDescriptorsOfOnePointAreNoDuplicates) { EXPECT_FALSE(Repeats(MakeMap(1.0, 0.01F))); }
 
 TEST(SelfSimilarityTest, OfFloatDescriptorsAndEmptyMapsNothingIsKnown) {
   MapKeypoints map;
@@ -58,7 +58,7 @@ TEST(SelfSimilarityTest, OfFloatDescriptorsAndEmptyMapsNothingIsKnown) {
   EXPECT_FALSE(Repeats(map));
   map.keypoints.clear();
   map.descriptors = cv::Mat(0, kBytes, CV_8UC1);
-  EXPECT_FALSE(RepeatsItself(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), {}, 1));
+  EXPECT_FALSE(IsSelfSimilar(map, *CreateDescriptorIndex(map.descriptors, {MatcherType::kBruteForce}), {}, 1));
 }
 
 }  // namespace

@@ -176,7 +176,7 @@ TEST_F(MapDamageTest, FilesThatAreNoMapsAreRefused) {
     return ErrorOf([&] { const MapDatabase database(file); });
   };
   EXPECT_THAT(error_of(folder_.path() / "missing.floormap"), HasSubstr("missing.floormap does not exist"));
-  EXPECT_THAT(error_of(folder_.path()), HasSubstr("is no file"));
+  EXPECT_THAT(error_of(folder_.path()), HasSubstr("is not a file"));
   for (const std::string& content : {std::string(), std::string("timestamp,filename\n"), std::string(5000, 'x')}) {
     WriteBytes(file_, content);
     EXPECT_THAT(error_of(file_), HasSubstr("is not a floorloc map; give a .floormap file")) << content.substr(0, 10);

@@ -81,7 +81,7 @@ RectM TileRect(int x, int y) {
   return {x * kTileM + kInside, (x + 1) * kTileM - kInside, y * kTileM + kInside, (y + 1) * kTileM - kInside};
 }
 
-int SeenPixels(const RasterPatch& patch) { return cv::countNonZero(patch.gray); }
+int CountValidPixels(const RasterPatch& patch) { return cv::countNonZero(patch.gray); }
 
 bool Same(const RasterPatch& a, const RasterPatch& b) {
   return a.gray.size() == b.gray.size() && cv::norm(a.gray, b.gray, cv::NORM_INF) == 0.0 && a.x_left_m == b.x_left_m &&
@@ -157,16 +157,16 @@ TEST(MosaicRasterTest, AHoleInTheFloorIsZeroWithItsEdge) {
   ASSERT_EQ(patch.gray.size(), tile.size());
   const cv::Rect hole_and_edge(8, 10, 10, 9);
   EXPECT_EQ(cv::countNonZero(patch.gray(hole_and_edge)), 0);
-  EXPECT_EQ(SeenPixels(patch), kTilePx * kTilePx - hole_and_edge.area());
+  EXPECT_EQ(CountValidPixels(patch), kTilePx * kTilePx - hole_and_edge.area());
 }
 
 TEST(MosaicRasterTest, MissingTilesAreNoFloor) {
   RandomMosaic mosaic;
   mosaic.Remove(0, -1);
   const MosaicRaster raster = mosaic.Raster();
-  EXPECT_EQ(SeenPixels(raster.Cut(TileRect(0, -1))), 0);
-  EXPECT_EQ(SeenPixels(raster.Cut(TileRect(100, -100))), 0);
-  EXPECT_EQ(SeenPixels(raster.Cut(TileRect(-1, -1))), kTilePx * kTilePx);
+  EXPECT_EQ(CountValidPixels(raster.Cut(TileRect(0, -1))), 0);
+  EXPECT_EQ(CountValidPixels(raster.Cut(TileRect(100, -100))), 0);
+  EXPECT_EQ(CountValidPixels(raster.Cut(TileRect(-1, -1))), kTilePx * kTilePx);
 }
 
 TEST(MosaicRasterTest, BrokenTilesAreNoFloor) {
@@ -187,8 +187,8 @@ TEST(MosaicRasterTest, BrokenTilesAreNoFloor) {
     RandomMosaic mosaic;
     mosaic.SetBytes(0, 0, bytes);
     const MosaicRaster raster = mosaic.Raster();
-    EXPECT_EQ(SeenPixels(raster.Cut(TileRect(0, 0))), 0) << bytes.size() << " bytes";
-    EXPECT_EQ(SeenPixels(raster.Cut(TileRect(1, 0))), kTilePx * kTilePx);
+    EXPECT_EQ(CountValidPixels(raster.Cut(TileRect(0, 0))), 0) << bytes.size() << " bytes";
+    EXPECT_EQ(CountValidPixels(raster.Cut(TileRect(1, 0))), kTilePx * kTilePx);
   }
 }
 
@@ -197,7 +197,7 @@ TEST(MosaicRasterTest, TilesThatTheMapRefusesAreNoFloor) {
     throw MapError("a tile is damaged; build the map again");
   };
   const MosaicRaster raster(refuses, {kTilePx, kMaxZoom, kResolutionM}, ContrastOptions(), kPlenty);
-  EXPECT_EQ(SeenPixels(raster.Cut(TileRect(0, 0))), 0);
+  EXPECT_EQ(CountValidPixels(raster.Cut(TileRect(0, 0))), 0);
 }
 
 TEST(MosaicRasterTest, WildRectanglesSeeNoFloor) {
@@ -209,7 +209,7 @@ TEST(MosaicRasterTest, WildRectanglesSeeNoFloor) {
     const RectM wild_x{wild, wild, 0.0, 0.01};
     const RectM wild_y{0.0, 0.01, wild, wild};
     for (const RectM& rect : {all_wild, wild_x, wild_y}) {
-      EXPECT_EQ(SeenPixels(raster.Cut(rect)), 0) << wild;
+      EXPECT_EQ(CountValidPixels(raster.Cut(rect)), 0) << wild;
     }
   }
   EXPECT_EQ(mosaic.calls(), 0);

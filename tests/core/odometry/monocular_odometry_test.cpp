@@ -98,7 +98,7 @@ TEST(MonocularOdometryTest, PositionsFromElsewhereGiveMetres) {
   EXPECT_LT((results.back().world_from_camera.translation() - end).norm(), 0.02 * end.norm());
 }
 
-TEST(MonocularOdometryTest, MakesNoTranslationUpWhileStandingStill) {
+TEST(MonocularOdometryTest, StandstillGivesNoTranslation) {
   std::vector<Eigen::Isometry3d> poses(15, PoseAt({0.0, 0.0, 0.0}, 0.0));
   for (const MonocularOdometryResult& result : TrackAll(poses, {})) {
     EXPECT_NE(result.status, MonocularStatus::kTracked);

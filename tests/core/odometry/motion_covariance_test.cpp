@@ -51,16 +51,16 @@ TEST_F(MotionCovarianceTest, IsHalfOfWhatIndependentPosesGive) {
 TEST_F(MotionCovarianceTest, OfTheAnchorItselfIsThePosesCovariance) {
   const AnchoredPose to = RandomPose();
   EXPECT_TRUE(MotionCovariance({}, to).isApprox(to.covariance));
-  EXPECT_TRUE(AddedCovariance({}, to).isApprox(to.covariance));
+  EXPECT_TRUE(IncrementalCovariance({}, to).isApprox(to.covariance));
 }
 
 TEST_F(MotionCovarianceTest, AddedCovarianceAddsUpToAtLeastThePoses) {
   for (int trial = 0; trial < 100; ++trial) {
     const AnchoredPose from = RandomPose();
     const AnchoredPose to = RandomPose();
-    const Eigen::Matrix3d added = AddedCovariance(from, to);
+    const Eigen::Matrix3d added = IncrementalCovariance(from, to);
     const Pose2 motion = from.anchor_from_base.Between(to.anchor_from_base);
-    const Eigen::Matrix3d excess = CarriedCovariance(from, motion, added) - to.covariance;
+    const Eigen::Matrix3d excess = PropagatedCovariance(from, motion, added) - to.covariance;
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(excess).eigenvalues().minCoeff(), -1e-12) << trial;
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(added).eigenvalues().minCoeff(), -1e-12) << trial;
   }
@@ -70,7 +70,7 @@ TEST_F(MotionCovarianceTest, NothingIsAddedWhereNothingGotLessCertain) {
   AnchoredPose from = RandomPose();
   AnchoredPose to = from;
   from.covariance *= 2.0;
-  EXPECT_LT(AddedCovariance(from, to).norm(), 1e-18);
+  EXPECT_LT(IncrementalCovariance(from, to).norm(), 1e-18);
 }
 
 }  // namespace

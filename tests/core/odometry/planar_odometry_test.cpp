@@ -117,7 +117,7 @@ TEST(PlanarOdometryTest, MotionsInARowAreThePose) {
   }
 }
 
-TEST(PlanarOdometryTest, AGuessMakesLargeStepsEasy) {
+TEST(PlanarOdometryTest, AnInitialGuessAllowsLargeSteps) {
   const std::vector<Pose2> truth = RoundTrip(12);
   PlanarOdometry odometry(Options());
   odometry.Track(0, FeaturesAt(truth[0], 0));
@@ -148,7 +148,7 @@ TEST(PlanarOdometryTest, CovariancesAreHonest) {
       if (result.motion) {
         const VisualMotion& motion = *result.motion;
         alone += Nees(truth[i - 1].Between(truth[i]), motion.from_from_to, motion.covariance_alone);
-        sum.covariance = CarriedCovariance(sum, motion.from_from_to, motion.covariance);
+        sum.covariance = PropagatedCovariance(sum, motion.from_from_to, motion.covariance);
         sum.anchor_from_base = sum.anchor_from_base * motion.from_from_to;
         summed += Nees(truth[keyframe].Between(truth[i]), sum.anchor_from_base, sum.covariance);
         ++count;
@@ -218,7 +218,7 @@ TEST(PlanarOdometryTest, GoesOnOnAnotherFloorInANewChain) {
   EXPECT_LT((before * step).Between(after.odom_from_base).translation().norm(), 1e-3);
 }
 
-TEST(PlanarOdometryTest, ABlackFrameIsBridgedAndItsGuessCounts) {
+TEST(PlanarOdometryTest, ABlackFrameIsBridgedByItsInitialGuess) {
   const std::vector<Pose2> truth = RoundTrip(48);
   PlanarOdometry odometry(Options());
   odometry.Track(0, FeaturesAt(truth[0], 0));
@@ -233,7 +233,7 @@ TEST(PlanarOdometryTest, ABlackFrameIsBridgedAndItsGuessCounts) {
   EXPECT_LT(truth[1].Between(truth[3]).Between(next.motion->from_from_to).translation().norm(), 1e-3);
 }
 
-TEST(PlanarOdometryTest, WhatAVehicleCannotDoIsNotBelieved) {
+TEST(PlanarOdometryTest, ImplausibleMotionIsRejected) {
   const std::vector<Pose2> truth = RoundTrip(12);
   PlanarOdometryOptions options = Options();
   options.max_speed_m_s = 0.2;  // the step is 0.1 m in 0.2 s

@@ -81,9 +81,9 @@ TEST(TwoViewTest, TriangulatesDepths) {
   EXPECT_FALSE(TriangulateDepth({{0.0, 0.0}, {0.2, 0.0}}, Motion({-0.5, 0.0, 0.0}, 0.0), 0.01)) << "behind";
 }
 
-TEST(TwoViewTest, LandmarksTellThePose) {
+TEST(TwoViewTest, LandmarksFixThePose) {
   const Scene scene(Motion({0.3, -0.1, 0.2}, 0.1), 80, 15);
-  std::vector<SeenLandmark> landmarks;
+  std::vector<LandmarkObservation> landmarks;
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
     landmarks.push_back({scene.points[i], scene.pairs[i].second});
   }

@@ -71,7 +71,7 @@ TEST(RegistrationTest, EightyPercentOutliersDoNotMatter) {
   }
 }
 
-TEST(RegistrationTest, CovarianceTellsTheScatter) {
+TEST(RegistrationTest, CovarianceMatchesTheScatter) {
   MatchGenerator draw(4);
   constexpr int kTrials = 400;
   double nees = 0.0;

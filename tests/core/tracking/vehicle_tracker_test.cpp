@@ -50,18 +50,20 @@ class VehicleTrackerTest : public testing::Test {
   FrameOutcome Send(int frame, const Pose2& truth) {
     cv::Mat gray;
     cv::cvtColor(Floor().View(truth), gray, cv::COLOR_BGR2GRAY);
-    const FrameObservation seen = TheLocalizer().Observe(rectifier_, gray);
+    const FrameObservation observation = TheLocalizer().Observe(rectifier_, gray);
     prior_ = tracker_.Prior(Stamp(frame));
-    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeWithGlobalFallback(seen, prior_));
+    return tracker_.AddFrame(Stamp(frame), observation.features,
+                             TheLocalizer().LocalizeWithGlobalFallback(observation, prior_));
   }
 
   // A frame of a floor that is not in the map.
-  FrameOutcome SendElsewhere(int frame, const SyntheticFloor& floor, const Pose2& truth) {
+  FrameOutcome SendFromOtherFloor(int frame, const SyntheticFloor& floor, const Pose2& truth) {
     cv::Mat gray;
     cv::cvtColor(floor.View(truth), gray, cv::COLOR_BGR2GRAY);
-    const FrameObservation seen = TheLocalizer().Observe(rectifier_, gray);
+    const FrameObservation observation = TheLocalizer().Observe(rectifier_, gray);
     prior_ = tracker_.Prior(Stamp(frame));
-    return tracker_.AddFrame(Stamp(frame), seen.features, TheLocalizer().LocalizeWithGlobalFallback(seen, prior_));
+    return tracker_.AddFrame(Stamp(frame), observation.features,
+                             TheLocalizer().LocalizeWithGlobalFallback(observation, prior_));
   }
 
   // Slowly to the left along the middle of the floor.
@@ -78,7 +80,7 @@ class VehicleTrackerTest : public testing::Test {
   std::optional<PosePrior> prior_;
 };
 
-TEST_F(VehicleTrackerTest, LooksOnTheWholeMapFirstAndThenAroundWhereItIs) {
+TEST_F(VehicleTrackerTest, SearchesTheWholeMapFirstAndThenAroundThePose) {
   EXPECT_TRUE(Send(0, PoseAt(0)).fix->first);
   EXPECT_FALSE(prior_.has_value());
   EXPECT_TRUE(Send(1, PoseAt(1)).fix->accepted);
@@ -89,25 +91,26 @@ TEST_F(VehicleTrackerTest, LooksOnTheWholeMapFirstAndThenAroundWhereItIs) {
   ExpectNear(PoseAt(2));
 }
 
-TEST_F(VehicleTrackerTest, ThePicturesMotionCarriesItOverUnknownFloor) {
+TEST_F(VehicleTrackerTest, VisualOdometryBridgesUnmappedFloor) {
   // The map's floor has changed for good where the vehicle is now, but it can see that it moves.
   const SyntheticFloor other(7);
   for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(Send(i, PoseAt(i)).fix->accepted);
   }
-  ASSERT_FALSE(SendElsewhere(4, other, PoseAt(3)).fix.has_value());  // here the other floor begins: nothing in common
+  ASSERT_FALSE(
+      SendFromOtherFloor(4, other, PoseAt(3)).fix.has_value());  // here the other floor begins: nothing in common
   for (int i = 5; i < 12; ++i) {
-    EXPECT_FALSE(SendElsewhere(i, other, PoseAt(i - 1)).fix.has_value());
+    EXPECT_FALSE(SendFromOtherFloor(i, other, PoseAt(i - 1)).fix.has_value());
   }
   const FusedPose pose = *tracker_.Estimate();
   EXPECT_NE(pose.state, TrackingState::kLocalized);
-  // What it did between frames 3 and 4 nobody told; from there on pictures do.
+  // Its motion between frames 3 and 4 was not measured; from there on images measure it.
   const Pose2 moved = tracker_.EstimateAt(Stamp(6))->map_from_base.Between(pose.map_from_base);
   const Pose2 truth = PoseAt(5).Between(PoseAt(10));
   EXPECT_LT(moved.Between(truth).translation().norm(), 3e-3);
 }
 
-TEST_F(VehicleTrackerTest, WithoutVisualOdometryPicturesAreFixesOnly) {
+TEST_F(VehicleTrackerTest, WithoutVisualOdometryImagesGiveFixesOnly) {
   TrackerOptions options;
   options.visual_odometry = false;
   tracker_ = VehicleTracker(options, Floor().camera().floor.resolution_m);
@@ -135,7 +138,7 @@ TEST_F(VehicleTrackerTest, IsFoundAgainAfterAKidnap) {
   ExpectNear(elsewhere);
 }
 
-TEST_F(VehicleTrackerTest, APictureThatComesLateIsAFixOfItsTime) {
+TEST_F(VehicleTrackerTest, ALateImageIsAFixOfItsOwnTime) {
   Send(0, PoseAt(0));
   tracker_.AddOdometry({Stamp(0), Stamp(2), PoseAt(0).Between(PoseAt(2)), std::nullopt});
   Send(2, PoseAt(2));
@@ -145,10 +148,10 @@ TEST_F(VehicleTrackerTest, APictureThatComesLateIsAFixOfItsTime) {
   ExpectNear(PoseAt(2));
 }
 
-TEST_F(VehicleTrackerTest, WantsPicturesWhileItIsNotSure) {
+TEST_F(VehicleTrackerTest, RequestsImagesWhileUncertain) {
   EXPECT_EQ(tracker_.Next().seconds, 0.0);
   Send(0, PoseAt(0));
-  const NextPicture next = tracker_.Next();
+  const NextFrame next = tracker_.Next();
   EXPECT_GT(next.seconds, 0.5);
   EXPECT_GT(next.metres, 0.1);
   tracker_.AddOdometry({Stamp(0), Stamp(1), Pose2(0.1, 0, 0), std::nullopt});

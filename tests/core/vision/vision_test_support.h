@@ -15,7 +15,7 @@ namespace floorloc::testing_vision {
 
 constexpr double kResolutionM = 0.0007;
 
-/// Blobs of 2 to 8 pixels, as floors have: a picture of the given mean and standard deviation, grey levels.
+/// Blobs of 2 to 8 pixels, as floors have: an image of the given mean and standard deviation, grey levels.
 inline cv::Mat MakeTexture(const cv::Size& size, double mean, double deviation, std::uint64_t seed) {
   cv::RNG random(seed);
   cv::Mat sum = cv::Mat::zeros(size, CV_32F);
@@ -33,7 +33,7 @@ inline cv::Mat MakeTexture(const cv::Size& size, double mean, double deviation, 
   return gray;
 }
 
-/// A wholly seen picture whose middle is the origin of the base frame: turning the picture turns it about the base.
+/// A wholly seen image whose middle is the origin of the base frame: turning the image turns it about the base.
 inline GroundImage CenteredImage(const cv::Mat& gray) {
   GroundImage image;
   image.grid.resolution_m = kResolutionM;

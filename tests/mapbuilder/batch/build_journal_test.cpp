@@ -42,7 +42,7 @@ class BuildJournalTest : public ::testing::Test {
     journal.Flush();
   }
   // How many of the first `count` pieces are there; each as it was put, or not at all.
-  int CountWhole(BuildJournal* journal, int count) const {
+  int CountIntact(BuildJournal* journal, int count) const {
     int whole = 0;
     for (int i = 0; i < count; ++i) {
       if (const auto piece = journal->Get(Key(i))) {
@@ -54,7 +54,7 @@ class BuildJournalTest : public ::testing::Test {
   }
   int Resume(int count) {
     BuildJournal journal(file_, true, &warnings_);
-    return CountWhole(&journal, count);
+    return CountIntact(&journal, count);
   }
   std::string Read() const {
     std::ifstream in(file_, std::ios::binary);
@@ -131,7 +131,7 @@ TEST_F(BuildJournalTest, WhateverIsOverwrittenNothingWrongIsRead) {
       damaged[i] = static_cast<char>(random());
     }
     Overwrite(damaged);
-    EXPECT_LE(Resume(10), 10);  // CountWhole compares the pieces
+    EXPECT_LE(Resume(10), 10);  // CountIntact compares the pieces
   }
   EXPECT_THAT(warnings_.str(), HasSubstr("is damaged"));
 }
@@ -205,13 +205,13 @@ TEST_F(BuildJournalTest, ManyThreadsMayPut) {
 }
 
 TEST(JournalBytesTest, ValuesComeBack) {
-  cv::Mat picture(3, 5, CV_32F);
-  cv::randu(picture, 0.0, 1.0);
+  cv::Mat image(3, 5, CV_32F);
+  cv::randu(image, 0.0, 1.0);
   const Bytes bytes = ByteWriter()
                           .Add(7)
                           .Add(std::string("seven"))
                           .Add(std::vector<double>{1.5, -2.5})
-                          .Add(cv::Mat(picture.colRange(1, 4)))
+                          .Add(cv::Mat(image.colRange(1, 4)))
                           .Take();
   for (std::size_t size = 0; size <= bytes.size(); ++size) {
     const Bytes part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
@@ -229,7 +229,7 @@ TEST(JournalBytesTest, ValuesComeBack) {
       EXPECT_EQ(number, 7);
       EXPECT_EQ(text, "seven");
       EXPECT_EQ(numbers, (std::vector<double>{1.5, -2.5}));
-      EXPECT_EQ(cv::norm(mat, picture.colRange(1, 4), cv::NORM_INF), 0.0);
+      EXPECT_EQ(cv::norm(mat, image.colRange(1, 4), cv::NORM_INF), 0.0);
     }
   }
 }

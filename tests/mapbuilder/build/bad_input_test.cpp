@@ -48,13 +48,13 @@ class BadInputTest : public ::testing::Test {
     options_.mosaic.resolution_m = 0.0028;
   }
 
-  fs::path Picture(int number) const {
+  fs::path ImageFile(int number) const {
     char name[16];
     std::snprintf(name, sizeof(name), "%06d.jpg", number);
     return survey_ / "images" / name;
   }
-  static std::string Name(const fs::path& picture) { return "images/" + picture.filename().string(); }
-  static void Write(const fs::path& picture, const cv::Mat& bgr) { ASSERT_TRUE(cv::imwrite(picture.string(), bgr)); }
+  static std::string Name(const fs::path& image) { return "images/" + image.filename().string(); }
+  static void Write(const fs::path& image, const cv::Mat& bgr) { ASSERT_TRUE(cv::imwrite(image.string(), bgr)); }
 
   BuildReport Build() { return BuildMap(options_); }
   std::string Error() {
@@ -98,76 +98,76 @@ class BadInputTest : public ::testing::Test {
   BuildOptions options_;
 };
 
-TEST_F(BadInputTest, AGoodSurveyHasNothingToComplainAbout) {
+TEST_F(BadInputTest, AGoodSurveyHasNoWarnings) {
   const BuildReport report = Build();
   EXPECT_THAT(report.dropped, IsEmpty());
   EXPECT_THAT(report.warnings, IsEmpty());
 }
 
-TEST_F(BadInputTest, ABlurredPictureIsLeftOut) {
+TEST_F(BadInputTest, ABlurredImageIsLeftOut) {
   const auto blur = [this](int number, double sigma_px) {
-    cv::Mat picture = cv::imread(Picture(number).string());
-    cv::GaussianBlur(picture, picture, {}, sigma_px);
-    Write(Picture(number), picture);
+    cv::Mat image = cv::imread(ImageFile(number).string());
+    cv::GaussianBlur(image, image, {}, sigma_px);
+    Write(ImageFile(number), image);
   };
   blur(5, 0.8);
   blur(9, 4.0);
-  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(9)), "blurred")));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(ImageFile(9)), "blurred")));
 }
 
 TEST_F(BadInputTest, BlurThatLastsIsNamed) {
   for (int i = 10; i < 22; ++i) {
-    cv::Mat picture = cv::imread(Picture(i).string());
-    cv::GaussianBlur(picture, picture, {}, 3.0);
-    Write(Picture(i), picture);
+    cv::Mat image = cv::imread(ImageFile(i).string());
+    cv::GaussianBlur(image, image, {}, 3.0);
+    Write(ImageFile(i), image);
   }
-  EXPECT_THAT(Build().warnings, Contains(AllOf(HasSubstr("12 pictures from images/000010.jpg to images/000021.jpg"),
-                                               HasSubstr("sharp"))));
+  EXPECT_THAT(Build().warnings,
+              Contains(AllOf(HasSubstr("12 images from images/000010.jpg to images/000021.jpg"), HasSubstr("sharp"))));
 }
 
-TEST_F(BadInputTest, BadlyExposedPicturesAreLeftOut) {
-  Write(Picture(5), 0.05 * cv::imread(Picture(5).string()));
-  Write(Picture(14), 4.0 * cv::imread(Picture(14).string()));
+TEST_F(BadInputTest, BadlyExposedImagesAreLeftOut) {
+  Write(ImageFile(5), 0.05 * cv::imread(ImageFile(5).string()));
+  Write(ImageFile(14), 4.0 * cv::imread(ImageFile(14).string()));
   EXPECT_THAT(Build().dropped,
-              ElementsAre(Dropped(Name(Picture(5)), "too dark"), Dropped(Name(Picture(14)), "overexposed")));
+              ElementsAre(Dropped(Name(ImageFile(5)), "too dark"), Dropped(Name(ImageFile(14)), "overexposed")));
 }
 
-TEST_F(BadInputTest, ACopyOfAPictureIsLeftOut) {
-  fs::copy_file(Picture(3), Picture(12), fs::copy_options::overwrite_existing);
-  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(12)), "the same picture as an earlier one")));
+TEST_F(BadInputTest, ACopyOfAnImageIsLeftOut) {
+  fs::copy_file(ImageFile(3), ImageFile(12), fs::copy_options::overwrite_existing);
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(ImageFile(12)), "the same image as an earlier one")));
 }
 
-TEST_F(BadInputTest, APictureOfAnotherFloorIsLeftOut) {
+TEST_F(BadInputTest, AnImageOfAnotherFloorIsLeftOut) {
   const SyntheticFloor other(77);
-  Write(Picture(12), other.View(other.BaseForView(0.5, 0.4, 0.3)));
-  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(12)), "matches no other frame")));
+  Write(ImageFile(12), other.View(other.BaseForView(0.5, 0.4, 0.3)));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(ImageFile(12)), "matches no other frame")));
 }
 
-TEST_F(BadInputTest, ATruncatedPictureIsLeftOut) {
-  fs::resize_file(Picture(7), fs::file_size(Picture(7)) / 2);
+TEST_F(BadInputTest, ATruncatedImageIsLeftOut) {
+  fs::resize_file(ImageFile(7), fs::file_size(ImageFile(7)) / 2);
   const BuildReport report = Build();
   EXPECT_EQ(report.frames, 28);
   EXPECT_EQ(report.frames_used, 27);
-  EXPECT_THAT(report.dropped, ElementsAre(Dropped(Name(Picture(7)), HasSubstr("the picture is cut off"))));
+  EXPECT_THAT(report.dropped, ElementsAre(Dropped(Name(ImageFile(7)), HasSubstr("the image is cut off"))));
 }
 
-TEST_F(BadInputTest, APictureOfAnotherCameraIsLeftOut) {
-  Write(Picture(7), cv::Mat(480, 752, CV_8UC3, cv::Scalar::all(100)));
+TEST_F(BadInputTest, AnImageOfAnotherCameraIsLeftOut) {
+  Write(ImageFile(7), cv::Mat(480, 752, CV_8UC3, cv::Scalar::all(100)));
   EXPECT_THAT(Build().dropped,
-              ElementsAre(Dropped(Name(Picture(7)), HasSubstr("is 752x480 but camera.yaml says 640x480"))));
+              ElementsAre(Dropped(Name(ImageFile(7)), HasSubstr("is 752x480 but camera.yaml says 640x480"))));
 }
 
-TEST_F(BadInputTest, AMissingPictureIsLeftOut) {
-  fs::remove(Picture(7));
+TEST_F(BadInputTest, AMissingImageIsLeftOut) {
+  fs::remove(ImageFile(7));
   const BuildReport report = Build();
   EXPECT_EQ(report.frames, 28);
-  EXPECT_THAT(report.dropped, ElementsAre(Dropped(Name(Picture(7)), "picture is missing")));
+  EXPECT_THAT(report.dropped, ElementsAre(Dropped(Name(ImageFile(7)), "image is missing")));
 }
 
-TEST_F(BadInputTest, ManyUnusablePicturesAreRefused) {
-  fs::remove(Picture(7));
-  std::ofstream(Picture(8)) << "no picture";
-  EXPECT_THAT(Error(), AllOf(HasSubstr("000007.jpg: the picture is missing"), HasSubstr("2 of 28 frames")));
+TEST_F(BadInputTest, ManyUnusableImagesAreRefused) {
+  fs::remove(ImageFile(7));
+  std::ofstream(ImageFile(8)) << "no image";
+  EXPECT_THAT(Error(), AllOf(HasSubstr("000007.jpg: the image is missing"), HasSubstr("2 of 28 frames")));
 }
 
 TEST_F(BadInputTest, RowsOutOfOrderAreSortedByTime) {
@@ -187,20 +187,20 @@ TEST_F(BadInputTest, ARepeatedTimeStampIsLeftOut) {
   std::vector<std::string> rows = Rows();
   rows[11] = rows[10].substr(0, rows[10].find(',')) + rows[11].substr(rows[11].find(','));
   WriteRows(rows);
-  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(Picture(10)), "time stamp is that of another frame")));
+  EXPECT_THAT(Build().dropped, ElementsAre(Dropped(Name(ImageFile(10)), "time stamp is that of another frame")));
 }
 
-TEST_F(BadInputTest, AControlPointInAPictureThatIsLeftOutIsNamed) {
-  fs::remove(Picture(7));
+TEST_F(BadInputTest, AControlPointInAnImageThatIsLeftOutIsNamed) {
+  fs::remove(ImageFile(7));
   std::string csv = "filename,u,v,x,y\n";
   for (const int i : {0, 7, 20}) {
-    const Survey survey = ReadSurvey(survey_, BadFrames::kLeaveOut);
+    const Survey survey = ReadSurvey(survey_, BadFramePolicy::kSkip);
     const Pose2 pose = survey.ground_truth[static_cast<std::size_t>(i)].ToPose2();
     const Eigen::Vector2d p = pose * survey.camera.FloorFromRawPixel({320.0, 240.0});
-    csv += Name(Picture(i)) + ",320,240," + std::to_string(p.x()) + "," + std::to_string(p.y()) + "\n";
+    csv += Name(ImageFile(i)) + ",320,240," + std::to_string(p.x()) + "," + std::to_string(p.y()) + "\n";
   }
   WriteFileAtomically(survey_ / "control_points.csv", csv);
-  EXPECT_THAT(Build().warnings, ElementsAre(HasSubstr("1 control points are in pictures that were left out")));
+  EXPECT_THAT(Build().warnings, ElementsAre(HasSubstr("1 control points are in images that were left out")));
 }
 
 TEST_F(BadInputTest, OdometryOfAnotherClockIsRefused) {
@@ -232,12 +232,12 @@ TEST_F(BadInputTest, AMirroredHomographyIsRefused) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("floor.yaml"), HasSubstr("mirrored")));
 }
 
-TEST_F(BadInputTest, MirroredPicturesAreRefused) {
+TEST_F(BadInputTest, MirroredImagesAreRefused) {
   const auto flip_all = [this](int code) {
     for (int i = 0; i < 28; ++i) {
-      cv::Mat picture = cv::imread(Picture(i).string());
-      cv::flip(picture, picture, code);
-      Write(Picture(i), picture);
+      cv::Mat image = cv::imread(ImageFile(i).string());
+      cv::flip(image, image, code);
+      Write(ImageFile(i), image);
     }
   };
   flip_all(1);  // left and right
@@ -247,7 +247,7 @@ TEST_F(BadInputTest, MirroredPicturesAreRefused) {
 }
 
 TEST_F(BadInputTest, TheReportNamesWhatItFound) {
-  fs::resize_file(Picture(7), fs::file_size(Picture(7)) / 2);
+  fs::resize_file(ImageFile(7), fs::file_size(ImageFile(7)) / 2);
   ChangeHomography(Eigen::Affine2d(Eigen::Scaling(1.06)));
   const BuildReport report = Build();
   EXPECT_THAT(ToText(report), AllOf(HasSubstr("cut off"), HasSubstr("WARNING      "), HasSubstr("wrong scale")));

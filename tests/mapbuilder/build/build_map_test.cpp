@@ -108,7 +108,7 @@ TEST_F(BuildMapTest, WithOdometryTheGeometryIsTrue) {
   EXPECT_NEAR(first.yaw(), odometry.yaw(), 1e-9);
 }
 
-// Another camera, at another resolution, on another day: pictures alone tie the sessions together.
+// Another camera, at another resolution, on another day: images alone tie the sessions together.
 TEST_F(BuildMapTest, SessionsOfSeveralCamerasMakeOneMap) {
   SimulateOptions second = SyntheticFloor(1).SurveyOptions(folder_.path() / "second");
   second.camera = MakeForwardCamera();
@@ -141,7 +141,7 @@ TEST_F(BuildMapTest, TheMapIsWholeAndConsistentWithItsReport) {
   EXPECT_EQ(map.info.name, "floor");
   EXPECT_EQ(map.info.area_m2, report.area_m2);
   EXPECT_THAT(map.info.surveys_json, HasSubstr("\"frames\":28"));
-  const MosaicPicture mosaic = ExportMosaic(database, 0.0);
+  const MosaicImage mosaic = ExportMosaic(database, 0.0);
   EXPECT_NEAR(mosaic.bgr.cols * mosaic.resolution_m, mosaic.extent.width_m(), 1e-9);
   EXPECT_LE(mosaic.extent.x_min, map.info.extent.x_min + 1e-9);
   EXPECT_GE(mosaic.extent.y_max, map.info.extent.y_max - 1e-9);
@@ -274,7 +274,7 @@ TEST_F(BuildMapTest, TwoSurveysOfOneFloorBecomeOneMap) {
 TEST_F(BuildMapTest, AFailedBuildKeepsTheOldMap) {
   const std::string version = Build().content_version;
   for (const char* name : {"000012.jpg", "000013.jpg"}) {
-    std::ofstream(survey_ / "images" / name) << "no picture";
+    std::ofstream(survey_ / "images" / name) << "no image";
   }
   try {
     Build();
@@ -286,7 +286,7 @@ TEST_F(BuildMapTest, AFailedBuildKeepsTheOldMap) {
   EXPECT_FALSE(fs::exists(options_.out.string() + ".part"));
 }
 
-TEST_F(BuildMapTest, APictureWithoutTextureIsDropped) {
+TEST_F(BuildMapTest, AnImageWithoutTextureIsDropped) {
   cv::imwrite((survey_ / "images" / "000013.jpg").string(), cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(128)));
   for (const bool with_odometry : {true, false}) {
     if (!with_odometry) {
@@ -300,9 +300,9 @@ TEST_F(BuildMapTest, APictureWithoutTextureIsDropped) {
   }
 }
 
-TEST_F(BuildMapTest, PicturesWithoutAnyTextureAreRefused) {
-  for (const fs::directory_entry& picture : fs::directory_iterator(survey_ / "images")) {
-    cv::imwrite(picture.path().string(), cv::Mat::zeros(480, 640, CV_8UC3));
+TEST_F(BuildMapTest, ImagesWithoutAnyTextureAreRefused) {
+  for (const fs::directory_entry& image : fs::directory_iterator(survey_ / "images")) {
+    cv::imwrite(image.path().string(), cv::Mat::zeros(480, 640, CV_8UC3));
   }
   EXPECT_THROW(Build(), InputError);
   fs::remove(survey_ / "odometry.tum");
@@ -318,7 +318,7 @@ TEST_F(BuildMapTest, PosesOfAnotherClockAreRefused) {
   EXPECT_THROW(Build(), InputError);
 }
 
-TEST_F(BuildMapTest, UnrelatedPicturesAreRefused) {
+TEST_F(BuildMapTest, UnrelatedImagesAreRefused) {
   KeepViews([](const Eigen::Vector2d& view) {
     return (view - Eigen::Vector2d(0.17, 0.22)).norm() < 0.05 || (view - Eigen::Vector2d(1.03, 0.68)).norm() < 0.05;
   });

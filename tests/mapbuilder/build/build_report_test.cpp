@@ -46,7 +46,7 @@ TEST(BuildReportTest, WhatAMapKeepsOfItIsReadBack) {
   EXPECT_EQ(read.held_out.at(0).error_m, 0.5);
   EXPECT_EQ(read.held_out.at(1).reason, "too_few_inliers");
   EXPECT_EQ(read.markers.at(0).error_m, 0.002);
-  EXPECT_EQ(read.control_points.at(0).seen_m.y(), 2.25);
+  EXPECT_EQ(read.control_points.at(0).observed_m.y(), 2.25);
   EXPECT_THAT(read.flat_fields.at(0).gain, ElementsAre(1.0, 1.5));
 }
 

@@ -16,21 +16,21 @@ namespace {
 
 const cv::Scalar kBodyColor(20, 20, 230);
 
-// A survey whose every picture shows the same red, spotted part of the robot at its left edge.
+// A survey whose every image shows the same red, spotted part of the robot at its left edge.
 class FloorMaskTest : public ::testing::Test {
  protected:
   FloorMaskTest() {
     const int frames = SyntheticFloor(1).WriteSurvey(survey_).frames;
     EXPECT_GT(frames, 0);
     for (const auto& entry : std::filesystem::directory_iterator(survey_ / "images")) {
-      cv::Mat picture = cv::imread(entry.path().string());
-      picture(body_).setTo(kBodyColor);
+      cv::Mat image = cv::imread(entry.path().string());
+      image(body_).setTo(kBodyColor);
       for (int y = 12; y < body_.height; y += 24) {
         for (int x = 12; x < body_.width - 8; x += 24) {
-          cv::circle(picture, {x, y}, 4, cv::Scalar::all(255), cv::FILLED);
+          cv::circle(image, {x, y}, 4, cv::Scalar::all(255), cv::FILLED);
         }
       }
-      cv::imwrite(entry.path().string(), picture);
+      cv::imwrite(entry.path().string(), image);
     }
   }
 

@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::IsEmpty;
 
-// A survey whose frames stand where they really are.
+// A survey whose frames have their true poses.
 class HeldOutTest : public ::testing::Test {
  protected:
   HeldOutTest() {
@@ -65,7 +65,7 @@ TEST_F(HeldOutTest, FloorThatNoOtherFrameCoversIsNotChosen) {
   EXPECT_THAT(LocalizeHeldOut(Placed(), options_), IsEmpty());
 }
 
-TEST_F(HeldOutTest, TheyAreFoundWhereTheyAre) {
+TEST_F(HeldOutTest, HeldOutFramesAreLocalizedWhereTheyAre) {
   for (const HeldOutFrame& frame : LocalizeHeldOut(Placed(), options_)) {
     EXPECT_EQ(frame.status, "localized") << frame.filename;
     EXPECT_LT(frame.error_m, 1e-3);
@@ -73,7 +73,7 @@ TEST_F(HeldOutTest, TheyAreFoundWhereTheyAre) {
   }
 }
 
-TEST_F(HeldOutTest, AFrameThatTheBuildPutElsewhereIsSaidToBeWrong) {
+TEST_F(HeldOutTest, AMisplacedFrameIsReportedAsWrong) {
   const int misplaced = ChooseHeldOut(Placed(), options_).front();
   auto& pose = map_from_base_[static_cast<std::size_t>(misplaced)];
   pose = Pose2(0.03, 0.0, 0.0) * *pose;
@@ -86,7 +86,7 @@ TEST_F(HeldOutTest, AFrameOfAnotherFloorIsNotFound) {
   const int frame = ChooseHeldOut(Placed(), options_).front();
   const TemporaryFolder folder;
   SyntheticFloor(2).WriteSurvey(folder.path() / "survey");
-  // Its picture is read again: from the other floor's folder.
+  // Its image is read again: from the other floor's folder.
   surveys_.front().survey.folder = folder.path() / "survey";
   const std::vector<HeldOutFrame> results = LocalizeHeldOut(Placed(), options_);
   EXPECT_EQ(results.front().filename, frames_[static_cast<std::size_t>(frame)].info.filename);

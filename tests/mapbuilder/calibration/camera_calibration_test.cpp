@@ -20,7 +20,7 @@ CameraCalibrationInput MakeInput(const CameraModel& camera, const std::vector<Bo
   for (std::size_t i = 0; i < placements.size(); ++i) {
     const Eigen::Isometry3d pose = PlaceBoard(camera, kBoard, placements[i]);
     input.views.push_back(
-        {"picture " + std::to_string(i), SeeBoard(camera, kBoard, pose, kNoisePx, static_cast<unsigned>(i))});
+        {"image " + std::to_string(i), ProjectBoard(camera, kBoard, pose, kNoisePx, static_cast<unsigned>(i))});
   }
   return input;
 }
@@ -115,7 +115,7 @@ TEST(CalibrateCamera, StandardDeviationsAreHonest) {
     for (std::size_t i = 0; i < input.views.size(); ++i) {
       const Eigen::Isometry3d pose = PlaceBoard(truth, kBoard, VariedPlacements(truth, kBoard, 10)[i]);
       input.views[i].view =
-          SeeBoard(truth, kBoard, pose, kNoisePx, static_cast<unsigned>(1000 + 100 * trial + static_cast<int>(i)));
+          ProjectBoard(truth, kBoard, pose, kNoisePx, static_cast<unsigned>(1000 + 100 * trial + static_cast<int>(i)));
     }
     const CameraCalibration found = CalibrateCamera(input, {});
     ASSERT_TRUE(found.covariance.has_value());
@@ -125,7 +125,7 @@ TEST(CalibrateCamera, StandardDeviationsAreHonest) {
   EXPECT_THAT(squares / (2 * kTrials), ::testing::AllOf(::testing::Gt(0.5), ::testing::Lt(1.8)));
 }
 
-TEST(CalibrateCamera, LeavesOutAPictureThatDisagrees) {
+TEST(CalibrateCamera, LeavesOutAnImageThatDisagrees) {
   const CameraModel truth = MakeBoardCamera();
   CameraCalibrationInput input = MakeInput(truth, VariedPlacements(truth, kBoard, 12));
   for (std::size_t i = 0; i < input.views[7].view.raw_px.size(); ++i) {
@@ -140,13 +140,13 @@ TEST(CalibrateCamera, LeavesOutAPictureThatDisagrees) {
   EXPECT_LT(WorstDisagreementPx(truth, found.camera), 0.8);
 }
 
-TEST(CalibrateCamera, WantsThreePictures) {
+TEST(CalibrateCamera, RequiresThreeImages) {
   const CameraModel truth = MakeBoardCamera();
   try {
     CalibrateCamera(MakeInput(truth, VariedPlacements(truth, kBoard, 2)), {});
-    FAIL() << "two pictures were enough";
+    FAIL() << "two images were enough";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("found in 2 pictures"));
+    EXPECT_THAT(error.what(), HasSubstr("found in 2 images"));
   }
 }
 

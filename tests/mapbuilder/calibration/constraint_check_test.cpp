@@ -14,43 +14,43 @@ using ::testing::IsEmpty;
 
 const Board kBoard{9, 6, 0.02, {}};
 
-std::vector<Complaint> ComplaintsAbout(const std::vector<BoardPlacement>& placements) {
+std::vector<Diagnostic> DiagnosticsOf(const std::vector<BoardPlacement>& placements) {
   const CameraModel camera = MakeBoardCamera();
   CameraCalibrationInput input{kBoard, camera.width_px, camera.height_px, {}};
   for (const BoardPlacement& placement : placements) {
     const auto seed = static_cast<unsigned>(input.views.size());
     const Eigen::Isometry3d pose = PlaceBoard(camera, kBoard, placement);
-    input.views.push_back({"picture", SeeBoard(camera, kBoard, pose, 0.05, seed)});
+    input.views.push_back({"image", ProjectBoard(camera, kBoard, pose, 0.05, seed)});
   }
   return CheckConstraints(input, CalibrateCamera(input, {}));
 }
 
-std::string Fatal(const std::vector<Complaint>& complaints) {
+std::string Fatal(const std::vector<Diagnostic>& diagnostics) {
   std::string text;
-  for (const Complaint& complaint : complaints) {
-    text += complaint.fatal ? complaint.sentence + "\n" : "";
+  for (const Diagnostic& diagnostic : diagnostics) {
+    text += diagnostic.fatal ? diagnostic.sentence + "\n" : "";
   }
   return text;
 }
 
-std::string All(const std::vector<Complaint>& complaints) {
+std::string All(const std::vector<Diagnostic>& diagnostics) {
   std::string text;
-  for (const Complaint& complaint : complaints) {
-    text += complaint.sentence + "\n";
+  for (const Diagnostic& diagnostic : diagnostics) {
+    text += diagnostic.sentence + "\n";
   }
   return text;
 }
 
 std::vector<BoardPlacement> Good(int count = 18) { return VariedPlacements(MakeBoardCamera(), kBoard, count); }
 
-TEST(CheckConstraints, HasNothingToSayAboutGoodPictures) { EXPECT_THAT(All(ComplaintsAbout(Good())), IsEmpty()); }
+TEST(CheckConstraints, GoodImagesHaveNoDiagnostics) { EXPECT_THAT(All(DiagnosticsOf(Good())), IsEmpty()); }
 
 TEST(CheckConstraints, RefusesBoardsThatAreNotTilted) {
   std::vector<BoardPlacement> flat = Good();
   for (BoardPlacement& placement : flat) {
     placement.tilt_x_rad = placement.tilt_y_rad = 0.0;
   }
-  EXPECT_THAT(Fatal(ComplaintsAbout(flat)), HasSubstr("tilted by 20 to 45 degrees"));
+  EXPECT_THAT(Fatal(DiagnosticsOf(flat)), HasSubstr("tilted by 20 to 45 degrees"));
 }
 
 TEST(CheckConstraints, WarnsOfBoardsThatAreHardlyTilted) {
@@ -59,9 +59,9 @@ TEST(CheckConstraints, WarnsOfBoardsThatAreHardlyTilted) {
     placement.tilt_x_rad *= 0.2;
     placement.tilt_y_rad *= 0.2;
   }
-  const std::vector<Complaint> complaints = ComplaintsAbout(flat);
-  EXPECT_THAT(Fatal(complaints), IsEmpty());
-  EXPECT_THAT(All(complaints), HasSubstr("tilted by no more than"));
+  const std::vector<Diagnostic> diagnostics = DiagnosticsOf(flat);
+  EXPECT_THAT(Fatal(diagnostics), IsEmpty());
+  EXPECT_THAT(All(diagnostics), HasSubstr("tilted by no more than"));
 }
 
 TEST(CheckConstraints, RefusesBoardsOnlyInTheMiddle) {
@@ -70,22 +70,22 @@ TEST(CheckConstraints, RefusesBoardsOnlyInTheMiddle) {
     placement.middle_px = {240, 180};
     placement.distance_m *= 2.5;
   }
-  EXPECT_THAT(Fatal(ComplaintsAbout(middle)), HasSubstr("only seen in the middle"));
+  EXPECT_THAT(Fatal(DiagnosticsOf(middle)), HasSubstr("only seen in the middle"));
 }
 
-TEST(CheckConstraints, NamesThePartOfThePictureWithoutBoards) {
+TEST(CheckConstraints, NamesThePartOfTheImageWithoutBoards) {
   std::vector<BoardPlacement> left = Good();
   std::erase_if(left, [](const BoardPlacement& placement) { return placement.middle_px.x() > 250; });
   for (BoardPlacement& placement : left) {
     placement.middle_px.x() = std::min(placement.middle_px.x(), 150.0);
   }
-  const std::string text = All(ComplaintsAbout(left));
+  const std::string text = All(DiagnosticsOf(left));
   EXPECT_THAT(text, HasSubstr("the upper right"));
   EXPECT_THAT(text, HasSubstr("the lower right"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("left")));
 }
 
-TEST(CheckConstraints, WarnsOfFewPictures) { EXPECT_THAT(All(ComplaintsAbout(Good(6))), HasSubstr("only 6 pictures")); }
+TEST(CheckConstraints, WarnsOfFewImages) { EXPECT_THAT(All(DiagnosticsOf(Good(6))), HasSubstr("only 6 images")); }
 
 TEST(CheckConstraints, SaysThatOneDistanceIsNotEnough) {
   std::vector<BoardPlacement> same;
@@ -93,7 +93,7 @@ TEST(CheckConstraints, SaysThatOneDistanceIsNotEnough) {
     const BoardPlacement varied = Good()[static_cast<std::size_t>(i)];
     same.push_back({varied.middle_px, 3.0, 0.3 * varied.tilt_x_rad, 0.3 * varied.tilt_y_rad, 0.0});
   }
-  EXPECT_THAT(All(ComplaintsAbout(same)), HasSubstr("equally far away"));
+  EXPECT_THAT(All(DiagnosticsOf(same)), HasSubstr("equally far away"));
 }
 
 TEST(CalibratedRadiusPx, IsTheFarthestCornersDistance) {

@@ -25,14 +25,14 @@ Eigen::Isometry3d BaseFromCamera(double pitch_down_deg) {
   return pose;
 }
 
-FloorSighting See(const CameraModel& camera, const Eigen::Isometry3d& base_from_camera, const Pose2& base_from_board,
-                  double height_m) {
+BoardOnFloorObservation ObserveBoard(const CameraModel& camera, const Eigen::Isometry3d& base_from_camera,
+                                     const Pose2& base_from_board, double height_m) {
   Eigen::Isometry3d board = Eigen::Isometry3d::Identity();
   board.translation() << base_from_board.x(), base_from_board.y(), height_m;
   board.rotate(Eigen::AngleAxisd(base_from_board.yaw(), Eigen::Vector3d::UnitZ()));
   const Eigen::Isometry3d camera_from_board = base_from_camera.inverse() * board;
-  // The guess is off, as a single picture's pose is.
-  return {"floor.jpg", SeeBoard(camera, kBoard, camera_from_board, 0.03, 3), base_from_board,
+  // The guess is off, as a single image's pose is.
+  return {"floor.jpg", ProjectBoard(camera, kBoard, camera_from_board, 0.03, 3), base_from_board,
           camera_from_board * Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitX())};
 }
 
@@ -50,11 +50,11 @@ double WorstFloorErrorM(const FloorCalibration& found, const CameraModel& camera
   return worst;
 }
 
-TEST(CalibrateFloor, FindsTheHomographyFromOnePicture) {
+TEST(CalibrateFloor, FindsTheHomographyFromOneImage) {
   const CameraModel camera = MakeBoardCamera();
   const Eigen::Isometry3d pose = BaseFromCamera(55);
   const FloorCalibration found =
-      CalibrateFloor({camera, kBoard, 0.0, {See(camera, pose, Pose2(0.33, -0.08, 0.2), 0.0)}});
+      CalibrateFloor({camera, kBoard, 0.0, {ObserveBoard(camera, pose, Pose2(0.33, -0.08, 0.2), 0.0)}});
   EXPECT_LT(WorstFloorErrorM(found, camera, pose), 2e-4);
   EXPECT_LT((found.base_from_camera.translation() - pose.translation()).norm(), 3e-4);
   EXPECT_NEAR(found.PitchDownRad(), 55 * std::numbers::pi / 180.0, 1e-3);
@@ -65,21 +65,21 @@ TEST(CalibrateFloor, FindsTheHomographyFromOnePicture) {
 TEST(CalibrateFloor, TakesTheThicknessOfTheBoardIntoAccount) {
   const CameraModel camera = MakeBoardCamera();
   const Eigen::Isometry3d pose = BaseFromCamera(50);
-  FloorCalibrationInput input{camera, kBoard, 0.006, {See(camera, pose, Pose2(0.33, -0.08, 0.2), 0.006)}};
+  FloorCalibrationInput input{camera, kBoard, 0.006, {ObserveBoard(camera, pose, Pose2(0.33, -0.08, 0.2), 0.006)}};
   EXPECT_LT(WorstFloorErrorM(CalibrateFloor(input), camera, pose), 2e-4);
   input.board_thickness_m = 0.0;
   EXPECT_GT(WorstFloorErrorM(CalibrateFloor(input), camera, pose), 2e-3);
 }
 
-TEST(CalibrateFloor, AveragesSeveralPicturesAndSaysWhichDisagrees) {
+TEST(CalibrateFloor, AveragesSeveralImagesAndSaysWhichDisagrees) {
   const CameraModel camera = MakeBoardCamera();
   const Eigen::Isometry3d pose = BaseFromCamera(60);
   FloorCalibrationInput input{camera, kBoard, 0.0, {}};
   for (const Pose2& board : {Pose2(0.28, -0.08, 0.2), Pose2(0.35, -0.02, 0.1), Pose2(0.3, -0.1, 0.5)}) {
-    input.sightings.push_back(See(camera, pose, board, 0.0));
+    input.observations.push_back(ObserveBoard(camera, pose, board, 0.0));
   }
   EXPECT_LT(WorstFloorErrorM(CalibrateFloor(input), camera, pose), 2e-4);
-  input.sightings[1].base_from_board = Pose2(0.36, -0.02, 0.1);  // 1 cm off
+  input.observations[1].base_from_board = Pose2(0.36, -0.02, 0.1);  // 1 cm off
   const FloorCalibration found = CalibrateFloor(input);
   EXPECT_GT(found.fits[1].rms_m, 3e-3);
   EXPECT_GT(found.fits[1].rms_m, found.fits[0].rms_m);

@@ -41,14 +41,14 @@ cv::Vec3b ColorAt(double x, double y) {
 std::vector<std::uint8_t> TileAt(const TileId& id, int max_zoom) {
   const double step = kPixelM * (1 << (max_zoom - id.z));
   const double side = step * kTilePx;
-  cv::Mat picture(kTilePx, kTilePx, CV_8UC3);
+  cv::Mat image(kTilePx, kTilePx, CV_8UC3);
   for (int v = 0; v < kTilePx; ++v) {
     for (int u = 0; u < kTilePx; ++u) {
-      picture.at<cv::Vec3b>(v, u) = ColorAt(id.x * side + (u + 0.5) * step, (id.y + 1) * side - (v + 0.5) * step);
+      image.at<cv::Vec3b>(v, u) = ColorAt(id.x * side + (u + 0.5) * step, (id.y + 1) * side - (v + 0.5) * step);
     }
   }
   std::vector<std::uint8_t> jpeg;
-  cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 98});
+  cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, 98});
   return jpeg;
 }
 
@@ -119,25 +119,25 @@ TEST_F(ExportTest, AGeoTiffShowsEveryPointWhereItLies) {
   EXPECT_FALSE(fs::exists(File("map.tif.part")));
   const auto tags = ReadTiffTags(ReadBytes(File("map.tif")));
   EXPECT_THAT(Values<double>(tags.at(33550)), ::testing::ElementsAre(kPixelM, kPixelM, 0.0));
-  const std::vector<double> tie = Values<double>(tags.at(33922));
-  ASSERT_EQ(tie.size(), 6U);
+  const std::vector<double> tiepoint = Values<double>(tags.at(33922));
+  ASSERT_EQ(tiepoint.size(), 6U);
   const auto keys = Values<std::uint16_t>(tags.at(34735));
   ASSERT_EQ(keys.size(), 20U);
   EXPECT_EQ(keys[3], 4);  // number of keys
   EXPECT_THAT(std::vector<std::uint16_t>(keys.begin() + 8, keys.begin() + 12),
               ::testing::ElementsAre(1025, 0, 1, 1));  // pixel is area
   EXPECT_EQ(keys[14] + 1U, tags.at(34737).size()) << "the citation and its end";
-  const cv::Mat picture = cv::imread(File("map.tif").string(), cv::IMREAD_COLOR);
-  ASSERT_EQ(picture.size(), cv::Size(3 * kTilePx, 3 * kTilePx));
+  const cv::Mat image = cv::imread(File("map.tif").string(), cv::IMREAD_COLOR);
+  ASSERT_EQ(image.size(), cv::Size(3 * kTilePx, 3 * kTilePx));
   for (const auto& [x, y] : {std::pair(-0.3, 0.4), {0.5, -0.9}, {-0.6, -0.2}, {0.85, 0.6}, {1.1, -1.1}}) {
-    const int u = static_cast<int>((x - tie[3]) / kPixelM);
-    const int v = static_cast<int>((tie[4] - y) / kPixelM);
-    EXPECT_LE(cv::norm(picture.at<cv::Vec3b>(v, u), ColorAt(x, y), cv::NORM_INF), 4.0) << x << " " << y;
+    const int u = static_cast<int>((x - tiepoint[3]) / kPixelM);
+    const int v = static_cast<int>((tiepoint[4] - y) / kPixelM);
+    EXPECT_LE(cv::norm(image.at<cv::Vec3b>(v, u), ColorAt(x, y), cv::NORM_INF), 4.0) << x << " " << y;
   }
   const cv::Rect missing(0, 2 * kTilePx, kTilePx, kTilePx);
-  EXPECT_EQ(cv::norm(picture(missing), cv::NORM_INF), 0.0);
-  const MosaicPicture mosaic = ExportMosaic(Map(), 0.0);
-  EXPECT_LE(cv::norm(picture, mosaic.bgr, cv::NORM_INF), 2.0) << "the same pixels as in the picture";
+  EXPECT_EQ(cv::norm(image(missing), cv::NORM_INF), 0.0);
+  const MosaicImage mosaic = ExportMosaic(Map(), 0.0);
+  EXPECT_LE(cv::norm(image, mosaic.bgr, cv::NORM_INF), 2.0) << "the same pixels as in the image";
 }
 
 TEST_F(ExportTest, ACoarseGeoTiffTakesACoarseLevel) {

@@ -19,13 +19,13 @@ class BoardDetection : public ::testing::Test {
   static void SetUpTestSuite() { renderer_ = new BoardRenderer(MakeBoardCamera()); }
   static void TearDownTestSuite() { delete renderer_; }
 
-  // Largest distance of a detected corner of a sharp, small picture from where the corner of that number truly is;
+  // Largest distance of a detected corner of a sharp, small image from where the corner of that number truly is;
   // infinite when corners are missing or the board isn't found.
   static double WorstErrorPx(const PrintedBoard& print, const Board& board, const BoardPlacement& placement) {
     const CameraModel camera = MakeBoardCamera();
     const Eigen::Isometry3d pose = PlaceBoard(camera, board, placement);
     const std::optional<BoardView> view = DetectBoard(renderer_->Render(print, pose), board);
-    const BoardView truth = SeeBoard(camera, board, pose, 0.0, 1);
+    const BoardView truth = ProjectBoard(camera, board, pose, 0.0, 1);
     if (!view || view->corners != truth.corners) {
       return std::numeric_limits<double>::infinity();
     }
@@ -85,9 +85,9 @@ TEST_F(BoardDetection, FindsNoBoardWhereThereIsNoneOrAnotherOne) {
   EXPECT_FALSE(DetectBoard(cv::Mat(360, 480, CV_8UC1, cv::Scalar(128)), kChessboard));
   EXPECT_FALSE(DetectBoard(cv::Mat(360, 480, CV_8UC1, cv::Scalar(128)), kCharuco));
   const Eigen::Isometry3d pose = PlaceBoard(MakeBoardCamera(), kChessboard, {{240, 180}, 0.4, 0, 0, 0});
-  const cv::Mat picture = renderer_->Render(PrintChessboard(kChessboard), pose);
-  EXPECT_FALSE(DetectBoard(picture, Board{8, 7, 0.02, {}}));
-  EXPECT_FALSE(DetectBoard(picture, kCharuco));
+  const cv::Mat image = renderer_->Render(PrintChessboard(kChessboard), pose);
+  EXPECT_FALSE(DetectBoard(image, Board{8, 7, 0.02, {}}));
+  EXPECT_FALSE(DetectBoard(image, kCharuco));
 }
 
 TEST(Board, SaysWhatMakesNoSense) {

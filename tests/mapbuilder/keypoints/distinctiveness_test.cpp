@@ -17,7 +17,7 @@ struct Case {
 
 class DistinctivenessTest : public ::testing::TestWithParam<Case> {};
 
-TEST_P(DistinctivenessTest, TwinsElsewhereCountThoseBesideDoNot) {
+TEST_P(DistinctivenessTest, DuplicatesElsewhereCountNearbyOnesDoNot) {
   FloorPoints floor(GetParam().count, GetParam().binary, 1);
   floor.points[0].x_m = floor.points[1].x_m = 0.2F;
   floor.points[0].y_m = floor.points[1].y_m = 0.2F;
@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, DistinctivenessTest,
                            return (c.param.binary ? "binary" : "float") + std::to_string(c.param.count);
                          });
 
-TEST(DistinctivenessTest, NearTwinsAreInBetween) {
+TEST(DistinctivenessTest, NearDuplicatesAreInBetween) {
   FloorPoints floor(500, true, 3);
   floor.points[0].x_m = 0.2F;
   floor.points[1].x_m = 0.7F;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FuseKeypoints with an old map.
+// FuseKeypoints with a base map.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ const Pose2 kPose(0.3, 0.5, 0.4);
 using Poses = std::vector<std::optional<Pose2>>;
 
 // A map that holds every point of the floor, seen by three frames.
-MapKeypoints WholeMap(const FloorPoints& floor) {
+MapKeypoints BuildMapOf(const FloorPoints& floor) {
   MapKeypoints map;
   map.keypoints = floor.points;
   map.descriptors = floor.descriptors.clone();
@@ -26,10 +26,11 @@ MapKeypoints WholeMap(const FloorPoints& floor) {
   return map;
 }
 
-MapKeypoints Extend(const MapKeypoints& old, const std::vector<BuildFrame>& frames, const FusionOptions& options = {}) {
+MapKeypoints Extend(const MapKeypoints& base_map, const std::vector<BuildFrame>& frames,
+                    const KeypointFusionOptions& options = {}) {
   const Poses poses(frames.size(), kPose);
   const std::vector<RectM> floors(frames.size(), kFloorInView);
-  return FuseKeypoints({frames, poses, floors, &old, nullptr, kOldSurveys}, options);
+  return FuseKeypoints({frames, poses, floors, &base_map, nullptr, kOldSurveys}, options);
 }
 
 // Index of the map's keypoint with this place, or -1.
@@ -44,43 +45,43 @@ int Find(const MapKeypoints& map, const Keypoint& point) {
 
 class ExtendKeypointsTest : public ::testing::TestWithParam<bool> {};
 
-TEST_P(ExtendKeypointsTest, WhatIsSeenAgainIsUpdatedAndTheRestStays) {
+TEST_P(ExtendKeypointsTest, ReobservedPointsAreUpdatedAndTheRestStays) {
   FloorPoints floor(60, GetParam(), 1);
-  const MapKeypoints old = WholeMap(floor);
-  const MapKeypoints map = Extend(old, {floor.See(kPose, 0.0), floor.See(kPose, 0.0)});
-  ASSERT_EQ(map.size(), old.size());
-  for (std::size_t i = 0; i < old.size(); ++i) {
+  const MapKeypoints base_map = BuildMapOf(floor);
+  const MapKeypoints map = Extend(base_map, {floor.Observe(kPose, 0.0), floor.Observe(kPose, 0.0)});
+  ASSERT_EQ(map.size(), base_map.size());
+  for (std::size_t i = 0; i < base_map.size(); ++i) {
     const bool seen = floor.InView(i, kPose);
     EXPECT_EQ(map.observations[i], seen ? 5 : 3);
     EXPECT_EQ(map.last_survey[i], seen ? kOldSurveys : kOldSurveys - 1);
-    EXPECT_NEAR(map.keypoints[i].x_m, old.keypoints[i].x_m, seen ? 1e-5 : 0.0);
-    EXPECT_NEAR(map.keypoints[i].angle_rad, old.keypoints[i].angle_rad, seen ? 1e-5 : 0.0);
+    EXPECT_NEAR(map.keypoints[i].x_m, base_map.keypoints[i].x_m, seen ? 1e-5 : 0.0);
+    EXPECT_NEAR(map.keypoints[i].angle_rad, base_map.keypoints[i].angle_rad, seen ? 1e-5 : 0.0);
   }
 }
 
-TEST_P(ExtendKeypointsTest, PlacesAreAveragedByTheNumbersOfObservations) {
+TEST_P(ExtendKeypointsTest, PositionsAreAveragedByTheNumbersOfObservations) {
   FloorPoints floor(1, GetParam(), 2);
   floor.points[0].x_m = 0.5F;
   floor.points[0].y_m = 0.5F;
-  const MapKeypoints old = WholeMap(floor);  // three observations
+  const MapKeypoints base_map = BuildMapOf(floor);  // three observations
   floor.points[0].x_m += 4e-4F;
-  const MapKeypoints map = Extend(old, {floor.See(kPose, 0.0)});
+  const MapKeypoints map = Extend(base_map, {floor.Observe(kPose, 0.0)});
   ASSERT_EQ(map.size(), 1U);
   EXPECT_NEAR(map.keypoints[0].x_m, 0.5 + 1e-4, 1e-6);
 }
 
-TEST_P(ExtendKeypointsTest, WhatManyFramesMissIsGone) {
+TEST_P(ExtendKeypointsTest, WhatManyFramesMissIsRemoved) {
   FloorPoints floor(200, GetParam(), 3);
-  const MapKeypoints old = WholeMap(floor);
+  const MapKeypoints base_map = BuildMapOf(floor);
   FloorPoints worn(100, GetParam(), 3);  // half of the points are there no more
   worn.points.assign(floor.points.begin(), floor.points.begin() + 100);
   worn.descriptors = floor.descriptors.rowRange(0, 100);
-  const MapKeypoints few = Extend(old, {worn.See(kPose, 0.0), worn.See(kPose, 0.0)});
-  EXPECT_EQ(few.size(), old.size()) << "two frames do not tell";
-  const MapKeypoints map = Extend(old, std::vector<BuildFrame>(5, worn.See(kPose, 0.0)));
+  const MapKeypoints few = Extend(base_map, {worn.Observe(kPose, 0.0), worn.Observe(kPose, 0.0)});
+  EXPECT_EQ(few.size(), base_map.size()) << "two frames do not tell";
+  const MapKeypoints map = Extend(base_map, std::vector<BuildFrame>(5, worn.Observe(kPose, 0.0)));
   int gone = 0;
-  for (std::size_t i = 0; i < old.size(); ++i) {
-    const bool there = Find(map, old.keypoints[i]) >= 0;
+  for (std::size_t i = 0; i < base_map.size(); ++i) {
+    const bool there = Find(map, base_map.keypoints[i]) >= 0;
     gone += there ? 0 : 1;
     EXPECT_TRUE(there || (i >= 100 && floor.InView(i, kPose)));
   }
@@ -91,34 +92,34 @@ TEST_P(ExtendKeypointsTest, WhatManyFramesMissIsGone) {
   EXPECT_GE(gone, static_cast<int>(worn_in_view) * 3 / 4) << "but for those at the edge of the view";
 }
 
-// Where the old map's frames seldom saw a point though they looked, it need not be gone when some more miss it.
-TEST_P(ExtendKeypointsTest, WhatWasSeldomSeenIsMissedPatiently) {
+// A point that the base map's frames seldom observed in view need not be gone when some more miss it.
+TEST_P(ExtendKeypointsTest, RarelyObservedPointsAreRemovedLater) {
   FloorPoints floor(200, GetParam(), 4);
-  MapKeypoints old = WholeMap(floor);
-  std::fill(old.observations.begin() + 100, old.observations.end(), std::uint16_t{2});
+  MapKeypoints base_map = BuildMapOf(floor);
+  std::fill(base_map.observations.begin() + 100, base_map.observations.end(), std::uint16_t{2});
   FloorPoints half(100, GetParam(), 4);
   half.points.assign(floor.points.begin(), floor.points.begin() + 100);
   half.descriptors = floor.descriptors.rowRange(0, 100);
-  const std::vector<BuildFrame> frames(5, half.See(kPose, 0.0));
+  const std::vector<BuildFrame> frames(5, half.Observe(kPose, 0.0));
   const Poses poses(5, kPose);
   const std::vector<RectM> floors(5, kFloorInView);
   const CoverageGrid twenty(Poses(20, Pose2(0.0, 0.5, 0.0)), std::vector<RectM>(20, {-1.0, 2.0, -2.0, 2.0}));
   const CoverageGrid two(Poses(2, Pose2(0.0, 0.5, 0.0)), std::vector<RectM>(2, {-1.0, 2.0, -2.0, 2.0}));
-  EXPECT_EQ(FuseKeypoints({frames, poses, floors, &old, &twenty, kOldSurveys}, {}).size(), old.size());
-  EXPECT_LT(FuseKeypoints({frames, poses, floors, &old, &two, kOldSurveys}, {}).size(), old.size());
+  EXPECT_EQ(FuseKeypoints({frames, poses, floors, &base_map, &twenty, kOldSurveys}, {}).size(), base_map.size());
+  EXPECT_LT(FuseKeypoints({frames, poses, floors, &base_map, &two, kOldSurveys}, {}).size(), base_map.size());
 }
 
 TEST_P(ExtendKeypointsTest, NewPointsCome) {
   FloorPoints floor(100, GetParam(), 5);
   FloorPoints scratches(50, GetParam(), 6);
-  const MapKeypoints old = WholeMap(floor);
-  BuildFrame frame = floor.See(kPose, 0.0);
-  const BuildFrame fresh = scratches.See(kPose, 0.0);
+  const MapKeypoints base_map = BuildMapOf(floor);
+  BuildFrame frame = floor.Observe(kPose, 0.0);
+  const BuildFrame fresh = scratches.Observe(kPose, 0.0);
   frame.features.keypoints.insert(frame.features.keypoints.end(), fresh.features.keypoints.begin(),
                                   fresh.features.keypoints.end());
   cv::vconcat(frame.features.descriptors, fresh.features.descriptors, frame.features.descriptors);
-  const MapKeypoints map = Extend(old, {frame, frame});
-  EXPECT_EQ(map.size(), old.size() + fresh.features.keypoints.size());
+  const MapKeypoints map = Extend(base_map, {frame, frame});
+  EXPECT_EQ(map.size(), base_map.size() + fresh.features.keypoints.size());
   for (std::size_t i = 0; i < scratches.points.size(); ++i) {
     const int found = Find(map, scratches.points[i]);
     ASSERT_EQ(found >= 0, scratches.InView(i, kPose));
@@ -131,29 +132,29 @@ TEST_P(ExtendKeypointsTest, NewPointsCome) {
 
 TEST_P(ExtendKeypointsTest, TheBudgetIsThatOfTheFloorInView) {
   FloorPoints floor(3000, GetParam(), 7);
-  const MapKeypoints old = WholeMap(floor);
-  FusionOptions options;
+  const MapKeypoints base_map = BuildMapOf(floor);
+  KeypointFusionOptions options;
   options.pruning.max_per_m2 = 500.0;
-  const BuildFrame frame = floor.See(kPose, 0.0);
-  const MapKeypoints map = Extend(old, {frame, frame}, options);
-  const std::size_t out_of_view = old.size() - frame.features.keypoints.size();
+  const BuildFrame frame = floor.Observe(kPose, 0.0);
+  const MapKeypoints map = Extend(base_map, {frame, frame}, options);
+  const std::size_t out_of_view = base_map.size() - frame.features.keypoints.size();
   EXPECT_NEAR(static_cast<double>(map.size()), static_cast<double>(out_of_view) + 80.0, 25.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ExtendKeypointsTest, ::testing::Bool(),
                          [](const auto& name) { return name.param ? "binary" : "float"; });
 
-TEST(ExtendKeypointsTest, TheLookFollowsWear) {
+TEST(ExtendKeypointsTest, TheDescriptorFollowsWear) {
   FloorPoints floor(1, true, 8);
   floor.points[0].x_m = 0.5F;
   floor.points[0].y_m = 0.5F;
-  const MapKeypoints old = WholeMap(floor);
+  const MapKeypoints base_map = BuildMapOf(floor);
   floor.descriptors = floor.descriptors.clone();
   floor.descriptors.at<std::uint8_t>(0, 5) ^= 0xFF;
   const auto changed_bits = [&](int frames) {
     const MapKeypoints map =
-        Extend(old, std::vector<BuildFrame>(static_cast<std::size_t>(frames), floor.See(kPose, 0)));
-    return cv::norm(map.descriptors, old.descriptors, cv::NORM_HAMMING);
+        Extend(base_map, std::vector<BuildFrame>(static_cast<std::size_t>(frames), floor.Observe(kPose, 0)));
+    return cv::norm(map.descriptors, base_map.descriptors, cv::NORM_HAMMING);
   };
   EXPECT_EQ(changed_bits(1), 0.0) << "one view may be a bad one";
   EXPECT_EQ(changed_bits(2), 8.0);

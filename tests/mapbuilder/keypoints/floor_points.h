@@ -32,7 +32,7 @@ class FloorPoints {
     return kFloorInView.Contains(map_from_base.Inverse() * points[point].Position());
   }
 
-  BuildFrame See(const Pose2& map_from_base, double noise_m) {
+  BuildFrame Observe(const Pose2& map_from_base, double noise_m) {
     std::normal_distribution<double> normal(0.0, noise_m);
     const Pose2 base_from_map = map_from_base.Inverse();
     BuildFrame frame;

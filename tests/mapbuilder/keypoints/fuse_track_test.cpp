@@ -9,12 +9,12 @@ namespace floorloc {
 namespace {
 
 TEST(FuseTrackTest, OneOutlierHardlyMovesTheMean) {
-  std::vector<WeightedPlace> places;
+  std::vector<WeightedPosition> positions;
   for (int i = 0; i < 8; ++i) {
-    places.push_back({{1.0 + (i % 2 == 0 ? 1e-4 : -1e-4), 2.0}, 1.0});
+    positions.push_back({{1.0 + (i % 2 == 0 ? 1e-4 : -1e-4), 2.0}, 1.0});
   }
-  places.push_back({{1.0, 2.009}, 1.0});
-  const Eigen::Vector2d mean = RobustMean(places, 3e-4);
+  positions.push_back({{1.0, 2.009}, 1.0});
+  const Eigen::Vector2d mean = RobustMean(positions, 3e-4);
   EXPECT_NEAR(mean.x(), 1.0, 1e-5);
   EXPECT_NEAR(mean.y(), 2.0, 1e-4);  // the plain mean is off by a millimetre
 }

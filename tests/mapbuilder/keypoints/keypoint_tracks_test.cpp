@@ -31,7 +31,7 @@ TEST_P(KeypointTracksTest, EveryViewOfAPointIsInItsTrack) {
   const Poses poses = {Pose2(0.2, 0.5, 0.0), std::nullopt, Pose2(0.5, 0.3, 1.5), Pose2(0.7, 0.7, -2.8)};
   std::vector<BuildFrame> frames;
   for (const auto& pose : poses) {
-    frames.push_back(floor.See(pose.value_or(Pose2(0.3, 0.5, 0.0)), 1e-4));
+    frames.push_back(floor.Observe(pose.value_or(Pose2(0.3, 0.5, 0.0)), 1e-4));
   }
   const std::vector<KeypointTrack> tracks = FindTracks(frames, poses, TrackOptions());
   std::map<int, int> track_of_point;
@@ -53,40 +53,40 @@ TEST_P(KeypointTracksTest, EveryViewOfAPointIsInItsTrack) {
   EXPECT_EQ(track_of_point.size(), tracks.size());
 }
 
-TEST_P(KeypointTracksTest, LooksMustAgree) {
+TEST_P(KeypointTracksTest, DescriptorsMustAgree) {
   FloorPoints floor(1, GetParam(), 2);
   FloorPoints other(1, GetParam(), 3);
-  other.points = floor.points;  // another look at the same place
+  other.points = floor.points;  // another image of the same place
   const Pose2 pose(floor.points[0].x_m - 0.2, floor.points[0].y_m, 0.0);
-  EXPECT_EQ(FindTracks({floor.See(pose, 0.0), other.See(pose, 0.0)}, {pose, pose}, {}).size(), 2U);
-  EXPECT_EQ(FindTracks({floor.See(pose, 0.0), floor.See(pose, 0.0)}, {pose, pose}, {}).size(), 1U);
+  EXPECT_EQ(FindTracks({floor.Observe(pose, 0.0), other.Observe(pose, 0.0)}, {pose, pose}, {}).size(), 2U);
+  EXPECT_EQ(FindTracks({floor.Observe(pose, 0.0), floor.Observe(pose, 0.0)}, {pose, pose}, {}).size(), 1U);
 }
 
 TEST_P(KeypointTracksTest, FewViewsAreLeftOutOnDemand) {
   FloorPoints floor(200, GetParam(), 4);
   const Poses poses = {Pose2(0.2, 0.5, 0.0), Pose2(0.4, 0.5, 0.0)};
-  const std::vector<BuildFrame> frames = {floor.See(*poses[0], 0.0), floor.See(*poses[1], 0.0)};
+  const std::vector<BuildFrame> frames = {floor.Observe(*poses[0], 0.0), floor.Observe(*poses[1], 0.0)};
   TrackOptions options;
   options.min_views = 2;
   const std::vector<KeypointTrack> tracks = FindTracks(frames, poses, options);
-  std::size_t seen_twice = 0;
+  std::size_t visible_twice = 0;
   for (std::size_t i = 0; i < floor.points.size(); ++i) {
-    seen_twice += floor.InView(i, *poses[0]) && floor.InView(i, *poses[1]) ? 1 : 0;
+    visible_twice += floor.InView(i, *poses[0]) && floor.InView(i, *poses[1]) ? 1 : 0;
   }
-  ASSERT_GT(seen_twice, 5U);
-  EXPECT_EQ(tracks.size(), seen_twice);
+  ASSERT_GT(visible_twice, 5U);
+  EXPECT_EQ(tracks.size(), visible_twice);
   for (const KeypointTrack& track : tracks) {
     EXPECT_EQ(track.views.size(), 2U);
   }
 }
 
-TEST_P(KeypointTracksTest, OldMapPointsAreJoined) {
+TEST_P(KeypointTracksTest, BaseMapPointsAreJoined) {
   FloorPoints floor(200, GetParam(), 5);
   const Pose2 pose(0.3, 0.5, 0.4);
-  const MapKeypoints old{floor.points, std::vector<std::uint16_t>(200, 3), floor.descriptors, {}, {}};
-  const BuildFrame frame = floor.See(pose, 1e-4);
-  const std::vector<KeypointTrack> tracks = FindTracks({frame}, {pose}, {}, old);
-  ASSERT_EQ(tracks.size(), old.size()) << "no new ones";
+  const MapKeypoints base_map{floor.points, std::vector<std::uint16_t>(200, 3), floor.descriptors, {}, {}};
+  const BuildFrame frame = floor.Observe(pose, 1e-4);
+  const std::vector<KeypointTrack> tracks = FindTracks({frame}, {pose}, {}, base_map);
+  ASSERT_EQ(tracks.size(), base_map.size()) << "no new ones";
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     EXPECT_EQ(tracks[i].views.size(), floor.InView(i, pose) ? 1U : 0U);
     EXPECT_LT((tracks[i].position_m - floor.points[i].Position()).norm(), 2e-4);
@@ -98,19 +98,19 @@ INSTANTIATE_TEST_SUITE_P(Kinds, KeypointTracksTest, ::testing::Bool(),
 
 // A frame has two similar keypoints at one place, and two tracks are there: each gets its own, in whatever order the
 // frame lists them.
-TEST(KeypointTracksTest, TheMostAlikeViewJoins) {
+TEST(KeypointTracksTest, TheMostSimilarViewJoins) {
   FloorPoints floor(1, true, 6);
   const Pose2 pose(floor.points[0].x_m - 0.2, floor.points[0].y_m, 0.0);
-  const BuildFrame one = floor.See(pose, 0.0);
-  BuildFrame twin = floor.See(pose, 0.0);
-  twin.features.descriptors = twin.features.descriptors.clone();
-  twin.features.descriptors.at<std::uint64_t>(0, 0) ^= 0xFFFFF;  // 20 bits
+  const BuildFrame one = floor.Observe(pose, 0.0);
+  BuildFrame duplicate = floor.Observe(pose, 0.0);
+  duplicate.features.descriptors = duplicate.features.descriptors.clone();
+  duplicate.features.descriptors.at<std::uint64_t>(0, 0) ^= 0xFFFFF;  // 20 bits
   BuildFrame both = one;
-  both.features.keypoints.push_back(twin.features.keypoints[0]);
-  cv::vconcat(one.features.descriptors, twin.features.descriptors, both.features.descriptors);
+  both.features.keypoints.push_back(duplicate.features.keypoints[0]);
+  cv::vconcat(one.features.descriptors, duplicate.features.descriptors, both.features.descriptors);
   BuildFrame swapped = both;
   swapped.features.descriptors = cv::Mat();  // not the same memory
-  cv::vconcat(twin.features.descriptors, one.features.descriptors, swapped.features.descriptors);
+  cv::vconcat(duplicate.features.descriptors, one.features.descriptors, swapped.features.descriptors);
   const std::vector<KeypointTrack> tracks = FindTracks({both, swapped}, {pose, pose}, {});
   ASSERT_EQ(tracks.size(), 2U);
   EXPECT_EQ(tracks[0].views, (std::vector<std::pair<int, int>>{{0, 0}, {1, 1}}));

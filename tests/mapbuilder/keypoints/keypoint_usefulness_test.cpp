@@ -15,8 +15,8 @@ std::vector<PointHistory> MakePoints(int count, int frames) {
   std::vector<PointHistory> points;
   for (int i = 0; i < count; ++i) {
     const float response = unit(random);
-    std::binomial_distribution<int> seen(frames, response);
-    points.push_back({1 + seen(random), 1 + frames, response, 255});
+    std::binomial_distribution<int> found(frames, response);
+    points.push_back({1 + found(random), 1 + frames, response, 255});
   }
   return points;
 }
@@ -28,7 +28,7 @@ TEST(KeypointUsefulnessTest, RatesAreLearnedByResponse) {
   }
 }
 
-TEST(KeypointUsefulnessTest, ManyFramesSpeakForThemselvesFewForTheirKind) {
+TEST(KeypointUsefulnessTest, ManyFramesOutweighThePriorFewDoNot) {
   const RepeatRates rates(MakePoints(20000, 3));
   EXPECT_NEAR(rates.Of({1, 1, 0.9F, 255}), 0.9, 0.05) << "its own view tells nothing";
   EXPECT_NEAR(rates.Of({21, 101, 0.9F, 255}), 0.2, 0.05);
@@ -37,24 +37,24 @@ TEST(KeypointUsefulnessTest, ManyFramesSpeakForThemselvesFewForTheirKind) {
   EXPECT_LE(rates.Of({9, 3, 0.5F, 255}), 1.0) << "more views than frames in whose view it was";
 }
 
-TEST(KeypointUsefulnessTest, NothingIsKnownOfNoPoints) { EXPECT_NEAR(RepeatRates({}).OfResponse(3.0F), 0.5, 1e-9); }
+TEST(KeypointUsefulnessTest, NoPointsGiveNoRates) { EXPECT_NEAR(RepeatRates({}).OfResponse(3.0F), 0.5, 1e-9); }
 
-TEST(KeypointUsefulnessTest, TwinsAreOfLittleUse) {
+TEST(KeypointUsefulnessTest, DuplicatesAreOfLittleUse) {
   const std::vector<double> usefulness =
       Usefulness({{3, 3, 1.0F, 200}, {3, 3, 1.0F, 50}, {1, 3, 1.0F, 200}}, RepeatRates({}));
   EXPECT_NEAR(usefulness[0], 4.0 * usefulness[1], 1e-9);
   EXPECT_GT(usefulness[0], usefulness[2]);
 }
 
-// Two cells of ten points: in the first all but three have twins, in the second one has.
-TEST(KeypointUsefulnessTest, WhereTwinsAreCommonTheyCountLikeTheOthers) {
-  std::vector<Eigen::Vector2d> places;
+// Two cells of ten points: in the first all but three have duplicates, in the second one has.
+TEST(KeypointUsefulnessTest, WhereDuplicatesAreCommonTheyCountLikeTheOthers) {
+  std::vector<Eigen::Vector2d> positions;
   std::vector<PointHistory> points;
   for (int i = 0; i < 20; ++i) {
-    places.emplace_back(i < 10 ? 0.05 : 0.15, 0.05);
+    positions.emplace_back(i < 10 ? 0.05 : 0.15, 0.05);
     points.push_back({2, 3, 1.0F, static_cast<std::uint8_t>(i < 7 || i == 10 ? 20 : 150)});
   }
-  IgnoreTwinsWhereCommon(places, 0.1, &points);
+  IgnoreDuplicatesWhereCommon(positions, 0.1, &points);
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(points[static_cast<std::size_t>(i)].distinctiveness, i < 10 ? 255 : (i == 10 ? 20 : 150));
   }

@@ -37,11 +37,11 @@ TEST(Combination, UnknownNamesAreRefusedWithTheKnownOnes) {
 }
 
 TEST(Combination, ImpossiblePairsSayWhy) {
-  EXPECT_EQ(WhyNot(DetectorKind::kAkaze, DescriptorKind::kAkaze), "");
-  EXPECT_THAT(WhyNot(DetectorKind::kSift, DescriptorKind::kAkaze), testing::HasSubstr("AKAZE"));
-  EXPECT_THAT(WhyNot(DetectorKind::kOrb, DescriptorKind::kHu), testing::HasSubstr("Hu"));
-  EXPECT_THAT(WhyNot(DetectorKind::kContour, DescriptorKind::kSift), testing::HasSubstr("Hu"));
-  EXPECT_EQ(WhyNot(DetectorKind::kContour, DescriptorKind::kHu), "");
+  EXPECT_EQ(IncompatibilityReason(DetectorKind::kAkaze, DescriptorKind::kAkaze), "");
+  EXPECT_THAT(IncompatibilityReason(DetectorKind::kSift, DescriptorKind::kAkaze), testing::HasSubstr("AKAZE"));
+  EXPECT_THAT(IncompatibilityReason(DetectorKind::kOrb, DescriptorKind::kHu), testing::HasSubstr("Hu"));
+  EXPECT_THAT(IncompatibilityReason(DetectorKind::kContour, DescriptorKind::kSift), testing::HasSubstr("Hu"));
+  EXPECT_EQ(IncompatibilityReason(DetectorKind::kContour, DescriptorKind::kHu), "");
 }
 
 TEST(Combination, ContoursMeetOnlyHuMoments) {

@@ -16,7 +16,7 @@ namespace {
 constexpr double kResolutionM = 0.001;
 
 // Blobs of several sizes on grey: 0.6 x 0.5 m.
-FloorPicture MakeFloor() {
+FloorImage MakeFloor() {
   cv::RNG random(5);
   cv::Mat gray(500, 600, CV_8UC1, cv::Scalar(120));
   for (int i = 0; i < 700; ++i) {
@@ -25,11 +25,11 @@ FloorPicture MakeFloor() {
                 cv::Scalar(random.uniform(20, 230)), cv::FILLED, cv::LINE_AA);
   }
   const cv::Mat mask(gray.size(), CV_8UC1, cv::Scalar(255));
-  return FloorPicture::FromMosaic(gray, mask, {0.0, 0.5}, kResolutionM);
+  return FloorImage::FromMosaic(gray, mask, {0.0, 0.5}, kResolutionM);
 }
 
 // What a camera at the pose would see: 0.24 x 0.24 m before it.
-TestFrame MakeFrame(const FloorPicture& map, const Pose2& map_from_base) {
+TestFrame MakeFrame(const FloorImage& map, const Pose2& map_from_base) {
   GroundImage image;
   image.grid = {0.24, 0.12, kResolutionM, 240, 240};
   image.mask = cv::Mat(240, 240, CV_8UC1, cv::Scalar(255));
@@ -42,7 +42,7 @@ TestFrame MakeFrame(const FloorPicture& map, const Pose2& map_from_base) {
     }
   }
   cv::remap(map.gray, image.gray, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REFLECT);
-  return {"frame", FloorPicture::FromGround(image), map_from_base, std::nullopt};
+  return {"frame", FloorImage::FromGround(image), map_from_base, std::nullopt};
 }
 
 class ExperimentTest : public testing::Test {
@@ -54,7 +54,7 @@ class ExperimentTest : public testing::Test {
     options_.threads = 1;
   }
 
-  FloorPicture map_ = MakeFloor();
+  FloorImage map_ = MakeFloor();
   std::vector<FrameBag> bags_{{"bag", {}}};
   ExperimentOptions options_;
 };
@@ -62,7 +62,7 @@ class ExperimentTest : public testing::Test {
 TEST_F(ExperimentTest, EveryDetectorLocalizesWithADescriptorThatSuitsIt) {
   CombinationPlan plan{{}, {MatcherKind::kBruteForce}, {{MatchFilter::kRatioRansac, false}}};
   for (const DetectorKind detector : ParseDetectors({"all"})) {
-    if (detector != DetectorKind::kContour && WhyNot(detector, DescriptorKind::kSift).empty()) {
+    if (detector != DetectorKind::kContour && IncompatibilityReason(detector, DescriptorKind::kSift).empty()) {
       plan.pairs.emplace_back(detector, DescriptorKind::kSift);
     }
   }
@@ -77,7 +77,7 @@ TEST_F(ExperimentTest, EveryDetectorLocalizesWithADescriptorThatSuitsIt) {
 TEST_F(ExperimentTest, EveryDescriptorLocalizes) {
   CombinationPlan plan{{}, {MatcherKind::kBruteForce, MatcherKind::kFlann}, {{MatchFilter::kRatioRansac, false}}};
   for (const DescriptorKind descriptor : ParseDescriptors({"all"})) {
-    if (descriptor != DescriptorKind::kHu && WhyNot(DetectorKind::kAkaze, descriptor).empty()) {
+    if (descriptor != DescriptorKind::kHu && IncompatibilityReason(DetectorKind::kAkaze, descriptor).empty()) {
       plan.pairs.emplace_back(DetectorKind::kAkaze, descriptor);
     }
   }
@@ -92,12 +92,12 @@ TEST_F(ExperimentTest, ImpossiblePairsStayInTheResult) {
       {{DetectorKind::kOrb, DescriptorKind::kAkaze}}, {MatcherKind::kBruteForce}, {{MatchFilter::kRatio, false}}};
   const std::vector<CombinationRun> runs = RunExperiment(map_, bags_, plan, options_);
   ASSERT_EQ(runs.size(), 1U);
-  EXPECT_FALSE(runs.front().why_not.empty());
+  EXPECT_FALSE(runs.front().failure_reason.empty());
   const ResultTable table = MakeComparisonTable({SummarizeRun(runs.front(), bags_, Tolerance())});
-  EXPECT_NE(ToText(table).find(runs.front().why_not), std::string::npos);
+  EXPECT_NE(ToText(table).find(runs.front().failure_reason), std::string::npos);
 }
 
-TEST_F(ExperimentTest, TheJumpFilterDropsWhatIsElsewhereAndStartsAnewInEveryBag) {
+TEST_F(ExperimentTest, TheJumpFilterDropsOutliersAndRestartsInEveryBag) {
   const CombinationPlan plan{{{DetectorKind::kAkaze, DescriptorKind::kAkaze}},
                              {MatcherKind::kBruteForce},
                              {{MatchFilter::kRatioRansac, true}}};

@@ -19,22 +19,22 @@ namespace {
 constexpr DetectorKind kKinds[] = {DetectorKind::kOrb, DetectorKind::kAkaze, DetectorKind::kBrisk, DetectorKind::kSift,
                                    DetectorKind::kSurf};
 
-// Discs and squares of many sizes, with the contrast of a picture or that of a dull floor.
+// Discs and squares of many sizes, with the contrast of an image or that of a dull floor.
 cv::Mat Shapes(double contrast) {
-  cv::Mat picture(300, 400, CV_8UC1, cv::Scalar(128));
+  cv::Mat image(300, 400, CV_8UC1, cv::Scalar(128));
   cv::RNG rng(11);
   for (int i = 0; i < 500; ++i) {
-    const cv::Point place(rng.uniform(0, picture.cols), rng.uniform(0, picture.rows));
+    const cv::Point position(rng.uniform(0, image.cols), rng.uniform(0, image.rows));
     const int size = rng.uniform(2, 12);
     const cv::Scalar gray(128 + contrast * rng.uniform(-100, 100));
     if (i % 2 == 0) {
-      cv::circle(picture, place, size, gray, cv::FILLED, cv::LINE_AA);
+      cv::circle(image, position, size, gray, cv::FILLED, cv::LINE_AA);
     } else {
-      cv::rectangle(picture, place, place + cv::Point(size, size), gray, cv::FILLED);
+      cv::rectangle(image, position, position + cv::Point(size, size), gray, cv::FILLED);
     }
   }
-  cv::GaussianBlur(picture, picture, {}, 0.8);
-  return picture;
+  cv::GaussianBlur(image, image, {}, 0.8);
+  return image;
 }
 
 class EveryKind : public ::testing::TestWithParam<DetectorKind> {
@@ -48,10 +48,10 @@ class EveryKind : public ::testing::TestWithParam<DetectorKind> {
 
 TEST_P(EveryKind, FindsAboutAsManyAsWanted) {
   for (const double contrast : {1.0, 0.2}) {
-    const cv::Mat picture = Shapes(contrast);
+    const cv::Mat image = Shapes(contrast);
     for (const int wanted : {50, 300}) {
-      const FeatureSetting setting = SettingFor(GetParam(), picture, wanted);
-      const auto found = TunedFeature(setting).DetectAndDescribe(picture);
+      const FeatureSetting setting = SettingFor(GetParam(), image, wanted);
+      const auto found = TunedFeature(setting).DetectAndDescribe(image);
       // BRISK's whole grey levels are coarse steps where contrast is low.
       EXPECT_NEAR(static_cast<double>(found.keypoints.size()), wanted, contrast == 1.0 ? 0.06 * wanted : 0.2 * wanted)
           << ToString(setting) << ", contrast " << contrast;
@@ -61,9 +61,9 @@ TEST_P(EveryKind, FindsAboutAsManyAsWanted) {
 }
 
 TEST_P(EveryKind, MatchesOfACopyAreRightWhereTheManipulationPutThem) {
-  const cv::Mat picture = Shapes(1.0);
-  const FeatureSetting setting = SettingFor(GetParam(), picture, 200);
-  const CopyMatches turned = MatchWithCopy(picture, setting, Condition::kRotation, {});
+  const cv::Mat image = Shapes(1.0);
+  const FeatureSetting setting = SettingFor(GetParam(), image, 200);
+  const CopyMatches turned = MatchWithCopy(image, setting, Condition::kRotation, {});
   EXPECT_GT(turned.RightPercent(), 60);
   EXPECT_GE(turned.MatchedPercent(), turned.RightPercent());
   EXPECT_LE(turned.MatchedPercent(), 100);
@@ -71,22 +71,22 @@ TEST_P(EveryKind, MatchesOfACopyAreRightWhereTheManipulationPutThem) {
   for (const cv::DMatch& match : turned.matches) {
     EXPECT_TRUE(partners.insert(match.trainIdx).second) << "one partner each";
   }
-  const CopyMatches brighter = MatchWithCopy(picture, setting, Condition::kBrightness, {});
+  const CopyMatches brighter = MatchWithCopy(image, setting, Condition::kBrightness, {});
   EXPECT_GT(brighter.RightPercent(), 60);
 }
 
-TEST_P(EveryKind, ScoresAPicture) {
-  const cv::Mat picture = Shapes(1.0);
-  const PictureScore score = MeasurePicture(picture, GetParam(), {.features = 200});
+TEST_P(EveryKind, ScoresAnImage) {
+  const cv::Mat image = Shapes(1.0);
+  const ImageScore score = MeasureImage(image, GetParam(), {.features = 200});
   EXPECT_NEAR(score.features, 200, 20);
   EXPECT_GT(score.milliseconds, 0.0);
   EXPECT_GT(score.right_percent[3], score.right_percent[1]) << "fog is worse than a turn";
 }
 
 TEST_P(EveryKind, FollowsASequence) {
-  const cv::Mat picture = Shapes(1.0);
-  const cv::Mat other = cv::Mat::zeros(picture.size(), CV_8UC1);
-  const SequenceScore score = MeasureSequence({picture, picture, other}, GetParam(), 100);
+  const cv::Mat image = Shapes(1.0);
+  const cv::Mat other = cv::Mat::zeros(image.size(), CV_8UC1);
+  const SequenceScore score = MeasureSequence({image, image, other}, GetParam(), 100);
   ASSERT_EQ(score.matched_percent.size(), 2u);
   EXPECT_GT(score.matched_percent[0], 95) << "with itself";
   EXPECT_EQ(score.matched_percent[1], 0) << "with nothing";
@@ -100,17 +100,17 @@ INSTANTIATE_TEST_SUITE_P(Features, EveryKind, ::testing::ValuesIn(kKinds),
                          [](const auto& kind) { return std::string(ToString(kind.param)); });
 
 TEST(MeasureSequence, MatchesOfAnotherSceneAreNotConsistent) {
-  const cv::Mat picture = Shapes(1.0);
+  const cv::Mat image = Shapes(1.0);
   cv::Mat other;
-  cv::rotate(picture, other, cv::ROTATE_180);
+  cv::rotate(image, other, cv::ROTATE_180);
   cv::flip(other, other, 0);  // mirrored: no homography that keeps the hand has it
   cv::resize(other, other, {}, 0.37, 0.37);
-  const SequenceScore score = MeasureSequence({picture, other}, DetectorKind::kOrb, 300);
+  const SequenceScore score = MeasureSequence({image, other}, DetectorKind::kOrb, 300);
   EXPECT_GT(score.matched_percent[0], 10) << "the matcher finds partners anyway";
   EXPECT_LT(score.consistent_percent[0], 0.3 * score.matched_percent[0]);
 }
 
-TEST(SettingFor, APictureWithoutAnythingHasNoFeatures) {
+TEST(SettingFor, AnImageWithoutAnythingHasNoFeatures) {
   const cv::Mat empty(200, 200, CV_8UC1, cv::Scalar(100));
   for (const DetectorKind kind : {DetectorKind::kOrb, DetectorKind::kAkaze, DetectorKind::kBrisk}) {
     EXPECT_TRUE(TunedFeature(SettingFor(kind, empty, 50)).DetectAndDescribe(empty).keypoints.empty());

@@ -19,13 +19,13 @@ cv::Mat Noise() {
   return noise;
 }
 
-double Mean(const cv::Mat& picture) { return cv::mean(picture)[0]; }
+double Mean(const cv::Mat& image) { return cv::mean(image)[0]; }
 
 // How much there is to see: mean curvature of the grey levels, to which the slow changes of the veil add nothing.
-double Detail(const cv::Mat& picture) {
+double Detail(const cv::Mat& image) {
   cv::Mat curvature;
-  cv::Laplacian(picture, curvature, CV_32F);
-  return cv::norm(curvature, cv::NORM_L1) / static_cast<double>(picture.total());
+  cv::Laplacian(image, curvature, CV_32F);
+  return cv::norm(curvature, cv::NORM_L1) / static_cast<double>(image.total());
 }
 
 TEST(Manipulate, TheSameSeedDoesTheSame) {
@@ -40,7 +40,7 @@ TEST(Manipulate, TheSameSeedDoesTheSame) {
       EXPECT_GT(cv::norm(copy, Manipulate(gray, condition, 8)), 0.0) << ToString(condition);
     }
   }
-  EXPECT_EQ(cv::norm(gray, Noise()), 0.0) << "the picture itself is left alone";
+  EXPECT_EQ(cv::norm(gray, Noise()), 0.0) << "the image itself is left alone";
 }
 
 TEST(Manipulate, AShadowHalvesPartOfTheLowerHalf) {
@@ -97,15 +97,15 @@ TEST(Manipulate, BrightnessIsOneOffset) {
   }
 }
 
-TEST(PlaceInCopy, IsWhereThePixelWent) {
+TEST(PointInCopy, IsWhereThePixelWent) {
   const cv::Mat gray = Noise();
   const cv::Mat turned = Manipulate(gray, Condition::kRotation, 1);
-  for (const cv::Point2f& place : {cv::Point2f(0, 0), cv::Point2f(17, 90), cv::Point2f(159, 119)}) {
-    const cv::Point2f there = PlaceInCopy(place, Condition::kRotation, gray.size());
-    EXPECT_EQ(turned.at<std::uint8_t>(cv::Point(there)), gray.at<std::uint8_t>(cv::Point(place)));
-    EXPECT_EQ(PlaceInCopy(place, Condition::kFog, gray.size()), place);
+  for (const cv::Point2f& position : {cv::Point2f(0, 0), cv::Point2f(17, 90), cv::Point2f(159, 119)}) {
+    const cv::Point2f there = PointInCopy(position, Condition::kRotation, gray.size());
+    EXPECT_EQ(turned.at<std::uint8_t>(cv::Point(there)), gray.at<std::uint8_t>(cv::Point(position)));
+    EXPECT_EQ(PointInCopy(position, Condition::kFog, gray.size()), position);
   }
-  EXPECT_EQ(PlaceInCopy({0, 0}, Condition::kRotation, gray.size()), cv::Point2f(159, 119));
+  EXPECT_EQ(PointInCopy({0, 0}, Condition::kRotation, gray.size()), cv::Point2f(159, 119));
 }
 
 }  // namespace

@@ -17,11 +17,11 @@ struct Scene {
 
   explicit Scene(int right) {
     std::mt19937 random(7);
-    std::uniform_real_distribution<float> place(0.0F, 0.4F);
+    std::uniform_real_distribution<float> position(0.0F, 0.4F);
     for (int i = 0; i < 40; ++i) {
-      frame.keypoints.push_back({place(random), place(random), 0.3F, 0.01F, 1.0F});
+      frame.keypoints.push_back({position(random), position(random), 0.3F, 0.01F, 1.0F});
       const Eigen::Vector2d in_map = i < right ? Eigen::Vector2d(kTruth * frame.keypoints.back().Position())
-                                               : Eigen::Vector2d(3.0 * place(random), 3.0 * place(random));
+                                               : Eigen::Vector2d(3.0 * position(random), 3.0 * position(random));
       map.keypoints.push_back(
           {static_cast<float>(in_map.x()), static_cast<float>(in_map.y()), 0.3F + 2.5F, 0.01F, 1.0F});
       matches.push_back({i, i, i < right ? 1.0F : 9.0F, 10.0F});
@@ -57,7 +57,7 @@ TEST(ComputePose, WithoutAFilterWrongMatchesCount) {
   EXPECT_GT(pose.map_from_base->Between(kTruth).Log().norm(), 0.01);
 }
 
-TEST(ComputePose, WeightedMeanTrustsNearDescriptorsMore) {
+TEST(ComputePose, WeightedMeanWeighsCloseDescriptorsMore) {
   PoseFromMatchesOptions options;
   options.fit = PoseFit::kWeightedMean;
   const Scene all_right(40);

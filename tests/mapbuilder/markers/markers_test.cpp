@@ -17,7 +17,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/fiducials/aruco_dictionary.h"
-#include "mapbuilder/markers/marker_places.h"
+#include "mapbuilder/markers/marker_positions.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "tests/synthetic/temporary_folder.h"
 
@@ -35,32 +35,32 @@ constexpr double kMarkerM = 0.04;
 constexpr double kRimM = 0.01;
 
 // A marker as it lies on the test floor; quarter turns counter-clockwise.
-struct LaidMarker {
+struct PlacedMarker {
   int id = 0;
   Eigen::Vector2d center_m;
   int quarter_turns = 0;
 };
 
-const std::vector<LaidMarker> kLaid{
+const std::vector<PlacedMarker> kPlacedMarkers{
     {3, {0.30, 0.25}, 0}, {7, {0.90, 0.25}, 1}, {11, {0.90, 0.65}, 0}, {20, {0.30, 0.65}, 2}, {31, {0.60, 0.45}, 0}};
 // Marker 31 is not in the file.
 const char* const kTrueCsv = "id,x,y,yaw\n3,0.30,0.25,\n7,0.90,0.25,\n11,0.90,0.65,\n20,0.30,0.65,\n";
 
-void LayMarkers(FloorTexture* floor) {
+void DrawMarkers(FloorTexture* floor) {
   const auto dictionary = FindArucoDictionary("DICT_4X4_50");
   const int side = static_cast<int>(std::lround(kMarkerM / floor->resolution_m));
   const int rim = static_cast<int>(std::lround(kRimM / floor->resolution_m));
-  for (const LaidMarker& laid : kLaid) {
+  for (const PlacedMarker& placed : kPlacedMarkers) {
     cv::Mat marker;
-    cv::aruco::drawMarker(dictionary, laid.id, side, marker);
+    cv::aruco::drawMarker(dictionary, placed.id, side, marker);
     cv::copyMakeBorder(marker, marker, rim, rim, rim, rim, cv::BORDER_CONSTANT, cv::Scalar(255));
-    for (int i = 0; i < laid.quarter_turns; ++i) {
+    for (int i = 0; i < placed.quarter_turns; ++i) {
       cv::rotate(marker, marker, cv::ROTATE_90_COUNTERCLOCKWISE);
     }
     marker = 0.7 * marker + 20.0;
     cv::cvtColor(marker, marker, cv::COLOR_GRAY2BGR);
     // Its middle falls between pixels.
-    const Eigen::Vector2d px = floor->PixelFromMap(laid.center_m) + Eigen::Vector2d(0.5, 0.5);
+    const Eigen::Vector2d px = floor->PixelFromMap(placed.center_m) + Eigen::Vector2d(0.5, 0.5);
     const int half = side / 2 + rim;
     marker.copyTo(floor->bgr(cv::Rect(static_cast<int>(std::lround(px.x())) - half,
                                       static_cast<int>(std::lround(px.y())) - half, marker.cols, marker.rows)));
@@ -73,7 +73,7 @@ void WriteSurvey(const fs::path& folder) {
   options.width_m = 1.2;
   options.height_m = 0.9;
   FloorTexture floor = MakeFloorTexture(options);
-  LayMarkers(&floor);
+  DrawMarkers(&floor);
   const FloorCamera camera = MakeDownwardCamera();
   const CameraRenderer renderer(floor, camera);
   fs::create_directories(folder / "images");
@@ -144,9 +144,9 @@ class MarkersTest : public ::testing::Test {
   int KeypointsOnMarkers() const {
     int count = 0;
     for (const Keypoint& keypoint : MapDatabase(options_.out).ReadMap().keypoints.keypoints) {
-      for (const LaidMarker& laid : kLaid) {
+      for (const PlacedMarker& placed : kPlacedMarkers) {
         const double reach = 0.5 * kMarkerM + kRimM;
-        count += (keypoint.Position() - laid.center_m).lpNorm<Eigen::Infinity>() < reach ? 1 : 0;
+        count += (keypoint.Position() - placed.center_m).lpNorm<Eigen::Infinity>() < reach ? 1 : 0;
       }
     }
     return count;
@@ -195,7 +195,7 @@ TEST_F(MarkersTest, NamesAMarkerThatWasMovedAndDoesWithoutIt) {
 
 TEST_F(MarkersTest, NamesAMarkerThatIsTurned) {
   const BuildReport report = Build("id,x,y,yaw\n3,0.30,0.25,0\n7,0.90,0.25,0\n11,0.90,0.65,0\n20,0.30,0.65,\n");
-  EXPECT_THAT(report.warnings, Contains(HasSubstr("marker 7 lies otherwise than its yaw")));
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("marker 7 has another yaw than")));
   EXPECT_LT(WorstPoseErrorM(), 1e-3);
 }
 
@@ -204,7 +204,7 @@ TEST_F(MarkersTest, NamesAMarkerOfTheFileThatIsNotSeen) {
 }
 
 TEST_F(MarkersTest, RefusesAWrongSizeFileOrDictionary) {
-  EXPECT_THAT(Error("id,x,y,yaw\n1,0,0,\n"), HasSubstr("none of its markers is in the pictures"));
+  EXPECT_THAT(Error("id,x,y,yaw\n1,0,0,\n"), HasSubstr("none of its markers is in the images"));
   EXPECT_THAT(Error("id,x\n"), HasSubstr("first line must be 'id,x,y,yaw'"));
   options_.markers.detection.size_m = 0.05;
   EXPECT_THAT(Error(kTrueCsv), HasSubstr("measure 39."));
@@ -214,30 +214,30 @@ TEST_F(MarkersTest, RefusesAWrongSizeFileOrDictionary) {
   EXPECT_THAT(Error(kTrueCsv), HasSubstr("no marker of DICT_APRILTAG_36h11"));
 }
 
-std::vector<MarkerPlace> PlacesUnder(const Pose2& motion, int count) {
-  std::vector<MarkerPlace> places;
+std::vector<MarkerPosition> PositionsUnder(const Pose2& motion, int count) {
+  std::vector<MarkerPosition> positions;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d found(std::cos(2.0 * i) * (1.0 + 0.2 * i), std::sin(2.0 * i) * (1.0 + 0.3 * i));
-    places.push_back({found, motion * found});
+    positions.push_back({found, motion * found});
   }
-  return places;
+  return positions;
 }
 
 TEST(FindContradicting, FindsTheWrongOnesWhateverTheFrame) {
   for (const int count : {3, 4, 5, 40}) {
-    std::vector<MarkerPlace> places = PlacesUnder(Pose2(5, -3, 2.0), count);
-    EXPECT_THAT(FindContradicting(places), IsEmpty());
-    EXPECT_THAT(RobustResiduals(places), Each(::testing::Lt(1e-9)));
-    places[1].expected_m.x() += 0.05;
-    EXPECT_EQ(FindContradicting(places), std::vector<std::size_t>{1}) << count;
-    EXPECT_NEAR(RobustResiduals(places)[1], 0.05, 1e-9);
+    std::vector<MarkerPosition> positions = PositionsUnder(Pose2(5, -3, 2.0), count);
+    EXPECT_THAT(FindContradicting(positions), IsEmpty());
+    EXPECT_THAT(RobustResiduals(positions), Each(::testing::Lt(1e-9)));
+    positions[1].expected_m.x() += 0.05;
+    EXPECT_EQ(FindContradicting(positions), std::vector<std::size_t>{1}) << count;
+    EXPECT_NEAR(RobustResiduals(positions)[1], 0.05, 1e-9);
   }
 }
 
 TEST(FindContradicting, LeavesTwoAlone) {
-  std::vector<MarkerPlace> places = PlacesUnder(Pose2(), 2);
-  places[0].expected_m.x() += 0.5;
-  EXPECT_THAT(FindContradicting(places), IsEmpty());
+  std::vector<MarkerPosition> positions = PositionsUnder(Pose2(), 2);
+  positions[0].expected_m.x() += 0.5;
+  EXPECT_THAT(FindContradicting(positions), IsEmpty());
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ namespace floorloc {
 namespace {
 
 // A map of two frames, a keypoint and one tile of noise.
-class OldMapTest : public ::testing::Test {
+class MapDeformationTest : public ::testing::Test {
  protected:
-  OldMapTest() {
+  MapDeformationTest() {
     MapWriter writer(file_);
     writer.WriteFrames({{1, "a.jpg", Pose2(0.0, 0.0, 0.3)}, {2, "b.jpg", Pose2(2.0, 0.5, -2.0)}});
     MapKeypoints one;
@@ -39,16 +39,16 @@ class OldMapTest : public ::testing::Test {
   std::filesystem::path file_ = folder_.path() / "old.floormap";
 };
 
-TEST_F(OldMapTest, PointsMoveWithTheFramesAroundThem) {
-  const OldMap map(file_);
+TEST_F(MapDeformationTest, PointsMoveWithTheFramesAroundThem) {
+  const BaseMap map(file_);
   const Pose2 motion(0.3, -0.2, 0.7);
-  const FrameMotions rigid(map, {motion * map.frames[0].map_from_base, motion * map.frames[1].map_from_base});
+  const MapDeformation rigid(map, {motion * map.frames[0].map_from_base, motion * map.frames[1].map_from_base});
   for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.1, 0.1), Eigen::Vector2d(1.0, 0.2), Eigen::Vector2d(5.0, 5.0)}) {
     EXPECT_LT((rigid.At(p) * p - motion * p).norm(), 1e-9);
-    EXPECT_LT((rigid.BackFrom(motion * p) - p).norm(), 1e-9);
+    EXPECT_LT((rigid.OldFromNew(motion * p) - p).norm(), 1e-9);
   }
   const Pose2 bent(0.01, 0.02, 0.0);
-  const FrameMotions one(map, {map.frames[0].map_from_base, bent * map.frames[1].map_from_base});
+  const MapDeformation one(map, {map.frames[0].map_from_base, bent * map.frames[1].map_from_base});
   const RectM& roi = map.map.info.camera().floor.roi;
   const Eigen::Vector2d first = map.frames[0].map_from_base * roi.Center();
   const Eigen::Vector2d second = map.frames[1].map_from_base * roi.Center();
@@ -63,11 +63,11 @@ TEST(JoinKeypointsTest, SharedPointsBecomeOne) {
   MapKeypoints second;
   first.descriptors = cv::Mat(0, 32, CV_8U);
   second.descriptors = cv::Mat(0, 32, CV_8U);
-  cv::Mat looks(300, 32, CV_8U);
-  cv::RNG(1).fill(looks, cv::RNG::UNIFORM, 0, 256);
-  const auto add = [&](MapKeypoints* map, const Keypoint& k, int look, std::uint16_t count) {
+  cv::Mat descriptors(300, 32, CV_8U);
+  cv::RNG(1).fill(descriptors, cv::RNG::UNIFORM, 0, 256);
+  const auto add = [&](MapKeypoints* map, const Keypoint& k, int row, std::uint16_t count) {
     map->keypoints.push_back(k);
-    map->descriptors.push_back(looks.row(look));
+    map->descriptors.push_back(descriptors.row(row));
     map->observations.push_back(count);
     map->distinctiveness.push_back(200);
     map->last_survey.push_back(0);

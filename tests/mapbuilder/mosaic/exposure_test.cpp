@@ -86,11 +86,11 @@ class ExposureTest : public ::testing::Test {
       for (double x = 0.08; x < 1.12; x += 0.02) {
         const Eigen::Vector2d p = texture_.PixelFromMap({x, y});
         const auto& floor = soft_floor.at<cv::Vec3b>(static_cast<int>(p.y()), static_cast<int>(p.x()));
-        const auto& seen =
+        const auto& valid =
             soft_mosaic.at<cv::Vec3b>(mosaic.rows - 1 - static_cast<int>(y / kPixelM), static_cast<int>(x / kPixelM));
         cv::Vec3f ratio;
         for (int c = 0; c < 3; ++c) {
-          ratio[c] = std::log(static_cast<float>(std::max<int>(seen[c], 1)) / static_cast<float>(floor[c]));
+          ratio[c] = std::log(static_cast<float>(std::max<int>(valid[c], 1)) / static_cast<float>(floor[c]));
         }
         left.push_back(ratio);
       }
@@ -123,7 +123,7 @@ class ExposureTest : public ::testing::Test {
   std::vector<Link> links_;
 };
 
-ConditionLevels BadLight() {
+ConditionLevels BadExposure() {
   ConditionLevels levels;
   levels.gain = 0.3;
   levels.white_balance = 0.1;
@@ -132,8 +132,8 @@ ConditionLevels BadLight() {
   return levels;
 }
 
-TEST_F(ExposureTest, TheMosaicShowsTheFloorAndNotTheLight) {
-  Record(BadLight(), 3);
+TEST_F(ExposureTest, TheMosaicIsFreeOfIllumination) {
+  Record(BadExposure(), 3);
   const auto before = Spread(LightLeft(Mosaic(NoExposure())));
   const auto after = Spread(LightLeft(Mosaic(Estimate())));
   EXPECT_GT(before.first, 0.1) << "the light is not bad";
@@ -146,10 +146,10 @@ TEST_F(ExposureTest, AShadowThatFewFramesSeeFades) {
   Record(ConditionLevels(), 3);
   for (std::size_t i = 0; i < frames_.size(); i += 3) {
     const std::string file = surveys_[0].survey.ImagePath(frames_[i].info).string();
-    cv::Mat picture = cv::imread(file);
-    cv::Mat third = picture.colRange(i % 2 == 0 ? 0 : 430, i % 2 == 0 ? 210 : 640);
+    cv::Mat image = cv::imread(file);
+    cv::Mat third = image.colRange(i % 2 == 0 ? 0 : 430, i % 2 == 0 ? 210 : 640);
     third *= 0.6;
-    cv::imwrite(file, picture);
+    cv::imwrite(file, image);
   }
   const auto before = Spread(LightLeft(Mosaic(NoExposure())));
   const auto after = Spread(LightLeft(Mosaic(Estimate())));
@@ -174,11 +174,11 @@ TEST_F(ExposureTest, CamerasOfDifferentExposureMakeOneFloor) {
   EXPECT_LT(Spread(LightLeft(Mosaic(exposure))).first, 0.02);
 }
 
-TEST_F(ExposureTest, FramesTakeOnTheLightOfTheBackground) {
-  Record(BadLight(), 3);
+TEST_F(ExposureTest, FramesTakeOnTheExposureOfTheBackground) {
+  Record(BadExposure(), 3);
   // Known in the west only; the east follows over the links.
   const Exposure exposure = Estimate([this](const RectM& square, int side_px) {
-    MosaicPatch patch = MosaicPatch::Unseen(side_px);
+    MosaicPatch patch = MosaicPatch::Empty(side_px);
     cv::Mat soft;
     cv::blur(texture_.bgr, soft, cv::Size(25, 25));
     for (int v = 0; v < side_px; ++v) {
@@ -190,7 +190,7 @@ TEST_F(ExposureTest, FramesTakeOnTheLightOfTheBackground) {
         const cv::Point at(static_cast<int>(px.x()), static_cast<int>(px.y()));
         if (p.x() < 0.6 && inside.contains(at)) {
           patch.bgr.at<cv::Vec3b>(v, u) = soft.at<cv::Vec3b>(at) * 0.7;
-          patch.seen.at<std::uint8_t>(v, u) = 255;
+          patch.valid.at<std::uint8_t>(v, u) = 255;
         }
       }
     }

@@ -77,11 +77,11 @@ class MosaicTest : public ::testing::Test {
   }
 
   static MosaicPatch Background(const RectM& square, int side_px) {
-    MosaicPatch patch = MosaicPatch::Unseen(side_px);
+    MosaicPatch patch = MosaicPatch::Empty(side_px);
     const double columns = std::clamp((kKnownWest - square.x_min) / square.width_m(), 0.0, 1.0) * side_px;
     const cv::Rect west(0, 0, static_cast<int>(columns), side_px);
     patch.bgr(west).setTo(cv::Scalar::all(kBackgroundGray));
-    patch.seen(west).setTo(255);
+    patch.valid(west).setTo(255);
     return patch;
   }
 
@@ -99,8 +99,8 @@ class MosaicTest : public ::testing::Test {
     s.tiles = Compose(survey, {1, s.extent, nullptr});
     const Tiles again = Compose(survey, {4, s.extent, nullptr});
     EXPECT_EQ(again.size(), s.tiles.size());
-    for (const auto& [id, picture] : again) {
-      EXPECT_EQ(cv::norm(picture, s.tiles.at(id), cv::NORM_INF), 0.0) << "depends on the number of threads";
+    for (const auto& [id, image] : again) {
+      EXPECT_EQ(cv::norm(image, s.tiles.at(id), cv::NORM_INF), 0.0) << "depends on the number of threads";
     }
     std::erase_if(survey.frames, [&](const SurveyFrame& frame) {
       const Pose2 pose = *InterpolatePose(survey.ground_truth, frame.stamp_ns);
@@ -133,9 +133,9 @@ class MosaicTest : public ::testing::Test {
     }
     cv::Mat soft;
     cv::GaussianBlur(s.texture.bgr, soft, cv::Size(), 0.5 * step_m / s.texture.resolution_m);
-    cv::Mat picture;
-    cv::remap(soft, picture, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
-    return picture;
+    cv::Mat image;
+    cv::remap(soft, image, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+    return image;
   }
 
   static cv::Mat GrayFloat(const cv::Mat& bgr) {
@@ -155,11 +155,11 @@ class MosaicTest : public ::testing::Test {
 TEST_F(MosaicTest, EveryPixelShowsItsFloorPoint) {
   const Shared& s = TheMosaic();
   int checked = 0;
-  for (const auto& [id, picture] : s.tiles) {
+  for (const auto& [id, image] : s.tiles) {
     if (id.z != s.layout.max_zoom || !WhollyInside(s, id)) {
       continue;
     }
-    const cv::Mat mosaic = GrayFloat(picture);
+    const cv::Mat mosaic = GrayFloat(image);
     const cv::Mat floor = GrayFloat(TextureOf(s, id));
     cv::Mat window;
     cv::createHanningWindow(window, mosaic.size(), CV_32F);
@@ -204,15 +204,15 @@ double DepthInViews(const std::vector<Pose2>& poses, const RectM& view, const Ei
   return depth;
 }
 
-TEST_F(MosaicTest, NewPicturesLieOverAnOlderOneWithASoftEdge) {
+TEST_F(MosaicTest, NewImagesBlendSmoothlyIntoTheOldMosaic) {
   const Shared& s = TheMosaic();
   std::array<int, 4> checked{};
   const double step_m = s.layout.resolution_m;
-  for (const auto& [id, picture] : s.over_background) {
+  for (const auto& [id, image] : s.over_background) {
     if (id.z != s.layout.max_zoom) {
       continue;
     }
-    const cv::Mat gray = GrayFloat(picture);
+    const cv::Mat gray = GrayFloat(image);
     const cv::Mat floor = GrayFloat(TextureOf(s, id));
     const double side_m = s.layout.TileSide(id.z);
     for (int v = 3; v < gray.rows; v += 12) {
@@ -248,7 +248,7 @@ TEST_F(MosaicTest, NewPicturesLieOverAnOlderOneWithASoftEdge) {
 TEST_F(MosaicTest, EveryLevelIsTheFinerOneShrunk) {
   const Shared& s = TheMosaic();
   int checked = 0;
-  for (const auto& [id, picture] : s.tiles) {
+  for (const auto& [id, image] : s.tiles) {
     if (id.z == s.layout.max_zoom || !WhollyInside(s, id)) {
       continue;
     }
@@ -258,8 +258,8 @@ TEST_F(MosaicTest, EveryLevelIsTheFinerOneShrunk) {
       s.tiles.at(child).copyTo(
           four(cv::Rect(i % 2 * s.layout.tile_px, (1 - i / 2) * s.layout.tile_px, s.layout.tile_px, s.layout.tile_px)));
     }
-    cv::resize(four, four, picture.size(), 0, 0, cv::INTER_AREA);
-    EXPECT_LT(cv::mean(cv::abs(GrayFloat(four) - GrayFloat(picture)))[0], 3.0) << id.z << " " << id.x << " " << id.y;
+    cv::resize(four, four, image.size(), 0, 0, cv::INTER_AREA);
+    EXPECT_LT(cv::mean(cv::abs(GrayFloat(four) - GrayFloat(image)))[0], 3.0) << id.z << " " << id.x << " " << id.y;
     ++checked;
   }
   EXPECT_GE(checked, 1);

@@ -60,7 +60,7 @@ TEST(JoinPartsTest, OneLinkDoesNotJoinLargeParts) {
   EXPECT_TRUE(FindJoiningLinks(2 * kPerRow, Rows(), {MakeLink(2, 12, 0.4)}).empty());
 }
 
-TEST(JoinPartsTest, FramesWithoutOrderFindTogether) {
+TEST(JoinPartsTest, UnorderedFramesAreJoined) {
   std::vector<Link> candidates = Rows();
   for (int i = 0; i < kPerRow; ++i) {
     candidates.push_back(MakeLink(i, i + kPerRow, 0.4));
@@ -70,8 +70,8 @@ TEST(JoinPartsTest, FramesWithoutOrderFindTogether) {
   EXPECT_EQ(component, std::vector<int>(2 * kPerRow, 0));
 }
 
-// More inliers, and many that agree with each other: only that the pictures are less alike gives them away.
-TEST(JoinPartsTest, OnRepeatingFloorsWhatIsLessAlikeDoesNotJoin) {
+// More inliers, and many that agree with each other: only the lower similarity of the images reveals them.
+TEST(JoinPartsTest, OnRepetitiveFloorsLessSimilarLinksDoNotJoin) {
   std::vector<Link> candidates;
   for (Link link : Rows()) {
     link.rival_agreement = 0.3;
@@ -82,7 +82,7 @@ TEST(JoinPartsTest, OnRepeatingFloorsWhatIsLessAlikeDoesNotJoin) {
     lie.rival_agreement = 0.25;
     candidates.push_back(lie);
   }
-  ASSERT_TRUE(FloorRepeats(candidates));
+  ASSERT_TRUE(IsRepetitiveFloor(candidates));
   EXPECT_TRUE(FindJoiningLinks(2 * kPerRow, Rows(), candidates).empty());
 
   for (const int i : {1, 4, 7}) {

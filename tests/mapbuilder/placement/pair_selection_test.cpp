@@ -13,16 +13,16 @@ namespace {
 
 using IndexPairs = std::set<std::pair<int, int>>;
 
-struct PlacedFrames {
+struct MapFramesAndLinks {
   std::vector<std::optional<Pose2>> map_from_base;
   std::vector<RectM> floor_in_base;
 };
 
 // Frames of two cameras on a hall of 6 x 4 m around the origin; every tenth has no place.
-PlacedFrames RandomFrames(int count, std::uint32_t seed) {
+MapFramesAndLinks RandomFrames(int count, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  PlacedFrames frames;
+  MapFramesAndLinks frames;
   for (int i = 0; i < count; ++i) {
     frames.floor_in_base.push_back(i % 3 == 0 ? RectM{0.1, 0.5, -0.3, 0.3} : RectM{0.05, 0.35, -0.2, 0.2});
     frames.map_from_base.emplace_back(Pose2(3.0 * unit(random), 2.0 * unit(random), std::numbers::pi * unit(random)));
@@ -33,7 +33,7 @@ PlacedFrames RandomFrames(int count, std::uint32_t seed) {
   return frames;
 }
 
-IndexPairs BruteForcePairs(const PlacedFrames& frames, const NearbyOptions& options) {
+IndexPairs BruteForcePairs(const MapFramesAndLinks& frames, const NearbyOptions& options) {
   IndexPairs pairs;
   for (std::size_t second = 0; second < frames.map_from_base.size(); ++second) {
     for (std::size_t first = 0; first < second; ++first) {
@@ -51,7 +51,7 @@ IndexPairs BruteForcePairs(const PlacedFrames& frames, const NearbyOptions& opti
 
 TEST(PairSelectionTest, NearbyPairsAreExactlyTheOverlappingOnes) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
-    const PlacedFrames frames = RandomFrames(400, seed);
+    const MapFramesAndLinks frames = RandomFrames(400, seed);
     for (const auto& [min_overlap, first_new] : {std::pair{0.25, 0}, std::pair{0.02, 0}, std::pair{0.25, 300}}) {
       NearbyOptions options;
       options.min_overlap = min_overlap;

@@ -19,7 +19,7 @@ constexpr double kStepM = 0.15;
 constexpr double kLaneM = 0.2;
 constexpr double kTileM = 0.3;
 
-// A survey in lanes, to and fro. Odometry joins consecutive frames, pictures these and the neighbouring lanes.
+// A survey in lanes, to and fro. Odometry joins consecutive frames, images these and the neighbouring lanes.
 class Lanes {
  public:
   explicit Lanes(std::uint32_t seed) : random_(seed) {
@@ -51,11 +51,11 @@ class Lanes {
     }
   }
   void AddRandomClosures(int count) {
-    std::uniform_real_distribution<double> place(-0.4, 0.4);
+    std::uniform_real_distribution<double> position(-0.4, 0.4);
     closure_ = static_cast<int>(random_() % 100);
     for (int i = 0; i < count; ++i) {
       Link link = RandomClosure();
-      link.first_from_second = Pose2(place(random_), place(random_), 8.0 * place(random_));
+      link.first_from_second = Pose2(position(random_), position(random_), 8.0 * position(random_));
       graph.links.push_back(link);
     }
   }

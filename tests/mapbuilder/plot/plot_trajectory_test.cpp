@@ -26,28 +26,28 @@ ErrorPlot Drive(int count) {
   return plot;
 }
 
-int CountColor(const cv::Mat& picture, const cv::Vec3b& color) {
+int CountColor(const cv::Mat& image, const cv::Vec3b& color) {
   int count = 0;
-  for (int v = 0; v < picture.rows; ++v) {
-    for (int u = 0; u < picture.cols; ++u) {
-      count += picture.at<cv::Vec3b>(v, u) == color ? 1 : 0;
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      count += image.at<cv::Vec3b>(v, u) == color ? 1 : 0;
     }
   }
   return count;
 }
 
 TEST(ErrorPlot, ShowsTheWholeRangeOfColours) {
-  const cv::Mat picture = DrawErrorPlot(Drive(200));
-  ASSERT_EQ(picture.type(), CV_8UC3);
-  EXPECT_GT(CountColor(picture, {59, 18, 48}), 50) << "no error: the dark blue end of the colours";
-  EXPECT_GT(CountColor(picture, {3, 4, 122}), 50) << "largest errors: the dark red end";
-  EXPECT_GT(CountColor(picture, {190, 190, 190}), 200) << "the reference";
+  const cv::Mat image = DrawErrorPlot(Drive(200));
+  ASSERT_EQ(image.type(), CV_8UC3);
+  EXPECT_GT(CountColor(image, {59, 18, 48}), 50) << "no error: the dark blue end of the colours";
+  EXPECT_GT(CountColor(image, {3, 4, 122}), 50) << "largest errors: the dark red end";
+  EXPECT_GT(CountColor(image, {190, 190, 190}), 200) << "the reference";
 }
 
 TEST(ErrorPlot, MarksTheStatistics) {
-  const cv::Mat picture = DrawErrorPlot(Drive(200));
-  EXPECT_GT(CountColor(picture, {40, 40, 200}), 400) << "rmse, a line across the time";
-  EXPECT_GT(CountColor(picture, {40, 130, 40}), 300) << "median, partly covered by the mean";
+  const cv::Mat image = DrawErrorPlot(Drive(200));
+  EXPECT_GT(CountColor(image, {40, 40, 200}), 400) << "rmse, a line across the time";
+  EXPECT_GT(CountColor(image, {40, 130, 40}), 300) << "median, partly covered by the mean";
 }
 
 TEST(ErrorPlot, DrawsDegenerateDrives) {

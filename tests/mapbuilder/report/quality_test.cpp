@@ -84,7 +84,7 @@ TEST(QualityTest, ALargeHoleIsFurniture) {
   EXPECT_GT(quality.furniture_m2, 2.0);
 }
 
-TEST(QualityTest, KeypointsWithTwinsMakeASelfSimilarZone) {
+TEST(QualityTest, DuplicatedKeypointsMakeASelfSimilarZone) {
   MapEvidence evidence = MakeMapEvidence();
   ForKeypointsIn(kPlace, evidence, [&](std::size_t i) { evidence.map.keypoints.distinctiveness[i] = 10; });
   const MapQuality quality = Measure(evidence);
@@ -102,7 +102,7 @@ TEST(QualityTest, KeypointsThatNoSecondFrameConfirmsAreWeak) {
   options.needed_keypoints = 300.0;
   const MapQuality quality = MeasureQuality(evidence, options);
   ASSERT_THAT(quality.zones, SizeIs(1));
-  EXPECT_EQ(quality.zones.front().weakness, Weakness::kSeenOnce);
+  EXPECT_EQ(quality.zones.front().weakness, Weakness::kObservedOnce);
 }
 
 TEST(QualityTest, LinksThatThePosesContradictMakeAStrainedZone) {
@@ -122,7 +122,7 @@ TEST(QualityTest, LinksThatThePosesContradictMakeAStrainedZone) {
   EXPECT_NEAR(*worst, 0.006, 1e-6);
 }
 
-TEST(QualityTest, AHeldOutFrameThatWasNotFoundIsAPlaceToLookAt) {
+TEST(QualityTest, AHeldOutFrameThatWasNotLocalizedMakesAZone) {
   MapEvidence evidence = MakeMapEvidence();
   HeldOutFrame lost{"images/9.jpg", Pose2(2.5, 1.9, 0.3), "not_localized", "too_few_inliers"};
   evidence.build.held_out.push_back(lost);

@@ -22,13 +22,13 @@ class ReportPageTest : public ::testing::Test {
  protected:
   std::string Html() const {
     const MapQuality quality = MeasureQuality(evidence_, options_);
-    const Verdict verdict = Judge(evidence_, quality);
-    const MosaicPicture mosaic{cv::Mat(240, 320, CV_8UC3, cv::Scalar(128, 128, 128)), 0.01, {0.0, 3.2, 0.0, 2.4}};
+    const Verdict verdict = AssessMap(evidence_, quality);
+    const MosaicImage mosaic{cv::Mat(240, 320, CV_8UC3, cv::Scalar(128, 128, 128)), 0.01, {0.0, 3.2, 0.0, 2.4}};
     return ReportHtml({evidence_, quality, options_, verdict, mosaic});
   }
   nlohmann::json Json() const {
     const MapQuality quality = MeasureQuality(evidence_, options_);
-    return nlohmann::json::parse(ReportJson(evidence_, quality, Judge(evidence_, quality)));
+    return nlohmann::json::parse(ReportJson(evidence_, quality, AssessMap(evidence_, quality)));
   }
 
   MapEvidence evidence_ = MakeMapEvidence();

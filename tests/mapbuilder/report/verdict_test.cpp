@@ -13,7 +13,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Verdict VerdictOf(const MapEvidence& evidence) { return Judge(evidence, MeasureQuality(evidence, {})); }
+Verdict VerdictOf(const MapEvidence& evidence) { return AssessMap(evidence, MeasureQuality(evidence, {})); }
 
 TEST(VerdictTest, AGoodMapIsTrusted) {
   const Verdict verdict = VerdictOf(MakeMapEvidence());
@@ -22,25 +22,25 @@ TEST(VerdictTest, AGoodMapIsTrusted) {
   EXPECT_THAT(verdict.facts, Contains(HasSubstr("4 of 4 frames")));
 }
 
-TEST(VerdictTest, AMapThatNobodyTriedIsNotSimplyTrusted) {
+TEST(VerdictTest, AnUntestedMapIsNotSimplyTrusted) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.held_out.clear();
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
 }
 
-TEST(VerdictTest, AHoleIsToBeLookedAt) {
+TEST(VerdictTest, AHoleIsToBeInspected) {
   const Verdict verdict = VerdictOf(
       MakeMapEvidence([](const Eigen::Vector2d& view) { return (view - Eigen::Vector2d(1.6, 1.2)).norm() > 0.5; }));
-  EXPECT_EQ(verdict.trust, Trust::kLookAt);
-  EXPECT_THAT(verdict.headline, HasSubstr("look at one place"));
+  EXPECT_EQ(verdict.trust, Trust::kInspect);
+  EXPECT_THAT(verdict.headline, HasSubstr("check one place"));
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("of floor was missed")));
 }
 
-TEST(VerdictTest, AFloorThatIsLargelyPlainIsToBeSurveyedAgain) {
+TEST(VerdictTest, ALargelyPlainFloorIsToBeResurveyed) {
   MapEvidence evidence = MakeMapEvidence();
   ClearKeypoints({0.0, 1.6, 0.0, 2.4}, &evidence);
   const Verdict verdict = VerdictOf(evidence);
-  EXPECT_EQ(verdict.trust, Trust::kSurveyAgain);
+  EXPECT_EQ(verdict.trust, Trust::kResurvey);
   EXPECT_THAT(verdict.reasons.front(), HasSubstr("too few keypoints"));
 }
 
@@ -48,7 +48,7 @@ TEST(VerdictTest, AFloorOfTilesNeedsAPriorButNoNewSurvey) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.map.keypoints.distinctiveness.assign(evidence.map.keypoints.size(), 12);
   const Verdict verdict = VerdictOf(evidence);
-  EXPECT_EQ(verdict.trust, Trust::kLookAt);
+  EXPECT_EQ(verdict.trust, Trust::kInspect);
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("a prior")));
 }
 
@@ -58,16 +58,16 @@ TEST(VerdictTest, HeldOutFramesDecide) {
     evidence.build.held_out.push_back(evidence.build.held_out.front());
   }
   evidence.build.held_out[0].status = "not_localized";
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt) << "its place is weak";
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect) << "its place is weak";
   for (std::size_t i = 0; i < 6; ++i) {
     evidence.build.held_out[i].status = "not_localized";
   }
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kSurveyAgain);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kResurvey);
   for (std::size_t i = 0; i < 6; ++i) {
     evidence.build.held_out[i].status = i < 2 ? "wrong" : "localized";
   }
   const Verdict verdict = VerdictOf(evidence);
-  EXPECT_EQ(verdict.trust, Trust::kSurveyAgain);
+  EXPECT_EQ(verdict.trust, Trust::kResurvey);
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("wrong place")));
 }
 
@@ -75,27 +75,27 @@ TEST(VerdictTest, ManyUnmatchedOverlapsMeanAFoldedMap) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.overlapping_pairs = 100;
   evidence.build.unmatched_pairs = 15;
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
   evidence.build.unmatched_pairs = 40;
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kSurveyAgain);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kResurvey);
 }
 
 TEST(VerdictTest, LostFramesCount) {
   MapEvidence evidence = MakeMapEvidence();
   const int used = evidence.build.frames_used;
   evidence.build.frames = used + used / 10;
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kLookAt);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
   evidence.build.frames = 2 * used;
-  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kSurveyAgain);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kResurvey);
 }
 
 TEST(VerdictTest, ControlPointsThatAreMissedAreNamed) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.001, 1.0}}};
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
-  evidence.build.control_points[0].seen_m.x() = 1.02;
+  evidence.build.control_points[0].observed_m.x() = 1.02;
   const Verdict verdict = VerdictOf(evidence);
-  EXPECT_EQ(verdict.trust, Trust::kLookAt);
+  EXPECT_EQ(verdict.trust, Trust::kInspect);
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("2.0 cm RMS")));
 }
 

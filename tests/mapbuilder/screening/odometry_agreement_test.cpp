@@ -8,16 +8,17 @@
 namespace floorloc {
 namespace {
 
-// Motions of a robot that weaves forward, and how pictures would tell them.
+// Motions of a robot that weaves forward, and how vision would measure them.
 std::vector<MotionPair> Motions(double scale, double direction_rad, double mirror) {
   cv::RNG rng(7);
   std::vector<MotionPair> motions;
   for (int i = 0; i < 40; ++i) {
     const double turn = rng.uniform(-0.1, 0.1);
     const Pose2 odometry = Pose2::Exp({rng.uniform(0.05, 0.2), 0.0, turn});
-    const Eigen::Vector2d seen =
+    const Eigen::Vector2d vision_yaw =
         Pose2(0.0, 0.0, direction_rad) * (scale * Eigen::Vector2d(odometry.x(), mirror * odometry.y()));
-    motions.push_back({odometry, Pose2(seen.x() + rng.gaussian(5e-4), seen.y() + rng.gaussian(5e-4), mirror * turn)});
+    motions.push_back(
+        {odometry, Pose2(vision_yaw.x() + rng.gaussian(5e-4), vision_yaw.y() + rng.gaussian(5e-4), mirror * turn)});
   }
   return motions;
 }
@@ -34,7 +35,7 @@ TEST(CompareMotions, FindsScaleAndDirection) {
 TEST(CompareMotions, AThirdOfWrongMotionsDoesNotCount) {
   std::vector<MotionPair> motions = Motions(1.0, 0.0, 1.0);
   for (std::size_t i = 0; i < motions.size(); i += 3) {
-    motions[i].by_pictures = Pose2(0.4, -0.3, -1.0);
+    motions[i].by_vision = Pose2(0.4, -0.3, -1.0);
   }
   const MotionAgreement agreement = CompareMotions(motions);
   EXPECT_NEAR(agreement.scale, 1.0, 0.02);
@@ -42,12 +43,12 @@ TEST(CompareMotions, AThirdOfWrongMotionsDoesNotCount) {
   EXPECT_FALSE(agreement.mirrored);
 }
 
-TEST(CompareMotions, TurnsTellAMirror) {
+TEST(CompareMotions, TurnsRevealAMirroredHomography) {
   EXPECT_TRUE(CompareMotions(Motions(1.0, 0.0, -1.0)).mirrored);
   EXPECT_TRUE(CompareMotions(Motions(1.0, 2.0, -1.0)).mirrored);
 }
 
-TEST(CompareMotions, WithoutTurnsSidewaysMotionTellsAMirror) {
+TEST(CompareMotions, WithoutTurnsSidewaysMotionRevealsAMirroredHomography) {
   std::vector<MotionPair> motions;
   for (int i = 0; i < 20; ++i) {
     const Pose2 odometry = i % 2 == 0 ? Pose2(0.1, 0.0, 0.0) : Pose2(0.02, i % 4 == 1 ? 0.1 : -0.1, 3.1);
@@ -55,7 +56,7 @@ TEST(CompareMotions, WithoutTurnsSidewaysMotionTellsAMirror) {
   }
   EXPECT_TRUE(CompareMotions(motions).mirrored);
   for (MotionPair& m : motions) {
-    m.by_pictures = m.by_odometry;
+    m.by_vision = m.by_odometry;
   }
   EXPECT_FALSE(CompareMotions(motions).mirrored);
 }
@@ -69,7 +70,7 @@ TEST(CompareMotions, FewMotionsSayNothing) {
 TEST(CompareMotions, OdometryOfAnotherTimeScatters) {
   std::vector<MotionPair> motions = Motions(1.0, 0.0, 1.0);
   for (std::size_t i = 0; i + 1 < motions.size(); ++i) {
-    motions[i].by_pictures = motions[i + 1].by_pictures;
+    motions[i].by_vision = motions[i + 1].by_vision;
   }
   EXPECT_GT(CompareMotions(motions).scatter, 0.2);
 }

@@ -37,7 +37,7 @@ class StandstillTest : public ::testing::Test {
   StandstillResult Find() const {
     std::vector<int> order(frames_.size());
     std::iota(order.begin(), order.end(), 0);
-    return FindStandingFrames(frames_, order, floor_.camera().floor.roi, registration_);
+    return FindStationaryFrames(frames_, order, floor_.camera().floor.roi, registration_);
   }
 
   SyntheticFloor floor_;
@@ -78,7 +78,7 @@ TEST_F(StandstillTest, TurningOnTheSpotIsMotion) {
   EXPECT_THAT(Find().repeated, IsEmpty());
 }
 
-TEST_F(StandstillTest, OldPicturesWhileOdometryMovesAreCounted) {
+TEST_F(StandstillTest, RepeatedImagesWhileOdometryMovesAreCounted) {
   AddFrame(0.0);
   AddFrame(0.0);
   frames_[0].odom_from_base = Pose2();

@@ -22,7 +22,7 @@ class Survey20 {
       const bool back = i >= 10;
       truth.emplace_back(back ? 0.75 - 0.05 * (i - 10) : 0.05 * i, back ? 0.6 : 0.4,
                          (back ? 3.1 : 0.0) + 0.02 * (i % 3));
-      frames.push_back(SeeWrongly(truth.back()));
+      frames.push_back(ObserveMiscalibrated(truth.back()));
       frames.back().info.filename = std::to_string(i);
       placement.map_from_base.emplace_back(truth.back() * Pose2(i == 0 ? 0.0 : 5e-4 * (i % 3), 0.0, 0.0));
       if (i > 0) {
@@ -46,13 +46,15 @@ class Survey20 {
   // How far the survey's camera is from the true one, worst over the region of interest, rigid motion left aside.
   double ShapeErrorM() const {
     const FloorCamera& camera = surveys.front().survey.camera;
-    const auto seen = [&](double x, double y) {
+    const auto floor_point = [&](double x, double y) {
       return camera.FloorFromRawPixel(true_camera_.RawPixelFromFloor({x, y}));
     };
     const RectM& roi = true_camera_.floor.roi;
-    const double width = (seen(roi.x_min, roi.y_min) - seen(roi.x_min, roi.y_max)).norm() - roi.height_m();
-    const double far_width = (seen(roi.x_max, roi.y_min) - seen(roi.x_max, roi.y_max)).norm() - roi.height_m();
-    const double length = (seen(roi.x_min, 0.0) - seen(roi.x_max, 0.0)).norm() - roi.width_m();
+    const double width =
+        (floor_point(roi.x_min, roi.y_min) - floor_point(roi.x_min, roi.y_max)).norm() - roi.height_m();
+    const double far_width =
+        (floor_point(roi.x_max, roi.y_min) - floor_point(roi.x_max, roi.y_max)).norm() - roi.height_m();
+    const double length = (floor_point(roi.x_min, 0.0) - floor_point(roi.x_max, 0.0)).norm() - roi.width_m();
     return std::max({std::abs(width), std::abs(far_width), std::abs(length)});
   }
 
@@ -63,8 +65,8 @@ class Survey20 {
   SelfCalibrationOptions options;
 
  private:
-  BuildFrame SeeWrongly(const Pose2& map_from_base) {
-    BuildFrame frame = points_.See(map_from_base, 1e-4);
+  BuildFrame ObserveMiscalibrated(const Pose2& map_from_base) {
+    BuildFrame frame = points_.Observe(map_from_base, 1e-4);
     Features kept;
     for (std::size_t i = 0; i < frame.features.keypoints.size(); ++i) {
       Keypoint k = frame.features.keypoints[i];
@@ -116,7 +118,7 @@ TEST(SelfCalibrationTest, FindsPitchRollAndDistortion) {
   }
 }
 
-TEST(SelfCalibrationTest, AKnownDistanceTellsTheHeight) {
+TEST(SelfCalibrationTest, AKnownDistanceFixesTheHeight) {
   Survey20 survey(Error(CameraUnknown::kHeight, 0.02));
   const double before = survey.ShapeErrorM();
   const FloorCamera camera = MakeForwardCamera();
@@ -135,7 +137,7 @@ TEST(SelfCalibrationTest, AKnownDistanceTellsTheHeight) {
   EXPECT_NEAR(found.cameras[0].change[static_cast<int>(CameraUnknown::kHeight)], -0.0196, 1.5e-3);
 }
 
-TEST(SelfCalibrationTest, HeightWithoutAnythingThatTellsTheScaleIsRefused) {
+TEST(SelfCalibrationTest, HeightWithoutAScaleConstraintIsRefused) {
   Survey20 survey(CameraAdjustment::Zero());
   survey.options.unknowns = ParseCameraUnknowns({"height"});
   EXPECT_THROW(survey.Run(), InputError);

@@ -43,9 +43,9 @@ FloorTexture DottedFloor(const std::vector<Eigen::Vector2d>& dots) {
 }
 
 // Second moments of the brightness above the background around a pixel.
-cv::Moments DotMoments(const cv::Mat& picture, const Eigen::Vector2d& near_px, int reach_px) {
+cv::Moments DotMoments(const cv::Mat& image, const Eigen::Vector2d& near_px, int reach_px) {
   cv::Mat gray;
-  cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
   const cv::Rect box(static_cast<int>(near_px.x()) - reach_px, static_cast<int>(near_px.y()) - reach_px,
                      2 * reach_px + 1, 2 * reach_px + 1);
   cv::Mat bright;
@@ -53,9 +53,9 @@ cv::Moments DotMoments(const cv::Mat& picture, const Eigen::Vector2d& near_px, i
   return cv::moments(bright);
 }
 
-Eigen::Vector2d DotCentroid(const cv::Mat& picture, const Eigen::Vector2d& near_px) {
+Eigen::Vector2d DotCentroid(const cv::Mat& image, const Eigen::Vector2d& near_px) {
   constexpr int kReachPx = 14;
-  const cv::Moments m = DotMoments(picture, near_px, kReachPx);
+  const cv::Moments m = DotMoments(image, near_px, kReachPx);
   return {static_cast<int>(near_px.x()) - kReachPx + m.m10 / m.m00,
           static_cast<int>(near_px.y()) - kReachPx + m.m01 / m.m00};
 }
@@ -86,10 +86,10 @@ TEST_P(RenderedDots, LieWhereTheCameraModelSays) {
       in_map.push_back(map_from_base * in_base.back());
     }
   }
-  const cv::Mat picture = CameraRenderer(DottedFloor(in_map), camera).Render(map_from_base, {});
+  const cv::Mat image = CameraRenderer(DottedFloor(in_map), camera).Render(map_from_base, {});
   for (const Eigen::Vector2d& point : in_base) {
     const Eigen::Vector2d expected = camera.RawPixelFromFloor(point);
-    const double error_px = (DotCentroid(picture, expected) - expected).norm();
+    const double error_px = (DotCentroid(image, expected) - expected).norm();
     EXPECT_LT(error_px, 0.1) << "dot at " << point.transpose() << " in the base frame";
   }
 }
@@ -102,7 +102,7 @@ TEST(CameraRenderer, SmearsAlongTheMotionAndKeepsTheMiddle) {
   const Eigen::Vector2d point(0.2, 0.0);
   const CameraRenderer renderer(DottedFloor({map_from_base * point}), camera);
   RenderConditions moving;
-  moving.motion = {0.008, 0.0, 0.0};  // 8 mm forward: 12 px up or down in the picture
+  moving.motion = {0.008, 0.0, 0.0};  // 8 mm forward: 12 px up or down in the image
   const Eigen::Vector2d expected = camera.RawPixelFromFloor(point);
   const cv::Mat sharp = renderer.Render(map_from_base, {});
   const cv::Mat smeared = renderer.Render(map_from_base, moving);
@@ -114,7 +114,7 @@ TEST(CameraRenderer, SmearsAlongTheMotionAndKeepsTheMiddle) {
   EXPECT_NEAR(b.mu20 / b.m00 - a.mu20 / a.m00, 0.0, 0.3);
 }
 
-TEST(CameraRenderer, VibrationMovesThePictureAsTheOpticsSay) {
+TEST(CameraRenderer, VibrationMovesTheImageAsTheOpticsPredict) {
   const FloorCamera camera = MakeDownwardCamera();
   const Pose2 map_from_base(1.0, 1.0, 0.0);
   const Eigen::Vector2d point(0.28, 0.1);
@@ -124,15 +124,15 @@ TEST(CameraRenderer, VibrationMovesThePictureAsTheOpticsSay) {
   // From 0.41 m instead of 0.40 m the point looks 0.40 / 0.41 as far from the spot below the camera (0.2 m, 0).
   const Eigen::Vector2d below(0.2, 0.0);
   const Eigen::Vector2d expected = camera.RawPixelFromFloor(below + (point - below) * (0.40 / 0.41));
-  const cv::Mat picture = renderer.Render(map_from_base, raised);
-  EXPECT_LT((DotCentroid(picture, expected) - expected).norm(), 0.1);
+  const cv::Mat image = renderer.Render(map_from_base, raised);
+  EXPECT_LT((DotCentroid(image, expected) - expected).norm(), 0.1);
   RenderConditions pitched;
   pitched.vibration.pitch_rad = 0.005;  // nose down: the camera's axis meets the floor 2 mm further back
   const Eigen::Vector2d forward = camera.RawPixelFromFloor({0.2, 0.0});
   const CameraRenderer centered(DottedFloor({map_from_base * below}), camera);
-  const Eigen::Vector2d seen = DotCentroid(centered.Render(map_from_base, pitched), forward);
-  EXPECT_NEAR(seen.y() - forward.y(), -0.005 * camera.camera.fy, 0.15);
-  EXPECT_NEAR(seen.x() - forward.x(), 0.0, 0.15);
+  const Eigen::Vector2d measured = DotCentroid(centered.Render(map_from_base, pitched), forward);
+  EXPECT_NEAR(measured.y() - forward.y(), -0.005 * camera.camera.fy, 0.15);
+  EXPECT_NEAR(measured.x() - forward.x(), 0.0, 0.15);
 }
 
 std::map<std::string, std::string> FilesIn(const fs::path& folder) {

@@ -39,16 +39,16 @@ template <typename Counts>
 double LargestDisagreement(const SimulatedPath& path, Counts counts) {
   double worst = 0.0;
   for (std::size_t i = 1; i < path.odometry.size(); ++i) {
-    const Pose2 told = path.odometry[i - 1].ToPose2().Between(path.odometry[i].ToPose2());
+    const Pose2 by_odometry = path.odometry[i - 1].ToPose2().Between(path.odometry[i].ToPose2());
     const Pose2 real = path.truth[i - 1].ToPose2().Between(path.truth[i].ToPose2());
     if (counts(SimulatedSeconds(path.odometry[i].stamp_ns))) {
-      worst = std::max(worst, told.Between(real).Log().norm());
+      worst = std::max(worst, by_odometry.Between(real).Log().norm());
     }
   }
   return worst;
 }
 
-TEST(SimulatedDrive, PerfectOdometryTellsTheTruthExceptAtKidnaps) {
+TEST(SimulatedDrive, PerfectOdometryIsTheTruthExceptAtKidnaps) {
   const SimulatedPath path = PlanPath(EventfulDrive());
   const auto is_kidnap = [](double time_s) { return std::abs(time_s - 20.0) < 1e-6 || std::abs(time_s - 40.0) < 1e-6; };
   EXPECT_LT(LargestDisagreement(path, [&](double time_s) { return !is_kidnap(time_s); }), 1e-6);

@@ -30,7 +30,7 @@ using ::testing::HasSubstr;
 
 constexpr double kFps = 10.0;
 
-// A robot drives 0.5 m straight on with a standstill in between; ten pictures a second.
+// A robot drives 0.5 m straight on with a standstill in between; ten images a second.
 class VideoSurveyTest : public ::testing::Test {
  protected:
   VideoSurveyTest() {
@@ -43,25 +43,25 @@ class VideoSurveyTest : public ::testing::Test {
     options_.start_s = 1000.0;
   }
 
-  Pose2 PoseAt(int picture) const {
-    const int moved = picture < 10 ? picture : std::max(10, picture - 10);  // still from 10 to 20
+  Pose2 PoseAt(int image) const {
+    const int moved = image < 10 ? image : std::max(10, image - 10);  // still from 10 to 20
     return floor_.BaseForView(0.3 + 0.02 * moved, 0.45, 0.01 * moved);
   }
 
-  // Every odd picture is blurred.
-  void WriteVideo(int pictures) const {
+  // Every odd image is blurred.
+  void WriteVideo(int images) const {
     cv::VideoWriter video(options_.video.string(), cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
                           kFps, {640, 480});
     ASSERT_TRUE(video.isOpened());
-    for (int i = 0; i < pictures; ++i) {
+    for (int i = 0; i < images; ++i) {
       RenderConditions conditions;
       conditions.read_noise = 1.5;
       conditions.noise_seed = static_cast<std::uint64_t>(i + 1);
-      cv::Mat picture = floor_.View(PoseAt(i), conditions);
+      cv::Mat image = floor_.View(PoseAt(i), conditions);
       if (i % 2 == 1) {
-        cv::GaussianBlur(picture, picture, {}, 2.0);
+        cv::GaussianBlur(image, image, {}, 2.0);
       }
-      video.write(picture);
+      video.write(image);
     }
   }
 
@@ -87,7 +87,7 @@ class VideoSurveyTest : public ::testing::Test {
 TEST_F(VideoSurveyTest, TakesTheSharpestOfEachSpanAndNoStandstill) {
   WriteVideo(34);
   const VideoSurveyResult result = WriteVideoSurvey(options_);
-  EXPECT_EQ(result.pictures_read, 34);
+  EXPECT_EQ(result.frames_read, 34);
   EXPECT_TRUE(result.warnings.empty());
   std::vector<double> times_s;
   for (const SurveyFrame& frame : ReadSurvey(options_.out).frames) {
@@ -112,8 +112,8 @@ TEST_F(VideoSurveyTest, TheMapIsTrue) {
   std::vector<int> all;
   const Eigen::Vector2d middle = floor_.camera().floor.roi.Center();
   for (const MapFrame& frame : MapDatabase(build.out).ReadFrames()) {
-    const int picture = static_cast<int>(std::lround(kFps * (ToSeconds(frame.stamp_ns) - 1000.0)));
-    pairs.push_back({frame.map_from_base * middle, PoseAt(picture) * middle, 0.0, 0.0});
+    const int image = static_cast<int>(std::lround(kFps * (ToSeconds(frame.stamp_ns) - 1000.0)));
+    pairs.push_back({frame.map_from_base * middle, PoseAt(image) * middle, 0.0, 0.0});
     all.push_back(static_cast<int>(all.size()));
   }
   EXPECT_LT(RmsResidual(pairs, all, FitRigid(pairs, all).value()), 5e-4);
@@ -132,16 +132,16 @@ TEST_F(VideoSurveyTest, AnotherSizeIsRefused) {
   CameraModel other = floor_.camera().camera;
   other.width_px = 1280;
   WriteFileAtomically(options_.camera_yaml, FormatCameraYaml(other));
-  EXPECT_THAT(Error(), AllOf(HasSubstr("drive.avi: the pictures are 640x480"), HasSubstr("says 1280x480")));
+  EXPECT_THAT(Error(), AllOf(HasSubstr("drive.avi: the images are 640x480"), HasSubstr("says 1280x480")));
 }
 
 TEST_F(VideoSurveyTest, WhatIsNoVideoIsRefused) {
-  EXPECT_THAT(Error(), HasSubstr("drive.avi: is no file"));
+  EXPECT_THAT(Error(), HasSubstr("drive.avi: is not a file"));
   std::ofstream(options_.video) << "no video";
   EXPECT_THAT(Error(), HasSubstr("drive.avi: is no video that can be read"));
 }
 
-TEST_F(VideoSurveyTest, AVideoWithoutPicturesIsRefused) {
+TEST_F(VideoSurveyTest, AVideoWithoutImagesIsRefused) {
   WriteVideo(0);
   EXPECT_THAT(Error(), HasSubstr("drive.avi: "));
 }
@@ -170,7 +170,7 @@ TEST_F(VideoSurveyTest, FindsTheVideoOfAFolder) {
   std::ofstream(folder_.path() / "video.mp4") << "x";
   EXPECT_EQ(FindVideo(folder_.path()), folder_.path() / "video.mp4");
   std::ofstream(folder_.path() / "frames.csv") << "x";
-  EXPECT_EQ(FindVideo(folder_.path()), fs::path()) << "a survey of pictures";
+  EXPECT_EQ(FindVideo(folder_.path()), fs::path()) << "a survey of images";
 }
 
 }  // namespace

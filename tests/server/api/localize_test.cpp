@@ -28,7 +28,7 @@ void ExpectKnownPose(const json& answer) {
 
 // A PNG file that ends after its header, announcing any size.
 std::string PngHeader(std::uint32_t width, std::uint32_t height) {
-  std::string png = EncodePicture(cv::Mat(8, 8, CV_8UC1, cv::Scalar(0)), ".png");
+  std::string png = EncodeImage(cv::Mat(8, 8, CV_8UC1, cv::Scalar(0)), ".png");
   for (std::size_t i = 0; i < 4; ++i) {
     png[16 + i] = static_cast<char>(width >> (24 - 8 * i));
     png[20 + i] = static_cast<char>(height >> (24 - 8 * i));
@@ -53,7 +53,7 @@ class LocalizeTest : public testing::Test {
   const std::string jpeg_ = SharedMaps().KnownJpeg();
 };
 
-TEST_F(LocalizeTest, FindsARawPictureInTheWholeMap) {
+TEST_F(LocalizeTest, LocalizesARawImageInTheWholeMap) {
   const json answer = Json(PostImage("?vehicle=agv-7&stamp=1700000000.25", jpeg_));
   ExpectKnownPose(answer);
   EXPECT_EQ(answer["fix"]["search"], "global");
@@ -61,7 +61,7 @@ TEST_F(LocalizeTest, FindsARawPictureInTheWholeMap) {
 }
 
 TEST_F(LocalizeTest, FindsAPngToo) {
-  const std::string png = EncodePicture(SharedMaps().floor().View(SharedMaps().KnownPose()), ".png");
+  const std::string png = EncodeImage(SharedMaps().floor().View(SharedMaps().KnownPose()), ".png");
   ExpectKnownPose(Json(client_.Post(std::string(kLocalize) + "?vehicle=agv-7", png, "image/png")));
 }
 
@@ -82,7 +82,7 @@ TEST_F(LocalizeTest, NotLocalizedIsAnAnswer) {
   cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
   const auto& camera = SharedMaps().floor().camera().camera;
   cv::resize(noise, noise, {camera.width_px, camera.height_px});
-  const auto response = PostImage("?vehicle=agv-7", EncodePicture(noise, ".jpg"));
+  const auto response = PostImage("?vehicle=agv-7", EncodeImage(noise, ".jpg"));
   EXPECT_EQ(response.status, 200);
   const json answer = Json(response);
   EXPECT_EQ(answer["status"], "not_localized");
@@ -145,12 +145,12 @@ TEST_F(LocalizeTest, ParallelRequestsGetTheAnswerOfOne) {
   }
 }
 
-TEST_F(LocalizeTest, RefusesPicturesThatCannotBeUsed) {
+TEST_F(LocalizeTest, RefusesImagesThatCannotBeUsed) {
   const std::string query = "?vehicle=agv-7";
   ExpectProblem(PostImage(query, ""), 422, "invalid_image");
-  ExpectProblem(PostImage(query, "this is no picture"), 422, "invalid_image");
+  ExpectProblem(PostImage(query, "this is no image"), 422, "invalid_image");
   ExpectProblem(PostImage(query, jpeg_.substr(0, jpeg_.size() / 2)), 422, "invalid_image");
-  ExpectProblem(PostImage(query, EncodePicture(cv::Mat(48, 64, CV_8UC1, cv::Scalar(9)), ".jpg")), 422,
+  ExpectProblem(PostImage(query, EncodeImage(cv::Mat(48, 64, CV_8UC1, cv::Scalar(9)), ".jpg")), 422,
                 "image_size_mismatch");
   ExpectProblem(PostImage(query, PngHeader(30000, 30000)), 413, "image_too_large");
 }

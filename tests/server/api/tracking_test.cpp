@@ -16,7 +16,7 @@ std::string StepText(const Pose2& motion) {
   return std::to_string(motion.x()) + "," + std::to_string(motion.y()) + "," + std::to_string(motion.yaw());
 }
 
-std::string Jpeg(const Pose2& pose) { return EncodePicture(SharedMaps().floor().View(pose), ".jpg"); }
+std::string Jpeg(const Pose2& pose) { return EncodeImage(SharedMaps().floor().View(pose), ".jpg"); }
 
 void ExpectAt(const json& pose, const Pose2& truth, double tolerance_m) {
   ASSERT_TRUE(pose.is_object()) << pose;
@@ -45,10 +45,10 @@ class TrackingTest : public testing::Test {
   TestServer server_;
   ContractClient client_{server_.port()};
   const Pose2 start_ = SharedMaps().floor().BaseForView(0.5, 0.45, 0.3);
-  const Pose2 elsewhere_ = SharedMaps().floor().BaseForView(0.7, 0.5, -0.2);
+  const Pose2 kidnapped_pose_ = SharedMaps().floor().BaseForView(0.7, 0.5, -0.2);
 };
 
-TEST_F(TrackingTest, ADriveIsLocalizedAndThenCarriedOnByOdometry) {
+TEST_F(TrackingTest, ADriveIsLocalizedAndThenPropagatedByOdometry) {
   const Pose2 step(0.01, 0.0, 0.01);
   Pose2 truth = start_;
   for (int i = 0; i < 4; ++i) {
@@ -94,7 +94,7 @@ TEST_F(TrackingTest, BeforeTheFirstFixThereIsNoPose) {
   EXPECT_TRUE(answer["since_fix"].is_null());
   const auto& camera = SharedMaps().floor().camera().camera;
   const cv::Mat grey(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(128));
-  const json blind = Json(PostFrame("?stamp=2", EncodePicture(grey, ".jpg")));
+  const json blind = Json(PostFrame("?stamp=2", EncodeImage(grey, ".jpg")));
   EXPECT_EQ(blind["status"], "lost");
   EXPECT_EQ(blind["fix"]["status"], "not_localized");
   EXPECT_EQ(blind["fix"]["accepted"], false);
@@ -102,10 +102,10 @@ TEST_F(TrackingTest, BeforeTheFirstFixThereIsNoPose) {
   EXPECT_TRUE(Vehicle()["pose"].is_null());
 }
 
-TEST_F(TrackingTest, AKidnapIsRejectedThenBelieved) {
+TEST_F(TrackingTest, AKidnapIsRejectedThenAccepted) {
   PostFrame("?stamp=1", Jpeg(start_));
   for (int i = 0; i < 3; ++i) {
-    const json answer = Json(PostFrame("?odometry=0,0,0&stamp=" + std::to_string(2 + i), Jpeg(elsewhere_)));
+    const json answer = Json(PostFrame("?odometry=0,0,0&stamp=" + std::to_string(2 + i), Jpeg(kidnapped_pose_)));
     EXPECT_EQ(answer["fix"]["status"], "localized");
     EXPECT_EQ(answer["fix"]["accepted"], i == 2) << answer;
     EXPECT_EQ(answer["fix"]["reanchored"], i == 2);
@@ -113,7 +113,7 @@ TEST_F(TrackingTest, AKidnapIsRejectedThenBelieved) {
       EXPECT_THAT(answer["fix"]["reject_reason"], testing::AnyOf("jump_distance", "jump_angle"));
       ExpectAt(answer["pose"], start_, 0.01);
     } else {
-      ExpectAt(answer["pose"], elsewhere_, 0.003);
+      ExpectAt(answer["pose"], kidnapped_pose_, 0.003);
     }
   }
   EXPECT_EQ(Vehicle()["fixes"]["reanchored"], 1);
@@ -153,7 +153,7 @@ TEST_F(TrackingTest, StampsKeepTheirDigits) {
       "duplicate");
 }
 
-TEST_F(TrackingTest, TakesAPictureInParts) {
+TEST_F(TrackingTest, TakesAnImageInParts) {
   const json request = {{"stamp", 5.5}, {"odometry", Step(Pose2(0.01, 0, 0))}};
   const auto response = client_.PostParts("/v1/vehicles/agv-7/frames",
                                           {{"image", Jpeg(start_), "", ""}, {"request", request.dump(), "", ""}});
@@ -203,7 +203,7 @@ TEST_F(TrackingTest, RefusesWrongFrames) {
     SCOPED_TRACE(query);
     ExpectProblem(PostFrame(query, jpeg), 422, "invalid_field");
   }
-  ExpectProblem(PostFrame("?stamp=1", "no picture"), 422, "invalid_image");
+  ExpectProblem(PostFrame("?stamp=1", "no image"), 422, "invalid_image");
   ExpectProblem(client_.Post("/v1/vehicles/nobody/frames?stamp=1", jpeg, "image/jpeg"), 404, "unknown_vehicle");
   ExpectProblem(client_.Post("/v1/vehicles/agv-7/frames?stamp=1", jpeg, "text/plain"), 415, "unsupported_media_type");
   ExpectProblem(client_.PostParts("/v1/vehicles/agv-7/frames", {{"image", jpeg, "", ""}}), 400, "invalid_parts");
@@ -261,16 +261,16 @@ TEST_F(TrackingTest, AVehicleOfADamagedMapGetsNoAnswer) {
   ExpectProblem(client_.Post("/v1/vehicles/b/frames?stamp=1", Jpeg(start_), "image/jpeg"), 500, "map_damaged");
 }
 
-TEST_F(TrackingTest, ASecondPictureAtOnceIsRefusedButOdometryIsNot) {
+TEST_F(TrackingTest, ASecondImageAtOnceIsRefusedButOdometryIsNot) {
   const auto session = server_.app().state().vehicles.Find("agv-7")->session;
-  auto turn = session->BeginFrame(*ToStampNs(1.0), std::nullopt);
+  auto slot = session->BeginFrame(*ToStampNs(1.0), std::nullopt);
   std::thread([&] {
     const auto refused = PostFrame("?stamp=2", Jpeg(start_));
     ExpectProblem(refused, 503, "vehicle_busy");
     EXPECT_EQ(refused.get_header_value("Retry-After"), "1");
     EXPECT_EQ(Odometry(2.0, Pose2())["message"], "used");
   }).join();
-  turn.reset();
+  slot.reset();
   EXPECT_EQ(PostFrame("?stamp=2", Jpeg(start_)).status, 200);
 }
 
@@ -325,10 +325,10 @@ TEST(TrackingTokenTest, OnlyItsOwnerMovesAVehicle) {
   std::ofstream(config.token_file) << "0123456789abcdef0123\n";
   std::filesystem::permissions(config.token_file, std::filesystem::perms::owner_read);
   TestServer server(config);
-  ContractClient stranger(server.port());
-  ExpectProblem(stranger.Post("/v1/vehicles/a/frames?stamp=1", "x", "image/jpeg"), 401, "unauthorized");
-  ExpectProblem(stranger.Post("/v1/vehicles/a/odometry", "{}", "application/json"), 401, "unauthorized");
-  ExpectProblem(stranger.Post("/v1/vehicles/a/initialpose", "{}", "application/json"), 401, "unauthorized");
+  ContractClient anonymous_client(server.port());
+  ExpectProblem(anonymous_client.Post("/v1/vehicles/a/frames?stamp=1", "x", "image/jpeg"), 401, "unauthorized");
+  ExpectProblem(anonymous_client.Post("/v1/vehicles/a/odometry", "{}", "application/json"), 401, "unauthorized");
+  ExpectProblem(anonymous_client.Post("/v1/vehicles/a/initialpose", "{}", "application/json"), 401, "unauthorized");
 }
 
 }  // namespace

@@ -122,30 +122,31 @@ class TokenTest : public testing::Test {
 
 TEST_F(TokenTest, OnlyItsOwnerChangesAnything) {
   TestServer server(config_);
-  ContractClient stranger(server.port());
-  const auto refused = stranger.Put("/v1/vehicles/a", VehicleBody().dump());
+  ContractClient anonymous_client(server.port());
+  const auto refused = anonymous_client.Put("/v1/vehicles/a", VehicleBody().dump());
   ExpectProblem(refused, 401, "unauthorized");
   EXPECT_EQ(refused.get_header_value("WWW-Authenticate"), "Bearer");
-  ExpectProblem(stranger.Delete("/v1/vehicles/a"), 401, "unauthorized");
-  EXPECT_EQ(stranger.Get("/v1/maps").status, 200);
+  ExpectProblem(anonymous_client.Delete("/v1/vehicles/a"), 401, "unauthorized");
+  EXPECT_EQ(anonymous_client.Get("/v1/maps").status, 200);
   for (const std::string& wrong : {std::string(kToken) + "x", std::string(kToken).substr(1), std::string("x")}) {
-    ContractClient guesser(server.port(), wrong);
-    ExpectProblem(guesser.Put("/v1/vehicles/a", VehicleBody().dump()), 401, "unauthorized");
+    ContractClient wrong_token_client(server.port(), wrong);
+    ExpectProblem(wrong_token_client.Put("/v1/vehicles/a", VehicleBody().dump()), 401, "unauthorized");
   }
   ContractClient owner(server.port(), kToken);
   EXPECT_EQ(owner.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
-  EXPECT_EQ(stranger.Post("/v1/maps/hall/localize?vehicle=a", SharedMaps().KnownJpeg(), "image/jpeg").status, 200);
+  EXPECT_EQ(anonymous_client.Post("/v1/maps/hall/localize?vehicle=a", SharedMaps().KnownJpeg(), "image/jpeg").status,
+            200);
 }
 
 TEST_F(TokenTest, GuardsReadsWhenAsked) {
   config_.protect_reads = true;
   TestServer server(config_);
-  ContractClient stranger(server.port());
-  ExpectProblem(stranger.Get("/v1/maps"), 401, "unauthorized");
-  ExpectProblem(stranger.Get("/metrics"), 401, "unauthorized");
-  ExpectProblem(stranger.Post("/v1/maps/hall/localize?vehicle=a", "x", "image/jpeg"), 401, "unauthorized");
-  EXPECT_EQ(stranger.Get("/livez").status, 200);
-  EXPECT_EQ(stranger.Get("/").status, 200);
+  ContractClient anonymous_client(server.port());
+  ExpectProblem(anonymous_client.Get("/v1/maps"), 401, "unauthorized");
+  ExpectProblem(anonymous_client.Get("/metrics"), 401, "unauthorized");
+  ExpectProblem(anonymous_client.Post("/v1/maps/hall/localize?vehicle=a", "x", "image/jpeg"), 401, "unauthorized");
+  EXPECT_EQ(anonymous_client.Get("/livez").status, 200);
+  EXPECT_EQ(anonymous_client.Get("/").status, 200);
   ContractClient owner(server.port(), kToken);
   EXPECT_EQ(owner.Get("/v1/maps").status, 200);
 }

@@ -17,13 +17,13 @@ LocalizationResult FoundAt(const Pose2& pose, double p_wrong = 1e-9) {
   return found;
 }
 
-/// A vehicle whose pictures are made up: none has a feature, but each has an answer.
+/// A vehicle whose images are made up: none has a feature, but each has an answer.
 class VehicleSessionTest : public testing::Test {
  protected:
   FrameReport Frame(double stamp_s, const LocalizationResult& found, const std::optional<Pose2>& motion = Pose2()) {
-    const auto turn = session_.BeginFrame(Ns(stamp_s), motion);
-    EXPECT_TRUE(turn.has_value());
-    return session_.FinishFrame(*turn, {}, found);
+    const auto slot = session_.BeginFrame(Ns(stamp_s), motion);
+    EXPECT_TRUE(slot.has_value());
+    return session_.FinishFrame(*slot, {}, found);
   }
   FrameReport Frame(double stamp_s, const Pose2& pose) { return Frame(stamp_s, FoundAt(pose)); }
   MessageOutcome Odometry(double stamp_s, const Pose2& motion = {}) {
@@ -57,8 +57,8 @@ TEST_F(VehicleSessionTest, IncrementsBeginAtThePreviousMessage) {
   EXPECT_NEAR(session_.View().fused->since_fix->metres, 0.1, 1e-3);
 }
 
-// Wheels and camera run by themselves: a picture between two messages of the wheels interrupts nothing.
-TEST_F(VehicleSessionTest, APictureWithoutOdometryDoesNotCutAnIncrement) {
+// Wheels and camera run by themselves: an image between two messages of the wheels interrupts nothing.
+TEST_F(VehicleSessionTest, AnImageWithoutOdometryDoesNotCutAnIncrement) {
   Frame(100.0, Pose2());
   Odometry(100.1, Pose2(0.05, 0, 0));
   Frame(100.15, FoundAt(Pose2(0.075, 0, 0)), std::nullopt);
@@ -107,7 +107,7 @@ TEST_F(VehicleSessionTest, AKidnappedVehicleIsFoundAgain) {
   EXPECT_EQ(report.view.counts.reanchored, 1U);
 }
 
-TEST_F(VehicleSessionTest, ASetClockIsNoticedByOdometryAndByPicturesAlone) {
+TEST_F(VehicleSessionTest, AClockStepIsDetectedByOdometryAndByImagesAlone) {
   Frame(100.0, Pose2(1, 0, 0));
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(Odometry(50.0 + 0.1 * i), MessageOutcome::kTooOld);
@@ -124,20 +124,20 @@ TEST_F(VehicleSessionTest, ASetClockIsNoticedByOdometryAndByPicturesAlone) {
   EXPECT_EQ(report.view.fused->stamp_ns, Ns(10.4));
 }
 
-TEST_F(VehicleSessionTest, OnePictureAtATimeAndOdometryMeanwhile) {
+TEST_F(VehicleSessionTest, OneImageAtATimeAndOdometryMeanwhile) {
   Frame(100.0, Pose2());
-  auto turn = session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));
-  ASSERT_TRUE(turn.has_value());
+  auto slot = session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));
+  ASSERT_TRUE(slot.has_value());
   EXPECT_FALSE(session_.BeginFrame(Ns(100.2), std::nullopt).has_value());
   EXPECT_EQ(Odometry(100.2, Pose2(0.1, 0, 0)), MessageOutcome::kUsed);
-  const FrameReport report = session_.FinishFrame(*turn, {}, FoundAt(Pose2(0.101, 0, 0)));
+  const FrameReport report = session_.FinishFrame(*slot, {}, FoundAt(Pose2(0.101, 0, 0)));
   EXPECT_TRUE(report.fix->accepted);
   EXPECT_NEAR(report.view.fused->map_from_base.x(), 0.201, 2e-3);
-  turn.reset();
+  slot.reset();
   EXPECT_TRUE(session_.BeginFrame(Ns(100.3), std::nullopt).has_value());
 }
 
-TEST_F(VehicleSessionTest, APictureThatIsSentAgainBringsItsOdometryOnce) {
+TEST_F(VehicleSessionTest, AnImageThatIsSentAgainBringsItsOdometryOnce) {
   Frame(100.0, Pose2());
   session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));  // and failed
   const FrameReport report = Frame(100.1, FoundAt(Pose2(0.1, 0, 0)), Pose2(0.1, 0, 0));
@@ -151,17 +151,17 @@ TEST_F(VehicleSessionTest, ASetPoseIsWhereTheNextFixIsExpected) {
   pose.map_from_base = Pose2(1, 1, 1);
   pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
   EXPECT_NEAR(session_.SetPose(pose, std::nullopt).fused->map_from_base.x(), 1.0, 1e-9);
-  // The first message tells the vehicle's time, whatever it is.
+  // The first message defines the vehicle's time.
   EXPECT_EQ(Rejection(Frame(5.0, Pose2(3, 1, 1))), FixRejection::kJumpDistance);
   EXPECT_TRUE(Frame(5.1, Pose2(1.01, 1, 1)).fix->accepted);
-  const auto turn = session_.BeginFrame(Ns(5.2), std::nullopt);
-  EXPECT_TRUE(turn->prior.has_value());
+  const auto slot = session_.BeginFrame(Ns(5.2), std::nullopt);
+  EXPECT_TRUE(slot->prior.has_value());
 }
 
 TEST(VehicleExpiryTest, ASilentVehicleIsLost) {
   VehicleSession session({}, 0.001, 1e-9);
-  const auto turn = session.BeginFrame(Ns(100.0), std::nullopt);
-  session.FinishFrame(*turn, {}, FoundAt(Pose2()));
+  const auto slot = session.BeginFrame(Ns(100.0), std::nullopt);
+  session.FinishFrame(*slot, {}, FoundAt(Pose2()));
   EXPECT_TRUE(session.Expired());
   EXPECT_EQ(session.View().state(), TrackingState::kLost);
   EXPECT_FALSE(session.AddOdometry({{Ns(100.1), Pose2()}}).view.fused.has_value());

@@ -28,13 +28,13 @@ ExtractorOptions OptionsOf(ExtractorType type) {
   return options;
 }
 
-// A keypoint of a picture and where its twin in the turned picture should be and is, pixels and radians.
+// A keypoint of an image and where its duplicate in the turned image should be and is, pixels and radians.
 struct TurnedPair {
-  Eigen::Vector2d offset_px;  // twin minus expectation, base frame's axes
+  Eigen::Vector2d offset_px;  // duplicate minus expectation, base frame's axes
   double angle_rad = 0.0;
 };
 
-// Matches features with those of the same picture turned about the base frame's origin.
+// Matches features with those of the same image turned about the base frame's origin.
 std::vector<TurnedPair> MatchTurned(const Features& upright, const Features& turned, double turn_rad) {
   const Pose2 turn(0.0, 0.0, turn_rad);
   const auto index = CreateDescriptorIndex(upright.descriptors, {.type = MatcherType::kBruteForce});
@@ -83,7 +83,7 @@ TEST_P(Extractor, DescribesEveryKeypoint) {
   }
 }
 
-// An offset of the keypoints to one side shows twice when the picture is turned by 180 degrees. Sides that no pyramid
+// An offset of the keypoints to one side shows twice when the image is turned by 180 degrees. Sides that no pyramid
 // divides evenly are the hard ones: rounded levels stretch the coordinates.
 TEST_P(Extractor, KeypointsHaveNoSystematicOffset) {
   for (const cv::Size size : {cv::Size(420, 400), cv::Size(421, 401), cv::Size(593, 443)}) {
@@ -105,7 +105,7 @@ TEST_P(Extractor, KeypointsHaveNoSystematicOffset) {
   }
 }
 
-TEST_P(Extractor, KeypointsTurnWithThePicture) {
+TEST_P(Extractor, KeypointsTurnWithTheImage) {
   const cv::Mat upright = MakeTexture(kSize, 110.0, 14.0, 20);
   const Features features = extractor_->Extract(CenteredImage(upright));
   cv::Mat turned;
@@ -119,7 +119,7 @@ TEST_P(Extractor, KeypointsTurnWithThePicture) {
   EXPECT_GT(close, 0.7 * static_cast<double>(pairs.size()));  // BRISK's angle is the least steady
 }
 
-TEST_P(Extractor, SamePictureSameFeatures) {
+TEST_P(Extractor, SameImageSameFeatures) {
   const GroundImage image = CenteredImage(MakeTexture(kSize, 110.0, 14.0, 30));
   const Features once = extractor_->Extract(image);
   EXPECT_TRUE(Same(extractor_->Extract(image), once));
@@ -140,7 +140,7 @@ TEST_P(Extractor, EveryThreadGetsTheSameFeatures) {
   }
 }
 
-TEST_P(Extractor, NoKeypointLooksAtUnseenFloor) {
+TEST_P(Extractor, NoDescriptorReachesIntoMaskedFloor) {
   GroundImage image = CenteredImage(MakeTexture(kSize, 110.0, 14.0, 50));
   const cv::Rect unseen(0, 0, 120, kSize.height);
   image.mask(unseen) = 0;
@@ -152,7 +152,7 @@ TEST_P(Extractor, NoKeypointLooksAtUnseenFloor) {
   }
 }
 
-TEST_P(Extractor, ToleratesTinyPictures) {
+TEST_P(Extractor, ToleratesTinyImages) {
   ExtractorOptions deep = OptionsOf(GetParam());
   deep.levels = 8;
   const auto deep_extractor = CreateFeatureExtractor(deep);

@@ -107,7 +107,7 @@ TEST(HessianDetectorTest, FindsTheSameWithAWiderBorderWhereBothLook) {
   }
 }
 
-TEST(HessianDetectorTest, PicturesSmallerThanTheBordersHaveNoKeypoints) {
+TEST(HessianDetectorTest, ImagesSmallerThanTheBordersHaveNoKeypoints) {
   EXPECT_TRUE(DetectHessian(cv::Mat(0, 0, CV_32F), kBorder, 0.0F).empty());
   for (const cv::Size& size : {cv::Size(1, 1), cv::Size(5, 5), cv::Size(20, 60), cv::Size(60, 20), cv::Size(60, 3)}) {
     const cv::Point2d middle(0.5 * size.width, 0.5 * size.height);

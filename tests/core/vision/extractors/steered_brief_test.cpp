@@ -9,7 +9,7 @@
 
 #include "core/vision/features/keypoint_angle.h"
 #include "core/vision/image/gaussian.h"
-#include "tests/core/vision/blob_pictures.h"
+#include "tests/core/vision/blob_images.h"
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {
@@ -20,7 +20,7 @@ const cv::Size kSize(161, 121);
 
 cv::KeyPoint KeypointAt(float u, float v, float angle_deg) { return {u, v, 0.0F, angle_deg}; }
 
-// A grid of keypoints over the picture whose angles differ.
+// A grid of keypoints over the image whose angles differ.
 std::vector<cv::KeyPoint> SomeKeypoints() {
   std::vector<cv::KeyPoint> keypoints;
   for (int v = 20; v < kSize.height - 20; v += 16) {
@@ -67,12 +67,12 @@ TEST(OrientByCentroidTest, PointsUpTheSlope) {
 }
 
 TEST(OrientByCentroidTest, LooksAtADiscOnly) {
-  cv::Mat picture(kSize, CV_8UC1, cv::Scalar(100));
-  picture.at<std::uint8_t>(60, 95) = 200;            // right, at the rim of the disc
-  picture.at<std::uint8_t>(60 + 12, 80 + 12) = 250;  // in the square about the disc, not in it
-  picture.at<std::uint8_t>(60, 80 - 16) = 250;
+  cv::Mat image(kSize, CV_8UC1, cv::Scalar(100));
+  image.at<std::uint8_t>(60, 95) = 200;            // right, at the rim of the disc
+  image.at<std::uint8_t>(60 + 12, 80 + 12) = 250;  // in the square about the disc, not in it
+  image.at<std::uint8_t>(60, 80 - 16) = 250;
   std::vector<cv::KeyPoint> keypoints{KeypointAt(80.0F, 60.0F, -1.0F)};
-  OrientByCentroid(picture, &keypoints);
+  OrientByCentroid(image, &keypoints);
   EXPECT_EQ(keypoints[0].angle, 0.0F);
 }
 

@@ -11,7 +11,7 @@
 #include "core/vision/freak_star/freak_pairs.h"
 #include "core/vision/freak_star/freak_pattern.h"
 #include "core/vision/freak_star/star.h"
-#include "tests/core/vision/blob_pictures.h"
+#include "tests/core/vision/blob_images.h"
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {
@@ -41,7 +41,7 @@ TEST_F(FreakTest, PairsAreDifferentComparisonsOfFields) {
   EXPECT_EQ(pairs.size(), kFreakPairs.size());
 }
 
-TEST_F(FreakTest, TurnsWithThePicture) {
+TEST_F(FreakTest, TurnsWithTheImage) {
   cv::Mat turned;
   cv::rotate(texture_, turned, cv::ROTATE_90_CLOCKWISE);
   std::vector<cv::KeyPoint> before = keypoints_;
@@ -87,7 +87,7 @@ TEST_F(FreakTest, BrightnessAndContrastChangeLittle) {
   }
 }
 
-TEST_F(FreakTest, DescriptorsTellPlacesApart) {
+TEST_F(FreakTest, DescriptorsDistinguishPlaces) {
   std::vector<cv::KeyPoint> keypoints = keypoints_;
   const cv::Mat rows = Freak({}).Describe(texture_, &keypoints);
   double bits = 0.0;

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "core/vision/freak_star/star_response.h"
-#include "tests/core/vision/blob_pictures.h"
+#include "tests/core/vision/blob_images.h"
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {
@@ -72,7 +72,7 @@ TEST(StarTest, PassesOverLines) {
   EXPECT_TRUE(Star({}).Detect(gray).empty());
 }
 
-TEST(StarTest, TurnsWithThePicture) {
+TEST(StarTest, TurnsWithTheImage) {
   const cv::Mat gray = MakeTexture({420, 400}, 110.0, 14.0, 1);
   cv::Mat turned;
   cv::rotate(gray, turned, cv::ROTATE_90_CLOCKWISE);
@@ -99,7 +99,7 @@ TEST(StarTest, MaskAndCountLimitWhatIsFound) {
   }
 }
 
-TEST(StarTest, ToleratesEmptyTinyAndBlankPictures) {
+TEST(StarTest, ToleratesEmptyTinyAndBlankImages) {
   EXPECT_TRUE(Star({}).Detect(cv::Mat()).empty());
   for (int side = 1; side < 60; ++side) {
     EXPECT_NO_THROW(Star({.threshold = 0.0}).Detect(MakeTexture({side, side + 2}, 110.0, 14.0, 3))) << side;

@@ -13,7 +13,7 @@ namespace {
 
 const cv::Size kSize(160, 120);
 
-cv::Mat AllSeen() { return {kSize, CV_8UC1, cv::Scalar(255)}; }
+cv::Mat FullMask() { return {kSize, CV_8UC1, cv::Scalar(255)}; }
 
 double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
@@ -62,7 +62,7 @@ TEST(ContrastTest, IsWhatItsDefinitionSays) {
   ExpectAsDefined(gray, {15, 2.5});
 }
 
-TEST(ContrastTest, IsWhatItsDefinitionSaysOnPicturesSmallerThanTheWindow) {
+TEST(ContrastTest, IsWhatItsDefinitionSaysOnImagesSmallerThanTheWindow) {
   for (const cv::Size& size : {cv::Size(1, 1), cv::Size(2, 40), cv::Size(40, 2), cv::Size(9, 7), cv::Size(16, 15)}) {
     cv::Mat gray(size, CV_8UC1);
     cv::RNG(6).fill(gray, cv::RNG::UNIFORM, 60, 200);
@@ -90,8 +90,8 @@ TEST(ContrastTest, GainAndOffsetDoNotMatter) {
   const cv::Mat dark = testing_vision::MakeTexture(kSize, 50.0, 8.0, 1);
   cv::Mat bright;
   dark.convertTo(bright, CV_8U, 2.0, 15.0);  // exact in 8 bits
-  const cv::Mat from_dark = NormalizeContrast(dark, AllSeen(), {});
-  EXPECT_LE(LargestDifference(from_dark, NormalizeContrast(bright, AllSeen(), {})), 1.0);
+  const cv::Mat from_dark = NormalizeContrast(dark, FullMask(), {});
+  EXPECT_LE(LargestDifference(from_dark, NormalizeContrast(bright, FullMask(), {})), 1.0);
   cv::Scalar mean;
   cv::Scalar deviation;
   cv::meanStdDev(from_dark, mean, deviation);
@@ -108,13 +108,13 @@ TEST(ContrastTest, SlowLightDoesNotMatter) {
   }
   lit.convertTo(lit, CV_8U);
   cv::Mat difference;
-  cv::absdiff(NormalizeContrast(flat, AllSeen(), {}), NormalizeContrast(lit, AllSeen(), {}), difference);
+  cv::absdiff(NormalizeContrast(flat, FullMask(), {}), NormalizeContrast(lit, FullMask(), {}), difference);
   const cv::Rect inside(16, 16, kSize.width - 32, kSize.height - 32);  // a mirrored slope is not a slope
   EXPECT_LT(cv::mean(difference(inside))[0], 6.0);
 }
 
 TEST(ContrastTest, UnseenPixelsAreGrey) {
-  cv::Mat mask = AllSeen();
+  cv::Mat mask = FullMask();
   mask(cv::Rect(0, 0, 40, 120)) = 0;
   cv::Mat gray = testing_vision::MakeTexture(kSize, 100.0, 20.0, 3);
   gray.setTo(0, mask == 0);
@@ -126,11 +126,11 @@ TEST(ContrastTest, UnseenPixelsAreGrey) {
   EXPECT_GT(deviation[0], 30.0);
 }
 
-TEST(ContrastTest, NoiseOfAPlainPictureStaysSmall) {
+TEST(ContrastTest, NoiseOfAPlainImageStaysSmall) {
   const cv::Mat plain = testing_vision::MakeTexture(kSize, 128.0, 0.3, 4);  // no texture, just rounding
   cv::Scalar mean;
   cv::Scalar deviation;
-  cv::meanStdDev(NormalizeContrast(plain, AllSeen(), {}), mean, deviation);
+  cv::meanStdDev(NormalizeContrast(plain, FullMask(), {}), mean, deviation);
   EXPECT_LT(deviation[0], 20.0);
 }
 

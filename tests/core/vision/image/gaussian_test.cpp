@@ -11,20 +11,20 @@ namespace {
 using testing_vision::MakeTexture;
 
 // The same by OpenCV, whose kernel is as long.
-cv::Mat OpenCvSmooth(const cv::Mat& picture, double sigma_px) {
+cv::Mat OpenCvSmooth(const cv::Mat& image, double sigma_px) {
   cv::Mat levels;
-  picture.convertTo(levels, CV_32F);
+  image.convertTo(levels, CV_32F);
   const int side = 2 * static_cast<int>(std::ceil(3.0 * sigma_px)) + 1;
   cv::Mat smooth;
   cv::GaussianBlur(levels, smooth, {side, side}, sigma_px, sigma_px, cv::BORDER_REFLECT);
   return smooth;
 }
 
-void ExpectAsOpenCv(const cv::Mat& picture, double sigma_px) {
-  const cv::Mat smooth = SmoothGaussian(picture, sigma_px);
+void ExpectAsOpenCv(const cv::Mat& image, double sigma_px) {
+  const cv::Mat smooth = SmoothGaussian(image, sigma_px);
   ASSERT_EQ(smooth.type(), CV_32FC1);
-  ASSERT_EQ(smooth.size(), picture.size());
-  EXPECT_LT(cv::norm(smooth, OpenCvSmooth(picture, sigma_px), cv::NORM_INF), 1e-3) << picture.size() << " " << sigma_px;
+  ASSERT_EQ(smooth.size(), image.size());
+  EXPECT_LT(cv::norm(smooth, OpenCvSmooth(image, sigma_px), cv::NORM_INF), 1e-3) << image.size() << " " << sigma_px;
 }
 
 TEST(GaussianTest, AgreesWithOpenCv) {
@@ -33,30 +33,30 @@ TEST(GaussianTest, AgreesWithOpenCv) {
   }
 }
 
-TEST(GaussianTest, AgreesWithOpenCvOnPicturesSmallerThanTheKernel) {
+TEST(GaussianTest, AgreesWithOpenCvOnImagesSmallerThanTheKernel) {
   for (const cv::Size& size : {cv::Size(1, 1), cv::Size(1, 9), cv::Size(9, 1), cv::Size(2, 3), cv::Size(5, 4)}) {
-    cv::Mat picture(size, CV_8UC1);
-    cv::RNG(2).fill(picture, cv::RNG::UNIFORM, 0, 256);
-    ExpectAsOpenCv(picture, 1.0);
-    ExpectAsOpenCv(picture, 4.0);
+    cv::Mat image(size, CV_8UC1);
+    cv::RNG(2).fill(image, cv::RNG::UNIFORM, 0, 256);
+    ExpectAsOpenCv(image, 1.0);
+    ExpectAsOpenCv(image, 4.0);
   }
 }
 
-TEST(GaussianTest, TakesFloatsAndPartsOfPictures) {
-  const cv::Mat picture = MakeTexture({120, 90}, 120.0, 40.0, 3);
+TEST(GaussianTest, TakesFloatsAndPartsOfImages) {
+  const cv::Mat image = MakeTexture({120, 90}, 120.0, 40.0, 3);
   cv::Mat levels;
-  picture.convertTo(levels, CV_32F, 1.0, 0.25);
+  image.convertTo(levels, CV_32F, 1.0, 0.25);
   ExpectAsOpenCv(levels, 2.0);
-  const cv::Mat part = picture(cv::Rect(10, 20, 53, 41));  // its rows don't follow each other in memory
+  const cv::Mat part = image(cv::Rect(10, 20, 53, 41));  // its rows don't follow each other in memory
   EXPECT_TRUE(testing_vision::Same(SmoothGaussian(part, 2.0), SmoothGaussian(part.clone(), 2.0)));
 }
 
 TEST(GaussianTest, SigmaZeroOnlyConverts) {
-  const cv::Mat picture = MakeTexture({40, 30}, 120.0, 40.0, 4);
+  const cv::Mat image = MakeTexture({40, 30}, 120.0, 40.0, 4);
   cv::Mat levels;
-  picture.convertTo(levels, CV_32F);
-  EXPECT_TRUE(testing_vision::Same(SmoothGaussian(picture, 0.0), levels));
-  EXPECT_FALSE(testing_vision::Same(SmoothGaussian(picture, 0.5), levels));
+  image.convertTo(levels, CV_32F);
+  EXPECT_TRUE(testing_vision::Same(SmoothGaussian(image, 0.0), levels));
+  EXPECT_FALSE(testing_vision::Same(SmoothGaussian(image, 0.5), levels));
 }
 
 TEST(GaussianTest, LeavesItsInputAlone) {

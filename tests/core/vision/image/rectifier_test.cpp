@@ -50,7 +50,7 @@ FloorCamera MakeCamera(DistortionModel model) {
   return camera;
 }
 
-// A camera's picture of Gaussian dots at known floor points.
+// A camera's image of Gaussian dots at known floor points.
 cv::Mat RenderDots(const FloorCamera& camera, const std::vector<Eigen::Vector2d>& points) {
   constexpr double kSigmaPx = 3.0;
   constexpr int kReachPx = 12;
@@ -103,7 +103,7 @@ TEST_P(RectifierOfModel, FloorPointsLandAtTheirGridPixels) {
   }
 }
 
-TEST_P(RectifierOfModel, EveryThreadGetsTheSamePicture) {
+TEST_P(RectifierOfModel, EveryThreadGetsTheSameImage) {
   const Rectifier rectifier(MakeCamera(GetParam()));
   const cv::Mat raw = testing_vision::MakeTexture({640, 480}, 120.0, 25.0, 3);
   const GroundImage expected = rectifier.Rectify(raw);
@@ -131,7 +131,7 @@ TEST(RectifierTest, GridCoversTheRegionOfInterest) {
 
 TEST(RectifierTest, MaskIsWhereTheCameraLooks) {
   FloorCamera camera = MakeCamera(DistortionModel::kPlumbBob);
-  camera.floor.roi = {0.1, 0.5, -0.4, 0.1};  // farther to the right than the picture
+  camera.floor.roi = {0.1, 0.5, -0.4, 0.1};  // farther to the right than the image
   const Rectifier rectifier(camera);
   const GroundImage image = rectifier.Rectify(cv::Mat(480, 640, CV_8UC1, cv::Scalar(200)));
   int seen = 0;
@@ -157,10 +157,10 @@ TEST(RectifierTest, ColourAndGreyAgree) {
   cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
   cv::Mat expected;
   cv::cvtColor(rectifier.Rectify(gray).gray, expected, cv::COLOR_GRAY2BGR);
-  EXPECT_TRUE(Same(rectifier.RectifyPicture(color), expected));
+  EXPECT_TRUE(Same(rectifier.RectifyImage(color), expected));
 }
 
-TEST(RectifierTest, RefusesPicturesOfAnotherCamera) {
+TEST(RectifierTest, RefusesImagesOfAnotherCamera) {
   const Rectifier rectifier(MakeCamera(DistortionModel::kPlumbBob));
   EXPECT_THROW(rectifier.Rectify(cv::Mat(480, 641, CV_8UC1)), std::invalid_argument);
   EXPECT_THROW(rectifier.Rectify(cv::Mat(479, 640, CV_8UC1)), std::invalid_argument);

@@ -33,7 +33,7 @@ Features RandomMap(int count, bool binary, std::uint32_t seed) {
 }
 
 // The map's keypoints within 0.3 m of the pose, as a robot there sees them.
-Features SeenFrom(const Features& map, const Pose2& map_from_base) {
+Features FeaturesSeenFrom(const Features& map, const Pose2& map_from_base) {
   Features seen;
   const Pose2 base_from_map = map_from_base.Inverse();
   for (std::size_t i = 0; i < map.keypoints.size(); ++i) {
@@ -68,7 +68,7 @@ TEST_P(GuidedMatcherTest, FindsTheNearestOfTheCandidatesAndNoOther) {
   const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
   const int norm = GetParam() ? cv::NORM_HAMMING : cv::NORM_L2;
   for (int trial = 0; trial < 10; ++trial) {
-    const Features query = SeenFrom(map_, Pose2(unit(random), unit(random), kPi * unit(random)));
+    const Features query = FeaturesSeenFrom(map_, Pose2(unit(random), unit(random), kPi * unit(random)));
     const MatchGuide guide{Pose2(unit(random), unit(random), kPi * unit(random)), 0.12, 0.5};
     std::size_t next = 0;
     const std::vector<Match> matches = matcher.FindNearest(query, guide);
@@ -101,7 +101,7 @@ TEST_P(GuidedMatcherTest, FindsTheNearestOfTheCandidatesAndNoOther) {
 
 TEST_P(GuidedMatcherTest, FindsItselfWithAGoodPrior) {
   const Pose2 pose(0.4, -0.2, 2.9);
-  const Features query = SeenFrom(map_, pose);
+  const Features query = FeaturesSeenFrom(map_, pose);
   const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
   const std::vector<Match> matches = matcher.FindNearest(query, {pose * Pose2(0.01, -0.01, 0.02), 0.05, 0.1});
   ASSERT_EQ(matches.size(), query.keypoints.size());
@@ -111,7 +111,7 @@ TEST_P(GuidedMatcherTest, FindsItselfWithAGoodPrior) {
 }
 
 TEST_P(GuidedMatcherTest, FindsNothingFarAway) {
-  const Features query = SeenFrom(map_, Pose2());
+  const Features query = FeaturesSeenFrom(map_, Pose2());
   const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
   EXPECT_TRUE(matcher.FindNearest(query, {Pose2(50.0, 0.0, 0.0), 0.1, 0.3}).empty());
   EXPECT_TRUE(matcher.FindNearest(query, {Pose2(-50.0, -50.0, 0.0), 0.1, 0.3}).empty());
@@ -119,7 +119,7 @@ TEST_P(GuidedMatcherTest, FindsNothingFarAway) {
 }
 
 TEST_P(GuidedMatcherTest, WildPriorsAreHarmless) {
-  const Features query = SeenFrom(map_, Pose2());
+  const Features query = FeaturesSeenFrom(map_, Pose2());
   const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -138,7 +138,7 @@ TEST_P(GuidedMatcherTest, WildPriorsAreHarmless) {
 }
 
 TEST_P(GuidedMatcherTest, HugeRadiusSearchesTheWholeMap) {
-  const Features query = SeenFrom(map_, Pose2(0.3, 0.1, 1.0));
+  const Features query = FeaturesSeenFrom(map_, Pose2(0.3, 0.1, 1.0));
   const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
   const std::vector<Match> matches = matcher.FindNearest(query, {Pose2(), 1e3, kPi});
   ASSERT_EQ(matches.size(), query.keypoints.size());
@@ -148,7 +148,7 @@ TEST_P(GuidedMatcherTest, HugeRadiusSearchesTheWholeMap) {
 }
 
 TEST_P(GuidedMatcherTest, ManyThreadsFindWhatOneFinds) {
-  const Features query = SeenFrom(map_, Pose2());
+  const Features query = FeaturesSeenFrom(map_, Pose2());
   const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
   const MatchGuide guide{Pose2(0.02, 0.0, 0.1), 0.1, 0.4};
   const std::vector<Match> alone = matcher.FindNearest(query, guide);
@@ -166,7 +166,7 @@ TEST_P(GuidedMatcherTest, EmptyMapMatchesNothing) {
   const std::vector<Keypoint> none;
   const cv::Mat no_descriptors(0, 32, GetParam() ? CV_8U : CV_32F);
   const GuidedMatcher matcher(none, no_descriptors, kCellM);
-  EXPECT_TRUE(matcher.FindNearest(SeenFrom(map_, Pose2()), {Pose2(), 1.0, kPi}).empty());
+  EXPECT_TRUE(matcher.FindNearest(FeaturesSeenFrom(map_, Pose2()), {Pose2(), 1.0, kPi}).empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, GuidedMatcherTest, ::testing::Bool(),

@@ -17,7 +17,7 @@ using testing_vision::RandomBits;
 
 constexpr int kBits = 256;
 
-// Descriptors as floors give them: each bit compares two values of a picture that varies in few ways, so that bits are
+// Descriptors as floors give them: each bit compares two values of an image that varies in few ways, so that bits are
 // correlated. A second view adds noise to the values.
 class Views {
  public:

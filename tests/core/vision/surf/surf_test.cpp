@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "tests/core/vision/blob_pictures.h"
+#include "tests/core/vision/blob_images.h"
 #include "tests/core/vision/vision_test_support.h"
 
 namespace floorloc {
@@ -29,7 +29,7 @@ class SurfTest : public ::testing::Test {
     }
   }
 
-  // Of odd sides: the second octave looks at the same pixels when the picture is turned.
+  // Of odd sides: the second octave uses the same pixels when the image is turned.
   const cv::Mat texture_ = MakeTexture({421, 401}, 110.0, 14.0, 1);
 };
 
@@ -60,7 +60,7 @@ TEST_F(SurfTest, CoarseFirstStepFindsTheSamePlace) {
   EXPECT_LT(cv::norm(cv::Point2d(found[0].pt) - cv::Point2d(100.3, 80.6)), 0.25);
 }
 
-TEST_F(SurfTest, TurnsWithThePicture) {
+TEST_F(SurfTest, TurnsWithTheImage) {
   cv::Mat turned;
   cv::rotate(texture_, turned, cv::ROTATE_90_CLOCKWISE);
   std::vector<cv::KeyPoint> before;
@@ -84,7 +84,7 @@ TEST_F(SurfTest, TurnsWithThePicture) {
   EXPECT_GT(static_cast<double>(found), 0.97 * static_cast<double>(before.size()));
 }
 
-// Angles run clockwise from the picture's right, as OpenCV's do.
+// Angles run clockwise from the image's right, as OpenCV's do.
 TEST_F(SurfTest, AnglePointsWhereBrightnessRises) {
   cv::Mat ramp(120, 120, CV_8UC1);
   for (int y = 0; y < ramp.rows; ++y) {
@@ -118,14 +118,14 @@ TEST_F(SurfTest, BrightnessAndContrastChangeLittle) {
   }
 }
 
-TEST_F(SurfTest, DescriptorsTellPlacesApart) {
+TEST_F(SurfTest, DescriptorsDistinguishPlaces) {
   std::vector<cv::KeyPoint> keypoints = Surf({}).Detect(texture_);
   const cv::Mat rows = Surf({}).Describe(texture_, &keypoints);
-  int alike = 0;
+  int similar = 0;
   for (int i = 1; i < rows.rows; ++i) {
-    alike += cv::norm(rows.row(i), rows.row(0)) < 0.2 ? 1 : 0;
+    similar += cv::norm(rows.row(i), rows.row(0)) < 0.2 ? 1 : 0;
   }
-  EXPECT_LE(alike, 2);
+  EXPECT_LE(similar, 2);
 }
 
 TEST_F(SurfTest, MaskAndCountLimitWhatIsFound) {
@@ -147,7 +147,7 @@ TEST_F(SurfTest, DropsWhatItCannotDescribe) {
   EXPECT_EQ(keypoints[0].pt.x, 200.0F);
 }
 
-TEST_F(SurfTest, ToleratesEmptyTinyAndBlankPictures) {
+TEST_F(SurfTest, ToleratesEmptyTinyAndBlankImages) {
   const Surf surf({.threshold = 0.0, .octaves = 8, .layers = 8});
   std::vector<cv::KeyPoint> keypoints;
   EXPECT_TRUE(surf.DetectAndDescribe(cv::Mat(), cv::Mat(), &keypoints).empty());

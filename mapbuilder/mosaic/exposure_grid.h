@@ -9,14 +9,14 @@
 
 namespace floorloc {
 
-/// The coarse cells that the light of a survey's frames is measured in, kCellPx pixels of the rectified picture a side.
-struct LightGrid {
+/// The coarse cells that the colour of a survey's frames is measured in, kCellPx pixels of the rectified image a side.
+struct ExposureGrid {
   static constexpr int kCellPx = 24;
 
   GroundGrid ground;
-  cv::Mat seen;  ///< CV_8UC1 per cell, 255 where all of it shows floor
+  cv::Mat valid;  ///< CV_8UC1 per cell, 255 where all of it shows floor
 
-  explicit LightGrid(const LoadedSurvey& survey);
+  explicit ExposureGrid(const LoadedSurvey& survey);
 
   /// Middle of a cell, base frame.
   Eigen::Vector2d BaseFromCell(double u, double v) const {
@@ -28,9 +28,9 @@ struct LightGrid {
 };
 
 /// Per survey.
-std::vector<LightGrid> MakeLightGrids(const std::vector<LoadedSurvey>& surveys);
+std::vector<ExposureGrid> MakeExposureGrids(const std::vector<LoadedSurvey>& surveys);
 
-struct LightInput {
+struct CellColorInput {
   const std::vector<BuildFrame>& frames;
   const std::vector<LoadedSurvey>& surveys;
   const std::vector<std::optional<Pose2>>& map_from_base;
@@ -38,7 +38,7 @@ struct LightInput {
 };
 
 /// Colour of every cell of every frame: CV_8UC3 of its survey's grid, zero where a cell is not seen; empty for frames
-/// that were not placed. Throws InputError for a picture that can't be read.
-std::vector<cv::Mat> MeasureLight(const LightInput& input);
+/// that were not placed. Throws InputError for an image that can't be read.
+std::vector<cv::Mat> MeasureCellColors(const CellColorInput& input);
 
 }  // namespace floorloc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/calibration/calibration_pictures.h"
+#include "mapbuilder/calibration/calibration_images.h"
 
 #include <algorithm>
 #include <cctype>
@@ -17,7 +17,7 @@ namespace {
 
 using SizePx = std::pair<int, int>;
 
-bool IsPicture(const std::filesystem::path& file) {
+bool IsImage(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -26,7 +26,7 @@ bool IsPicture(const std::filesystem::path& file) {
 
 std::string SizeText(const SizePx& size) { return std::to_string(size.first) + "x" + std::to_string(size.second); }
 
-// The size in a picture's header; empty when it is no picture.
+// The size in an image's header; empty when it is no image.
 std::optional<SizePx> ReadSize(const std::filesystem::path& file) {
   const std::optional<ImageHeader> header = ProbeImage(ReadBinaryFile(file));
   return header ? std::optional<SizePx>({header->width_px, header->height_px}) : std::nullopt;
@@ -48,63 +48,63 @@ SizePx MostFrequent(const std::vector<std::optional<SizePx>>& sizes, const std::
     }
   }
   if (count.empty()) {
-    throw InputError(first_file, "this picture and all others are no JPEG or PNG, or damaged; take them anew");
+    throw InputError(first_file, "this image and all others are not JPEG or PNG, or damaged; take them again");
   }
   return std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
 }
 
-void LookForBoard(const Board& board, const SizePx& size, CalibrationPicture* picture) {
+void DetectBoardInImage(const Board& board, const SizePx& size, CalibrationImage* image) {
   try {
-    picture->view = DetectBoard(ReadGrayImage(picture->file, size.first, size.second), board);
+    image->view = DetectBoard(ReadGrayImage(image->file, size.first, size.second), board);
   } catch (const InputError&) {
-    picture->problem = "cannot be decoded: cut off or damaged";
+    image->problem = "cannot be decoded: cut off or damaged";
     return;
   }
-  if (!picture->view) {
-    picture->problem = board.charuco ? "too few markers and corners of the board found"
-                                     : "no board found: it must be seen whole, sharp, and with its white rim";
+  if (!image->view) {
+    image->problem = board.charuco ? "too few markers and corners of the board found"
+                                   : "no board found: it must be visible as a whole, sharp, and with its white margin";
   }
 }
 
 }  // namespace
 
-std::vector<std::filesystem::path> ListPictures(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder) {
   std::error_code error;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (IsPicture(entry.path())) {
+    if (IsImage(entry.path())) {
       files.push_back(entry.path());
     }
   }
   if (error) {
-    throw InputError(folder, "is no readable folder; --images takes the folder with the pictures of the board");
+    throw InputError(folder, "is not a readable folder; --images takes the folder with the images of the board");
   }
   if (files.empty()) {
-    throw InputError(folder, "holds no JPEG or PNG pictures; put the pictures of the board there");
+    throw InputError(folder, "contains no JPEG or PNG images; put the images of the board there");
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-CalibrationPictures FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
-                               const PictureReadingOptions& options) {
+CalibrationImages FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
+                             const ImageReadingOptions& options) {
   const std::vector<std::optional<SizePx>> sizes = ReadSizes(files);
   const SizePx common = MostFrequent(sizes, files.front());
-  CalibrationPictures result{common.first, common.second, {}};
+  CalibrationImages result{common.first, common.second, {}};
   for (const std::filesystem::path& file : files) {
-    result.pictures.push_back({file, std::nullopt, ""});
+    result.images.push_back({file, std::nullopt, ""});
   }
   ProgressBar progress("boards", static_cast<std::int64_t>(files.size()), options.progress);
   ParallelFor(static_cast<int>(files.size()), options.threads, [&](int i) {
-    CalibrationPicture& picture = result.pictures[static_cast<std::size_t>(i)];
+    CalibrationImage& image = result.images[static_cast<std::size_t>(i)];
     const std::optional<SizePx>& size = sizes[static_cast<std::size_t>(i)];
     if (!size) {
-      picture.problem = "is no JPEG or PNG picture, or damaged";
+      image.problem = "is not a JPEG or PNG image, or damaged";
     } else if (*size != common) {
-      picture.problem = "is " + SizeText(*size) + " pixels, most pictures are " + SizeText(common);
+      image.problem = "is " + SizeText(*size) + " pixels, most images are " + SizeText(common);
     } else {
-      LookForBoard(board, common, &picture);
+      DetectBoardInImage(board, common, &image);
     }
     progress.Advance();
   });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// board_pictures OUT chessboard|charuco|flat: pictures of a board through a known camera, for calibrate_test.py: 12
+// board_images OUT chessboard|charuco|flat: images of a board through a known camera, for calibrate_test.py: 12
 // held before it (flat: none of them tilted), and floor.jpg with the board on the floor; camera.yaml and floor.yaml
 // hold the truth, board_pose.txt the board's pose on the floor.
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace floorloc {
 namespace {
 
-constexpr int kPictures = 12;
+constexpr int kImages = 12;
 const Pose2 kBaseFromBoard(0.33, -0.07, 0.2);
 
 // 0.4 m above the floor, looking forward and 60 degrees down.
@@ -45,9 +45,9 @@ FloorPlane TrueFloor(const CameraModel& camera) {
 }
 
 // As sharp as a lens makes it.
-void WritePicture(const std::filesystem::path& file, const cv::Mat& picture) {
+void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
   cv::Mat soft;
-  cv::GaussianBlur(picture, soft, {}, 0.6);
+  cv::GaussianBlur(image, soft, {}, 0.6);
   cv::imwrite(file.string(), soft);
 }
 
@@ -60,7 +60,7 @@ void Write(const std::filesystem::path& folder, const std::string& kind) {
   const PrintedBoard print = board.charuco ? PrintCharuco(board, true) : PrintChessboard(board);
   const BoardRenderer renderer(camera);
   int number = 0;
-  for (BoardPlacement placement : VariedPlacements(camera, board, kPictures)) {
+  for (BoardPlacement placement : VariedPlacements(camera, board, kImages)) {
     if (kind == "flat") {
       placement.tilt_x_rad = placement.tilt_y_rad = 0.0;
     }
@@ -68,12 +68,12 @@ void Write(const std::filesystem::path& folder, const std::string& kind) {
     placement.middle_px = 0.7 * placement.middle_px + 0.3 * Eigen::Vector2d(camera.cx, camera.cy);
     placement.distance_m *= 1.15;
     const std::string name = std::to_string(100 + number++) + ".jpg";
-    WritePicture(folder / name, renderer.Render(print, PlaceBoard(camera, board, placement)));
+    WriteImage(folder / name, renderer.Render(print, PlaceBoard(camera, board, placement)));
   }
   Eigen::Isometry3d base_from_board = Eigen::Isometry3d::Identity();
   base_from_board.translation() << kBaseFromBoard.translation(), 0.0;
   base_from_board.rotate(Eigen::AngleAxisd(kBaseFromBoard.yaw(), Eigen::Vector3d::UnitZ()));
-  WritePicture(folder / "floor.jpg", renderer.Render(print, BaseFromCamera().inverse() * base_from_board));
+  WriteImage(folder / "floor.jpg", renderer.Render(print, BaseFromCamera().inverse() * base_from_board));
   WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(camera));
   WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(TrueFloor(camera)));
   WriteFileAtomically(folder / "board_pose.txt", "0.33,-0.07,0.2");
@@ -84,7 +84,7 @@ void Write(const std::filesystem::path& folder, const std::string& kind) {
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::cerr << "usage: board_pictures OUT chessboard|charuco|flat\n";
+    std::cerr << "usage: board_images OUT chessboard|charuco|flat\n";
     return 2;
   }
   floorloc::Write(argv[1], argv[2]);

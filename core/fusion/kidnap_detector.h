@@ -10,28 +10,28 @@
 
 namespace floorloc {
 
-/// How the base moved between two times, as increments and IMU have it.
+/// Motion of the base between two times, by increments and IMU.
 struct MotionEstimate {
   Pose2 motion;  ///< base at the first from base at the second
   double sigma_m = 0.0;
   double sigma_rad = 0.0;
 };
 
-/// Remembers the fixes that contradicted a vehicle's pose since the last one that agreed, and tells when they show that
-/// the vehicle is elsewhere.
-class KidnapWatch {
+/// Remembers the fixes that contradicted a vehicle's pose since the last one that agreed, and detects that the vehicle
+/// was moved (the kidnapped robot problem).
+class KidnapDetector {
  public:
   using MotionBetween = std::function<MotionEstimate(std::int64_t from_ns, std::int64_t to_ns)>;
 
-  explicit KidnapWatch(const KidnapOptions& options) : options_(options) {}
+  explicit KidnapDetector(const KidnapOptions& options) : options_(options) {}
 
   /// A fix that was not accepted. Returns how many of them, this one among them, agree with each other.
   int AddContradiction(const PoseFix& fix, const MotionBetween& motion_between);
   void Clear();
   /// True while there are contradictions that are not resolved.
-  bool InDoubt() const { return !contradictions_.empty(); }
-  /// True when the last of them does not stand alone.
-  bool InSeriousDoubt() const { return agreeing_ > 1; }
+  bool HasContradictions() const { return !contradictions_.empty(); }
+  /// True when the last of them agrees with an earlier one.
+  bool HasConsistentContradictions() const { return agreeing_ > 1; }
 
  private:
   bool Agree(const PoseFix& earlier, const PoseFix& later, const MotionBetween& motion_between) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/survey/picture_quality.h"
+#include "mapbuilder/survey/image_quality.h"
 
 #include <algorithm>
 #include <array>
@@ -29,14 +29,14 @@ float MedianSharpness(const GroundImage& image) {
   const cv::Size cells(std::max(1, image.gray.cols / kQualityCellPx), std::max(1, image.gray.rows / kQualityCellPx));
   cv::Mat energy;
   cv::Mat brightness;
-  cv::Mat seen;
+  cv::Mat cell_mask;
   cv::resize(FineEnergy(image.gray), energy, cells, 0, 0, cv::INTER_AREA);
   cv::resize(image.gray, brightness, cells, 0, 0, cv::INTER_AREA);
-  cv::resize(image.mask, seen, cells, 0, 0, cv::INTER_AREA);
+  cv::resize(image.mask, cell_mask, cells, 0, 0, cv::INTER_AREA);
   std::vector<float> sharpness;
   for (int row = 0; row < cells.height; ++row) {
     for (int column = 0; column < cells.width; ++column) {
-      if (seen.at<std::uint8_t>(row, column) == 255) {
+      if (cell_mask.at<std::uint8_t>(row, column) == 255) {
         const float gray = std::max<float>(1.0F, brightness.at<std::uint8_t>(row, column));
         sharpness.push_back(std::sqrt(energy.at<float>(row, column)) / gray);
       }
@@ -64,8 +64,8 @@ std::array<int, 256> Histogram(const GroundImage& image) {
 
 }  // namespace
 
-PictureQuality MeasureQuality(const GroundImage& image) {
-  PictureQuality quality;
+ImageQuality MeasureQuality(const GroundImage& image) {
+  ImageQuality quality;
   quality.sharpness = MedianSharpness(image);
   const std::array<int, 256> counts = Histogram(image);
   int total = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/mosaic/light_consensus.h"
+#include "mapbuilder/mosaic/exposure_field.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,22 +12,22 @@ namespace {
 
 constexpr float kMaxLog = 1.1F;  // a factor of three
 
-// Frames that are asked at most: more do not change the answer.
-constexpr std::size_t kMaxOpinions = 24;
+// Most frames that are sampled: more do not change the result.
+constexpr std::size_t kMaxSamples = 24;
 
 float Mean(const cv::Vec3f& v) { return (v[0] + v[1] + v[2]) / 3.0F; }
 
 cv::Vec3f Log(const cv::Vec3f& v) { return {std::log(v[0]), std::log(v[1]), std::log(v[2])}; }
 
 // Bilinear; empty where any of the four cells is not seen.
-std::optional<cv::Vec3f> Sample(const cv::Mat& light, const Eigen::Vector2d& cell) {
+std::optional<cv::Vec3f> Interpolate(const cv::Mat& cell_colors, const Eigen::Vector2d& cell) {
   const double u = std::floor(cell.x());
   const double v = std::floor(cell.y());
-  if (u < 0.0 || v < 0.0 || u >= light.cols - 1 || v >= light.rows - 1) {
+  if (u < 0.0 || v < 0.0 || u >= cell_colors.cols - 1 || v >= cell_colors.rows - 1) {
     return std::nullopt;
   }
-  const auto* upper = light.ptr<cv::Vec3b>(static_cast<int>(v)) + static_cast<int>(u);
-  const auto* lower = light.ptr<cv::Vec3b>(static_cast<int>(v) + 1) + static_cast<int>(u);
+  const auto* upper = cell_colors.ptr<cv::Vec3b>(static_cast<int>(v)) + static_cast<int>(u);
+  const auto* lower = cell_colors.ptr<cv::Vec3b>(static_cast<int>(v) + 1) + static_cast<int>(u);
   if (upper[0][1] == 0 || upper[1][1] == 0 || lower[0][1] == 0 || lower[1][1] == 0) {
     return std::nullopt;
   }
@@ -37,10 +37,10 @@ std::optional<cv::Vec3f> Sample(const cv::Mat& light, const Eigen::Vector2d& cel
          b * ((1.0F - a) * cv::Vec3f(lower[0]) + a * cv::Vec3f(lower[1]));
 }
 
-// Cells without an answer take on their neighbours'; all become a little smoother.
-cv::Mat FillAndSmooth(const cv::Mat& log_gain, const cv::Mat& known) {
+// Fills cells without a value from their neighbours, and smooths all a little.
+cv::Mat FillAndSmooth(const cv::Mat& log_gain, const cv::Mat& valid) {
   cv::Mat weight;
-  known.convertTo(weight, CV_32F, 1.0 / 255.0);
+  valid.convertTo(weight, CV_32F, 1.0 / 255.0);
   cv::Mat sum = log_gain.clone();
   cv::GaussianBlur(sum, sum, cv::Size(5, 5), 0.8, 0.8, cv::BORDER_REPLICATE);
   cv::GaussianBlur(weight, weight, cv::Size(5, 5), 0.8, 0.8, cv::BORDER_REPLICATE);
@@ -52,7 +52,7 @@ cv::Mat FillAndSmooth(const cv::Mat& log_gain, const cv::Mat& known) {
 }  // namespace
 
 cv::Vec3f FrameGain::At(const FrameView& view, const Eigen::Vector2d& point_in_map) const {
-  cv::Vec3f gain = view.FlatGain(point_in_map) * even;
+  cv::Vec3f gain = view.FlatGain(point_in_map) * uniform;
   if (local_log.empty()) {
     return gain;
   }
@@ -74,51 +74,50 @@ cv::Vec3f FrameGain::At(const FrameView& view, const Eigen::Vector2d& point_in_m
   return gain;
 }
 
-LightConsensus::LightConsensus(const MosaicInput& input, const FrameIndex& index,
-                               const std::vector<SurveyView>& surveys)
-    : input_(input), index_(index), surveys_(surveys), grids_(MakeLightGrids(input.surveys)) {}
+ExposureField::ExposureField(const MosaicInput& input, const FrameIndex& index, const std::vector<SurveyView>& surveys)
+    : input_(input), index_(index), surveys_(surveys), grids_(MakeExposureGrids(input.surveys)) {}
 
-FrameView LightConsensus::ViewOf(int frame) const {
+FrameView ExposureField::ViewOf(int frame) const {
   return {surveys_[SurveyOf(frame)], *input_.map_from_base[static_cast<std::size_t>(frame)]};
 }
 
-std::optional<LightConsensus::Opinion> LightConsensus::Ask(int frame, const FrameView& view,
-                                                           const Eigen::Vector2d& point_in_map) const {
-  const cv::Mat& light = input_.exposure.light[static_cast<std::size_t>(frame)];
-  const auto color = Sample(light, grids_[SurveyOf(frame)].CellFromBase(view.BaseFromMap(point_in_map)));
+std::optional<ExposureField::ColorSample> ExposureField::SampleFrame(int frame, const FrameView& view,
+                                                                     const Eigen::Vector2d& point_in_map) const {
+  const cv::Mat& cell_colors = input_.exposure.cell_colors[static_cast<std::size_t>(frame)];
+  const auto color = Interpolate(cell_colors, grids_[SurveyOf(frame)].CellFromBase(view.BaseFromMap(point_in_map)));
   if (!color) {
     return std::nullopt;
   }
   const cv::Vec3f gain = view.FlatGain(point_in_map) * input_.exposure.GainOf(static_cast<std::size_t>(frame));
-  return Opinion{Log(color->mul(gain)), view.Depth(point_in_map)};
+  return ColorSample{Log(color->mul(gain)), view.Depth(point_in_map)};
 }
 
-cv::Vec3f LightConsensus::Agree(const std::vector<Opinion>& opinions) {
-  // Shadows are commoner than moving lamps: of like opinions the brighter ones weigh more.
+cv::Vec3f ExposureField::RobustMean(const std::vector<ColorSample>& samples) {
+  // Shadows are commoner than moving lamps: of equal samples the brighter ones weigh more.
   constexpr float kBrightness = 2.0F;
   // From a mean of all to one of those that agree best (graduated non-convexity).
-  constexpr std::array<float, 6> kUsual{1.0F, 0.3F, 0.15F, 0.08F, 0.08F, 0.08F};
-  cv::Vec3f agreed = cv::Vec3f::all(0.0F);
-  const float any = opinions.empty() ? 0.0F : Mean(opinions.front().log_color);
-  for (const float usual : kUsual) {
+  constexpr std::array<float, 6> kScales{1.0F, 0.3F, 0.15F, 0.08F, 0.08F, 0.08F};
+  cv::Vec3f mean = cv::Vec3f::all(0.0F);
+  const float any = samples.empty() ? 0.0F : Mean(samples.front().log_color);
+  for (const float scale : kScales) {
     cv::Vec3f sum = cv::Vec3f::all(0.0F);
     float weight_sum = 0.0F;
-    for (const Opinion& opinion : opinions) {
-      const float brightness = Mean(opinion.log_color);
-      const float off = usual < 1.0F ? (brightness - Mean(agreed)) / usual : 0.0F;
+    for (const ColorSample& sample : samples) {
+      const float brightness = Mean(sample.log_color);
+      const float off = scale < 1.0F ? (brightness - Mean(mean)) / scale : 0.0F;
       const float weight =
-          opinion.weight * std::exp(kBrightness * (brightness - any)) / ((1.0F + off * off) * (1.0F + off * off));
-      sum += weight * opinion.log_color;
+          sample.weight * std::exp(kBrightness * (brightness - any)) / ((1.0F + off * off) * (1.0F + off * off));
+      sum += weight * sample.log_color;
       weight_sum += weight;
     }
-    agreed = sum / std::max(weight_sum, 1e-20F);
+    mean = sum / std::max(weight_sum, 1e-20F);
   }
-  return agreed;
+  return mean;
 }
 
-FrameGain LightConsensus::GainOf(int frame) const {
+FrameGain ExposureField::GainOf(int frame) const {
   FrameGain gain{input_.exposure.GainOf(static_cast<std::size_t>(frame)), cv::Mat(), &grids_[SurveyOf(frame)]};
-  if (input_.exposure.light.empty()) {
+  if (input_.exposure.cell_colors.empty()) {
     return gain;
   }
   const FrameView own = ViewOf(frame);
@@ -131,35 +130,35 @@ FrameGain LightConsensus::GainOf(int frame) const {
   }
   const std::vector<int> near = index_.Touching({box.min().x(), box.max().x(), box.min().y(), box.max().y()});
   std::vector<std::pair<int, FrameView>> others;
-  for (std::size_t i = 0; i < near.size(); i += near.size() / kMaxOpinions + 1) {
+  for (std::size_t i = 0; i < near.size(); i += near.size() / kMaxSamples + 1) {
     others.emplace_back(near[i], ViewOf(near[i]));
   }
-  const cv::Mat& light = input_.exposure.light[static_cast<std::size_t>(frame)];
-  cv::Mat log_gain = cv::Mat::zeros(light.size(), CV_32FC3);
-  cv::Mat known = cv::Mat::zeros(light.size(), CV_8UC1);
-  std::vector<Opinion> opinions;
-  for (int v = 0; v < light.rows; ++v) {
-    for (int u = 0; u < light.cols; ++u) {
+  const cv::Mat& cell_colors = input_.exposure.cell_colors[static_cast<std::size_t>(frame)];
+  cv::Mat log_gain = cv::Mat::zeros(cell_colors.size(), CV_32FC3);
+  cv::Mat valid = cv::Mat::zeros(cell_colors.size(), CV_8UC1);
+  std::vector<ColorSample> samples;
+  for (int v = 0; v < cell_colors.rows; ++v) {
+    for (int u = 0; u < cell_colors.cols; ++u) {
       const Eigen::Vector2d point = own.MapFromBase(gain.grid->BaseFromCell(u, v));
-      opinions.clear();
+      samples.clear();
       for (const auto& [other, view] : others) {
-        if (const auto opinion = Ask(other, view, point)) {
-          opinions.push_back(*opinion);
+        if (const auto sample = SampleFrame(other, view, point)) {
+          samples.push_back(*sample);
         }
       }
-      const auto mine = Ask(frame, own, point);
-      if (!mine) {
+      const auto own_sample = SampleFrame(frame, own, point);
+      if (!own_sample) {
         continue;
       }
-      cv::Vec3f off = Agree(opinions) - mine->log_color;
+      cv::Vec3f off = RobustMean(samples) - own_sample->log_color;
       for (int c = 0; c < 3; ++c) {
         off[c] = std::clamp(off[c], -kMaxLog, kMaxLog);
       }
       log_gain.at<cv::Vec3f>(v, u) = off;
-      known.at<std::uint8_t>(v, u) = 255;
+      valid.at<std::uint8_t>(v, u) = 255;
     }
   }
-  gain.local_log = FillAndSmooth(log_gain, known);
+  gain.local_log = FillAndSmooth(log_gain, valid);
   return gain;
 }
 

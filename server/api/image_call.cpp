@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/api/picture_call.h"
+#include "server/api/image_call.h"
 
 #include <chrono>
 
@@ -37,7 +37,7 @@ VehicleState RequireVehicle(const AppState& state, const std::string& id) {
   return *std::move(found);
 }
 
-FixRecord RecordFix(AppState& state, const LoadedMap& map, const PictureLabel& label, const LocalizeOutcome& outcome) {
+FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome) {
   FixRecord record;
   record.received_s = label.received_s;
   record.stamp_s = label.stamp_s;

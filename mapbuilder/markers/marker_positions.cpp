@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/markers/marker_places.h"
+#include "mapbuilder/markers/marker_positions.h"
 
 #include <algorithm>
 #include <cassert>
@@ -19,7 +19,7 @@ constexpr double kMaxMedians = 5.0;
 constexpr std::size_t kPartners = 25;
 
 // The motion that puts the middle and the direction of a pair of found places onto those expected.
-Pose2 MotionOfPair(const MarkerPlace& a, const MarkerPlace& b) {
+Pose2 MotionOfPair(const MarkerPosition& a, const MarkerPosition& b) {
   const Eigen::Vector2d found = b.found_m - a.found_m;
   const Eigen::Vector2d expected = b.expected_m - a.expected_m;
   const double yaw = std::atan2(expected.y(), expected.x()) - std::atan2(found.y(), found.x());
@@ -29,10 +29,10 @@ Pose2 MotionOfPair(const MarkerPlace& a, const MarkerPlace& b) {
   return {shift.x(), shift.y(), yaw};
 }
 
-std::vector<double> ResidualsUnder(const Pose2& motion, const std::vector<MarkerPlace>& places) {
+std::vector<double> ResidualsUnder(const Pose2& motion, const std::vector<MarkerPosition>& positions) {
   std::vector<double> residuals;
-  for (const MarkerPlace& place : places) {
-    residuals.push_back((motion * place.found_m - place.expected_m).norm());
+  for (const MarkerPosition& position : positions) {
+    residuals.push_back((motion * position.found_m - position.expected_m).norm());
   }
   return residuals;
 }
@@ -46,16 +46,16 @@ double LowMedian(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<double> RobustResiduals(const std::vector<MarkerPlace>& places) {
-  assert(places.size() >= 2);
+std::vector<double> RobustResiduals(const std::vector<MarkerPosition>& positions) {
+  assert(positions.size() >= 2);
   std::vector<double> best;
   double best_score = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (std::size_t j = i + 1; j < std::min(places.size(), i + 1 + kPartners); ++j) {
-      std::vector<double> residuals = ResidualsUnder(MotionOfPair(places[i], places[j]), places);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t j = i + 1; j < std::min(positions.size(), i + 1 + kPartners); ++j) {
+      std::vector<double> residuals = ResidualsUnder(MotionOfPair(positions[i], positions[j]), positions);
       std::vector<double> sorted = residuals;
       std::sort(sorted.begin(), sorted.end());
-      const double score = sorted[std::max<std::size_t>(1, places.size() / 2)];
+      const double score = sorted[std::max<std::size_t>(1, positions.size() / 2)];
       if (score < best_score) {
         best_score = score;
         best = std::move(residuals);
@@ -65,12 +65,12 @@ std::vector<double> RobustResiduals(const std::vector<MarkerPlace>& places) {
   return best;
 }
 
-std::vector<std::size_t> FindContradicting(const std::vector<MarkerPlace>& places) {
+std::vector<std::size_t> FindContradicting(const std::vector<MarkerPosition>& positions) {
   std::vector<std::size_t> contradicting;
-  if (places.size() < 3) {
+  if (positions.size() < 3) {
     return contradicting;
   }
-  const std::vector<double> residuals = RobustResiduals(places);
+  const std::vector<double> residuals = RobustResiduals(positions);
   const double limit = std::max(kMinContradictionM, kMaxMedians * LowMedian(residuals));
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     if (residuals[i] > limit) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/fusion/kidnap_watch.h"
+#include "core/fusion/kidnap_detector.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,14 @@ constexpr std::size_t kMaxContradictions = 32;
 
 }  // namespace
 
-bool KidnapWatch::Agree(const PoseFix& earlier, const PoseFix& later, const MotionBetween& motion_between) const {
+bool KidnapDetector::Agree(const PoseFix& earlier, const PoseFix& later, const MotionBetween& motion_between) const {
   const MotionEstimate moved = motion_between(earlier.stamp_ns, later.stamp_ns);
   const Pose2 difference = (earlier.map_from_base * moved.motion).Between(later.map_from_base);
   return difference.translation().norm() <= options_.max_distance_m + options_.sigmas * moved.sigma_m &&
          std::abs(difference.yaw()) <= options_.max_angle_rad + options_.sigmas * moved.sigma_rad;
 }
 
-int KidnapWatch::AddContradiction(const PoseFix& fix, const MotionBetween& motion_between) {
+int KidnapDetector::AddContradiction(const PoseFix& fix, const MotionBetween& motion_between) {
   const auto max_age_ns = static_cast<std::int64_t>(1e9 * options_.max_age_s);
   std::erase_if(contradictions_, [&](const PoseFix& c) { return fix.stamp_ns - c.stamp_ns > max_age_ns; });
   const auto others = std::count_if(contradictions_.begin(), contradictions_.end(), [&](const PoseFix& c) {
@@ -32,7 +32,7 @@ int KidnapWatch::AddContradiction(const PoseFix& fix, const MotionBetween& motio
   return agreeing_;
 }
 
-void KidnapWatch::Clear() {
+void KidnapDetector::Clear() {
   contradictions_.clear();
   agreeing_ = 0;
 }

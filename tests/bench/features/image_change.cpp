@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/features/picture_change.h"
+#include "tests/bench/features/image_change.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -10,7 +10,7 @@ cv::Matx23d Stay(const cv::Size& /*size*/) { return {1.0, 0.0, 0.0, 0.0, 1.0, 0.
 
 cv::Mat Keep(const cv::Mat& gray) { return gray; }
 
-PictureChange Turn(const std::string& name, double degrees, double scale) {
+ImageChange Turn(const std::string& name, double degrees, double scale) {
   return {name,
           [=](const cv::Size& size) {
             const cv::Point2f middle(0.5F * static_cast<float>(size.width - 1),
@@ -48,13 +48,13 @@ cv::Mat Darken(const cv::Mat& gray) {
 
 }  // namespace
 
-std::vector<PictureChange> PictureChanges() {
+std::vector<ImageChange> ImageChanges() {
   return {Turn("turn 20", 20.0, 1.0),   Turn("turn 45", 45.0, 1.0),    Turn("turn 90", 90.0, 1.0),
           Turn("turn 180", 180.0, 1.0), Turn("zoom 1.15", 10.0, 1.15), {"blur", Stay, Blur},
           {"noise", Stay, AddNoise},    {"bright", Stay, Brighten},    {"dark", Stay, Darken}};
 }
 
-cv::Mat Apply(const PictureChange& change, const cv::Mat& gray) {
+cv::Mat Apply(const ImageChange& change, const cv::Mat& gray) {
   cv::Mat moved;
   cv::warpAffine(gray, moved, change.motion(gray.size()), gray.size(), cv::INTER_CUBIC, cv::BORDER_CONSTANT,
                  cv::Scalar(128));

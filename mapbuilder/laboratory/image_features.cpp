@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/laboratory/picture_features.h"
+#include "mapbuilder/laboratory/image_features.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,11 +22,11 @@ cv::Mat ErodedMask(const cv::Mat& mask) {
   return eroded;
 }
 
-std::vector<cv::Rect> CutTiles(const cv::Size& picture) {
+std::vector<cv::Rect> CutTiles(const cv::Size& image) {
   std::vector<cv::Rect> tiles;
-  for (int y = 0; y < picture.height; y += kTilePx) {
-    for (int x = 0; x < picture.width; x += kTilePx) {
-      tiles.push_back(cv::Rect(x, y, kTilePx, kTilePx) & cv::Rect({0, 0}, picture));
+  for (int y = 0; y < image.height; y += kTilePx) {
+    for (int x = 0; x < image.width; x += kTilePx) {
+      tiles.push_back(cv::Rect(x, y, kTilePx, kTilePx) & cv::Rect({0, 0}, image));
     }
   }
   return tiles;
@@ -40,20 +40,20 @@ std::vector<cv::KeyPoint> Chosen(const std::vector<cv::KeyPoint>& keypoints, con
   return chosen;
 }
 
-DetectedTile DetectTile(const FloorPicture& picture, const cv::Rect& tile, const Detector& detector,
+DetectedTile DetectTile(const FloorImage& image, const cv::Rect& tile, const Detector& detector,
                         const DetectionOptions& options) {
   const cv::Rect reach(tile.x - kMarginPx, tile.y - kMarginPx, tile.width + 2 * kMarginPx, tile.height + 2 * kMarginPx);
-  DetectedTile detected{reach & cv::Rect({0, 0}, picture.gray.size()), {}};
-  const cv::Mat mask = picture.mask(detected.wide);
-  if (cv::countNonZero(picture.mask(tile)) == 0) {
+  DetectedTile detected{reach & cv::Rect({0, 0}, image.gray.size()), {}};
+  const cv::Mat mask = image.mask(detected.wide);
+  if (cv::countNonZero(image.mask(tile)) == 0) {
     return detected;
   }
-  std::vector<cv::KeyPoint> keypoints = detector.Detect(picture.gray(detected.wide), ErodedMask(mask));
+  std::vector<cv::KeyPoint> keypoints = detector.Detect(image.gray(detected.wide), ErodedMask(mask));
   const cv::Rect2f inside(static_cast<float>(tile.x - detected.wide.x), static_cast<float>(tile.y - detected.wide.y),
                           static_cast<float>(tile.width), static_cast<float>(tile.height));
   std::erase_if(keypoints, [&](const cv::KeyPoint& k) { return !inside.contains(k.pt); });
   if (options.keypoints_per_m2 > 0.0) {
-    const double area_m2 = cv::countNonZero(picture.mask(tile)) * std::pow(picture.resolution_m(), 2);
+    const double area_m2 = cv::countNonZero(image.mask(tile)) * std::pow(image.resolution_m(), 2);
     const int budget = static_cast<int>(std::lround(area_m2 * options.keypoints_per_m2));
     keypoints = Chosen(keypoints, SpreadEvenly(keypoints, kSpreadCellPx, budget));
   }
@@ -62,7 +62,7 @@ DetectedTile DetectTile(const FloorPicture& picture, const cv::Rect& tile, const
 }
 
 // The strongest of all tiles, as many as are allowed.
-void KeepStrongest(std::size_t count, DetectedPicture* detected) {
+void KeepStrongest(std::size_t count, DetectedImage* detected) {
   std::vector<float> responses;
   for (const DetectedTile& tile : detected->tiles) {
     for (const cv::KeyPoint& k : tile.keypoints) {
@@ -81,7 +81,7 @@ void KeepStrongest(std::size_t count, DetectedPicture* detected) {
 
 }  // namespace
 
-std::size_t DetectedPicture::size() const {
+std::size_t DetectedImage::size() const {
   std::size_t count = 0;
   for (const DetectedTile& tile : tiles) {
     count += tile.keypoints.size();
@@ -95,31 +95,30 @@ double ThreadMilliseconds() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-DetectedPicture DetectKeypoints(const FloorPicture& picture, const Detector& detector,
-                                const DetectionOptions& options) {
+DetectedImage DetectKeypoints(const FloorImage& image, const Detector& detector, const DetectionOptions& options) {
   const double start_ms = ThreadMilliseconds();
-  DetectedPicture detected;
-  for (const cv::Rect& tile : CutTiles(picture.gray.size())) {
-    detected.tiles.push_back(DetectTile(picture, tile, detector, options));
+  DetectedImage detected;
+  for (const cv::Rect& tile : CutTiles(image.gray.size())) {
+    detected.tiles.push_back(DetectTile(image, tile, detector, options));
   }
   KeepStrongest(static_cast<std::size_t>(options.max_keypoints), &detected);
   detected.detect_ms = ThreadMilliseconds() - start_ms;
   return detected;
 }
 
-DescribedPicture DescribeKeypoints(const FloorPicture& picture, const DetectedPicture& detected,
-                                   const Describer& describer) {
+DescribedImage DescribeKeypoints(const FloorImage& image, const DetectedImage& detected,
+                                 const DescriptorExtractor& descriptor_extractor) {
   const double start_ms = ThreadMilliseconds();
-  DescribedPicture described;
+  DescribedImage described;
   for (const DetectedTile& tile : detected.tiles) {
     std::vector<cv::KeyPoint> keypoints = tile.keypoints;
     if (keypoints.empty()) {
       continue;
     }
-    const cv::Mat descriptors = describer.Describe(picture.gray(tile.wide), &keypoints);
+    const cv::Mat descriptors = descriptor_extractor.Describe(image.gray(tile.wide), &keypoints);
     for (cv::KeyPoint& k : keypoints) {
       k.pt += cv::Point2f(tile.wide.tl());
-      described.features.keypoints.push_back(picture.ToFloor(k));
+      described.features.keypoints.push_back(image.ToFloor(k));
     }
     if (!keypoints.empty()) {
       described.features.descriptors.push_back(descriptors);

@@ -8,11 +8,11 @@
 #include "server/serving/localize_service.h"
 #include "server/wire/problem.h"
 
-// What the calls that bring a picture have in common.
+// Shared by the calls that bring an image.
 namespace floorloc {
 
-/// Whose picture it is, and of when.
-struct PictureLabel {
+/// Vehicle and time of an image.
+struct FrameLabel {
   std::string vehicle;  ///< empty: the camera came inline
   double received_s = 0.0;
   double stamp_s = 0.0;
@@ -28,6 +28,6 @@ Problem UnknownVehicle();
 VehicleState RequireVehicle(const AppState& state, const std::string& id);
 
 /// Keeps a localization for viewers and counts it.
-FixRecord RecordFix(AppState& state, const LoadedMap& map, const PictureLabel& label, const LocalizeOutcome& outcome);
+FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome);
 
 }  // namespace floorloc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/finished_map/map_picture.h"
+#include "mapbuilder/finished_map/map_mosaic.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,20 +12,20 @@ namespace floorloc {
 namespace {
 
 // A JPEG's black is not quite zero, and next to floor it is soiled by it.
-constexpr int kMinSeenGray = 6;
-constexpr int kSoiledPx = 3;
+constexpr int kMinFloorGray = 6;
+constexpr int kJpegNoisePx = 3;
 
 // The warp is computed at nodes this far apart, and linear between them.
 constexpr int kNodePx = 16;
 
-cv::Mat SeenIn(const cv::Mat& bgr) {
+cv::Mat ValidPixels(const cv::Mat& bgr) {
   cv::Mat gray;
   cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-  cv::Mat seen = gray >= kMinSeenGray;
-  const cv::Mat kernel = cv::Mat::ones(kSoiledPx, kSoiledPx, CV_8U);
-  cv::morphologyEx(seen, seen, cv::MORPH_CLOSE, kernel);  // dark specks are floor
-  cv::morphologyEx(seen, seen, cv::MORPH_OPEN, kernel);   // soiled black is none
-  return seen;
+  cv::Mat valid = gray >= kMinFloorGray;
+  const cv::Mat kernel = cv::Mat::ones(kJpegNoisePx, kJpegNoisePx, CV_8U);
+  cv::morphologyEx(valid, valid, cv::MORPH_CLOSE, kernel);  // dark specks are floor
+  cv::morphologyEx(valid, valid, cv::MORPH_OPEN, kernel);   // soiled black is none
+  return valid;
 }
 
 // Values between the nodes. cv::warpAffine would round to 1/32 of a node, which is half a pixel.
@@ -47,11 +47,11 @@ cv::Mat BetweenNodes(const cv::Mat& nodes, int side_px) {
 
 }  // namespace
 
-MosaicPatch MapPicture::Cut(const RectM& square, int side_px) const {
-  return Cut(square, side_px, [](const Eigen::Vector2d& p) { return p; });
+MosaicPatch MapMosaic::ReadPatch(const RectM& square, int side_px) const {
+  return ReadPatch(square, side_px, [](const Eigen::Vector2d& p) { return p; });
 }
 
-MosaicPatch MapPicture::Cut(const RectM& square, int side_px, const Warp& own_from_other) const {
+MosaicPatch MapMosaic::ReadPatch(const RectM& square, int side_px, const Warp& own_from_other) const {
   const int count = side_px / kNodePx + 2;
   const double step_m = square.width_m() / side_px;
   cv::Mat nodes(count, count, CV_64FC2);  // in pixels of the finest level, y up
@@ -78,18 +78,18 @@ MosaicPatch MapPicture::Cut(const RectM& square, int side_px, const Warp& own_fr
   nodes.convertTo(nodes, CV_32F);
   const cv::Mat source_from_patch = BetweenNodes(nodes, side_px);
   MosaicPatch patch;
-  cv::Mat seen;
+  cv::Mat valid;
   cv::remap(source, patch.bgr, source_from_patch, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  cv::remap(SeenIn(source), seen, source_from_patch, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  patch.seen = seen == 255;
-  patch.bgr.setTo(cv::Scalar::all(0), patch.seen == 0);
+  cv::remap(ValidPixels(source), valid, source_from_patch, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  patch.valid = valid == 255;
+  patch.bgr.setTo(cv::Scalar::all(0), patch.valid == 0);
   return patch.empty() ? MosaicPatch{} : patch;
 }
 
-// The tiles `first` to `last` as one picture; empty where the map has none of them.
-cv::Mat MapPicture::ReadTiles(const Eigen::Vector2i& first, const Eigen::Vector2i& last) const {
+// The tiles `first` to `last` as one image; empty where the map has none of them.
+cv::Mat MapMosaic::ReadTiles(const Eigen::Vector2i& first, const Eigen::Vector2i& last) const {
   const int side = layout_.tile_px;
-  cv::Mat picture;
+  cv::Mat image;
   for (int y = first.y(); y <= last.y(); ++y) {
     for (int x = first.x(); x <= last.x(); ++x) {
       const auto jpeg = map_.ReadMosaicTile({layout_.max_zoom, x, y});
@@ -97,13 +97,13 @@ cv::Mat MapPicture::ReadTiles(const Eigen::Vector2i& first, const Eigen::Vector2
         continue;
       }
       const cv::Mat tile = DecodeMosaicTile(*jpeg, side);
-      if (picture.empty()) {
-        picture = cv::Mat::zeros((last.y() - first.y() + 1) * side, (last.x() - first.x() + 1) * side, CV_8UC3);
+      if (image.empty()) {
+        image = cv::Mat::zeros((last.y() - first.y() + 1) * side, (last.x() - first.x() + 1) * side, CV_8UC3);
       }
-      tile.copyTo(picture(cv::Rect((x - first.x()) * side, (last.y() - y) * side, side, side)));
+      tile.copyTo(image(cv::Rect((x - first.x()) * side, (last.y() - y) * side, side, side)));
     }
   }
-  return picture;
+  return image;
 }
 
 }  // namespace floorloc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/laboratory/picture_set.h"
+#include "mapbuilder/laboratory/image_set.h"
 
 #include <algorithm>
 #include <cctype>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxPixels = 100'000'000;
 
-bool IsPicture(const fs::path& file) {
+bool IsImage(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -40,76 +40,76 @@ std::vector<fs::path> SortedEntries(const fs::path& folder) {
   return entries;
 }
 
-// The pictures that lie in the folder itself.
-std::vector<fs::path> PicturesIn(const fs::path& folder) {
-  std::vector<fs::path> pictures = SortedEntries(folder);
-  std::erase_if(pictures, [](const fs::path& file) { return !fs::is_regular_file(file) || !IsPicture(file); });
-  return pictures;
+// The images that lie in the folder itself.
+std::vector<fs::path> ImagesIn(const fs::path& folder) {
+  std::vector<fs::path> images = SortedEntries(folder);
+  std::erase_if(images, [](const fs::path& file) { return !fs::is_regular_file(file) || !IsImage(file); });
+  return images;
 }
 
 std::vector<fs::path> FirstOfEachFolder(const fs::path& folder) {
-  std::vector<fs::path> pictures;
+  std::vector<fs::path> images;
   for (const fs::path& entry : SortedEntries(folder)) {
     if (fs::is_directory(entry)) {
-      const std::vector<fs::path> inside = PicturesOf(entry);
-      pictures.insert(pictures.end(), inside.begin(), inside.begin() + (inside.empty() ? 0 : 1));
+      const std::vector<fs::path> inside = ImagesOf(entry);
+      images.insert(images.end(), inside.begin(), inside.begin() + (inside.empty() ? 0 : 1));
     }
   }
-  return pictures;
+  return images;
 }
 
-std::vector<fs::path> PicturesAt(const fs::path& path) {
+std::vector<fs::path> ImagesAt(const fs::path& path) {
   if (fs::is_regular_file(path)) {
     return {path};
   }
-  std::vector<fs::path> pictures = PicturesOf(path);
-  if (pictures.empty()) {
-    pictures = FirstOfEachFolder(path);
+  std::vector<fs::path> images = ImagesOf(path);
+  if (images.empty()) {
+    images = FirstOfEachFolder(path);
   }
-  if (pictures.empty()) {
-    throw InputError(path, "has no pictures; give a JPEG or PNG file, or a folder of such");
+  if (images.empty()) {
+    throw InputError(path, "has no images; give a JPEG or PNG file, or a folder of such");
   }
-  return pictures;
+  return images;
 }
 
-std::vector<fs::path> SpreadEvenly(const std::vector<fs::path>& files, std::size_t most) {
-  if (files.size() <= most) {
+std::vector<fs::path> SpreadEvenly(const std::vector<fs::path>& files, std::size_t max_images) {
+  if (files.size() <= max_images) {
     return files;
   }
   std::vector<fs::path> chosen;
-  for (std::size_t i = 0; i < most; ++i) {
-    chosen.push_back(files[i * files.size() / most]);
+  for (std::size_t i = 0; i < max_images; ++i) {
+    chosen.push_back(files[i * files.size() / max_images]);
   }
   return chosen;
 }
 
 }  // namespace
 
-std::vector<fs::path> PicturesOf(const fs::path& folder) {
-  return PicturesIn(fs::is_directory(folder / "images") ? folder / "images" : folder);
+std::vector<fs::path> ImagesOf(const fs::path& folder) {
+  return ImagesIn(fs::is_directory(folder / "images") ? folder / "images" : folder);
 }
 
-PictureSet ParsePictureSet(const std::string& text, int most) {
+ImageSet ParseImageSet(const std::string& text, int max_images) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos || equals + 1 == text.size()) {
-    throw std::invalid_argument("'" + text + "' is not a set of pictures; write NAME=FOLDER");
+    throw std::invalid_argument("'" + text + "' is not a set of images; write NAME=FOLDER");
   }
-  PictureSet set;
+  ImageSet set;
   set.name = text.substr(0, equals);
   std::istringstream paths(text.substr(equals + 1));
   for (std::string path; std::getline(paths, path, ',');) {
-    const std::vector<fs::path> pictures = PicturesAt(path);
-    set.files.insert(set.files.end(), pictures.begin(), pictures.end());
+    const std::vector<fs::path> images = ImagesAt(path);
+    set.files.insert(set.files.end(), images.begin(), images.end());
   }
-  set.files = SpreadEvenly(set.files, static_cast<std::size_t>(most));
+  set.files = SpreadEvenly(set.files, static_cast<std::size_t>(max_images));
   return set;
 }
 
-cv::Mat ReadPicture(const fs::path& file) {
+cv::Mat ReadImage(const fs::path& file) {
   const auto bytes = ReadBinaryFile(file);
   const std::optional<ImageHeader> header = ProbeImage(bytes);
   if (!header) {
-    throw InputError(file, "is neither a JPEG nor a PNG picture; convert it");
+    throw InputError(file, "is neither a JPEG nor a PNG image; convert it");
   }
   if (std::int64_t{header->width_px} * header->height_px > kMaxPixels) {
     throw InputError(file, "has more than 100 million pixels; make it smaller");

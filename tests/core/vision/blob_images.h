@@ -30,7 +30,7 @@ inline cv::Mat DrawBlobs(const cv::Size& size, const std::vector<Blob>& blobs) {
   return gray;
 }
 
-/// Where a pixel goes when the picture is turned by 90 degrees clockwise.
+/// Where a pixel goes when the image is turned by 90 degrees clockwise.
 inline cv::Point2f TurnedRight(const cv::Size& before, const cv::Point2f& p) {
   return {static_cast<float>(before.height - 1) - p.y, p.x};
 }

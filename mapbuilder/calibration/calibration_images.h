@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/fiducials/board.h"
+
+namespace floorloc {
+
+/// An image, and the board in it or why there is none.
+struct CalibrationImage {
+  std::filesystem::path file;
+  std::optional<BoardView> view;
+  std::string problem;  ///< empty when view is there
+};
+
+/// The images of one camera: all of one size.
+struct CalibrationImages {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<CalibrationImage> images;
+};
+
+/// The JPEG and PNG files of a folder in alphabetical order. Throws InputError when there are none.
+std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder);
+
+struct ImageReadingOptions {
+  int threads = 0;  ///< 0: one per core
+  ProgressOutput progress;
+};
+
+/// Detects the board in every image. Images that cannot be read, or whose size is not that of most, have a
+/// problem instead of a view. Throws InputError when no image can be read.
+CalibrationImages FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
+                             const ImageReadingOptions& options);
+
+}  // namespace floorloc
