@@ -37,6 +37,23 @@ std::optional<Number> ParseWhole(std::string_view text) {
   return value;
 }
 
+constexpr std::string_view kDigits = "0123456789";
+
+// The texts on both sides of the only 'x'; each begins with a digit and holds nothing but `allowed` characters.
+std::optional<std::array<std::string_view, 2>> SplitSize(std::string_view text, std::string_view allowed) {
+  const std::size_t x = text.find_first_of("xX");
+  if (x == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::array<std::string_view, 2> sides{text.substr(0, x), text.substr(x + 1)};
+  for (const std::string_view side : sides) {
+    if (side.find_first_of(kDigits) != 0 || side.find_first_not_of(allowed) != std::string_view::npos) {
+      return std::nullopt;
+    }
+  }
+  return sides;
+}
+
 }  // namespace
 
 std::vector<TextLine> ContentLines(std::string_view text) {
@@ -87,6 +104,22 @@ std::optional<double> ParseNumber(std::string_view text) {
 std::optional<std::int64_t> ParseNanoseconds(std::string_view text) {
   const std::optional<std::int64_t> value = ParseWhole<std::int64_t>(text);
   return value && *value >= -kMaxStampNs && *value <= kMaxStampNs ? value : std::nullopt;
+}
+
+std::optional<std::array<double, 2>> ParseSize(std::string_view text) {
+  const auto sides = SplitSize(text, "0123456789.");
+  const std::optional<double> width = sides ? ParseNumber((*sides)[0]) : std::nullopt;
+  const std::optional<double> height = sides ? ParseNumber((*sides)[1]) : std::nullopt;
+  return width && height ? std::optional(std::array{*width, *height}) : std::nullopt;
+}
+
+std::optional<std::array<int, 2>> ParseGridSize(std::string_view text) {
+  constexpr std::size_t kMaxDigits = 3;
+  const auto sides = SplitSize(text, kDigits);
+  if (!sides || std::max((*sides)[0].size(), (*sides)[1].size()) > kMaxDigits) {
+    return std::nullopt;
+  }
+  return std::array{*ParseWhole<int>((*sides)[0]), *ParseWhole<int>((*sides)[1])};
 }
 
 }  // namespace floorloc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -27,6 +28,10 @@ std::vector<std::string_view> SplitWords(std::string_view line);
 std::optional<double> ParseNumber(std::string_view text);
 /// A whole number of nanoseconds within the range of time stamps (see kMaxStampNs).
 std::optional<std::int64_t> ParseNanoseconds(std::string_view text);
+/// "2.6x1.8" -> {2.6, 1.8}: two decimal numbers without sign and exponent, an 'x' or 'X' between them and nothing else.
+std::optional<std::array<double, 2>> ParseSize(std::string_view text);
+/// "9x6" -> {9, 6}: two whole numbers of one to three digits, otherwise like ParseSize.
+std::optional<std::array<int, 2>> ParseGridSize(std::string_view text);
 
 /// Time stamps lie within +-4e9 s, so that differences of any two fit an int64.
 inline constexpr std::int64_t kMaxStampNs = 4'000'000'000'000'000'000;

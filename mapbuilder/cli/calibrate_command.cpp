@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,13 +31,12 @@ struct Arguments {
 };
 
 void ParseBoard(const Arguments& a, Board* board) {
-  static const std::regex kSize(R"((\d{1,3})[xX](\d{1,3}))");
-  std::smatch match;
-  if (!std::regex_match(a.board, match, kSize)) {
+  const auto size = ParseGridSize(a.board);
+  if (!size) {
     throw std::invalid_argument("--board '" + a.board + "' is not COLUMNSxROWS, such as 9x6");
   }
-  board->columns = std::stoi(match[1]);
-  board->rows = std::stoi(match[2]);
+  board->columns = (*size)[0];
+  board->rows = (*size)[1];
   if (!a.charuco.empty()) {
     board->columns -= 1;
     board->rows -= 1;

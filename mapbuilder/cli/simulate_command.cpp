@@ -5,11 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <regex>
 #include <stdexcept>
 #include <string>
 
 #include "core/io/camera_yaml.h"
+#include "core/io/delimited_text.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/simulation/simulate.h"
@@ -36,14 +36,13 @@ struct Arguments {
   bool json = false;
 };
 
-void ParseSize(const std::string& text, FloorTextureOptions& floor) {
-  static const std::regex kSize(R"((\d+(?:\.\d*)?)x(\d+(?:\.\d*)?))");
-  std::smatch match;
-  if (!std::regex_match(text, match, kSize)) {
+void ChooseSize(const std::string& text, FloorTextureOptions& floor) {
+  const auto size = ParseSize(text);
+  if (!size) {
     throw std::invalid_argument("--size '" + text + "' is not WIDTHxHEIGHT in metres, such as 2.6x1.8");
   }
-  floor.width_m = std::stod(match[1]);
-  floor.height_m = std::stod(match[2]);
+  floor.width_m = (*size)[0];
+  floor.height_m = (*size)[1];
 }
 
 FloorCamera ChooseCamera(const Arguments& arguments) {
@@ -102,7 +101,7 @@ void PrintJson(const SimulateOptions& options, const SimulationResult& result) {
 
 void Run(Arguments& arguments) {
   SimulateOptions& options = arguments.options;
-  ParseSize(arguments.size, options.floor);
+  ChooseSize(arguments.size, options.floor);
   options.floor.rotate_patches = !arguments.keep_direction;
   options.floor.threads = options.threads;
   options.camera = ChooseCamera(arguments);
