@@ -14,7 +14,7 @@ using namespace error_row;  // NOLINT: rows are named all over this file
 // The error state with, behind it, that of the interval's motion: true motion = motion * Exp(error).
 constexpr int kMotion = kCount;
 constexpr int kAugmentedCount = kCount + 3;
-using AugmentedErrors = Eigen::Matrix<double, kAugmentedCount, 1>;
+static_assert(kAugmentedCount <= kMaxErrorRows);
 using AugmentedCovariance = Eigen::Matrix<double, kAugmentedCount, kAugmentedCount>;
 using MotionJacobian = Eigen::Matrix<double, 3, kCount>;
 
@@ -57,8 +57,7 @@ class PropagationStep {
     covariance_.topLeftCorner<kCount, kCount>() = state_.covariance;
     covariance_.bottomLeftCorner<3, kCount>() = model.jacobian * state_.covariance;
     covariance_.topRightCorner<kCount, 3>() = covariance_.bottomLeftCorner<3, kCount>().transpose();
-    covariance_.bottomRightCorner<3, 3>() =
-        model.jacobian * state_.covariance * model.jacobian.transpose() + model.noise;
+    covariance_.bottomRightCorner<3, 3>() = PropagateCovariance(model.jacobian, state_.covariance) + model.noise;
     CorrectByImu();
     AddMotion();
   }
@@ -158,51 +157,47 @@ class PropagationStep {
   // The gyro's turn, less its bias, is that of the motion. Where it contradicts the wheels, they slip, or the vehicle
   // was knocked: neither can be trusted.
   void CorrectByGyro() {
-    Eigen::Matrix<double, 1, kAugmentedCount> jacobian = Eigen::Matrix<double, 1, kAugmentedCount>::Zero();
-    jacobian(kMotion + 2) = 1.0;
-    jacobian(kGyroBias) = dt_;
-    const Eigen::Matrix<double, 1, 1> residual(WrapAngle(imu_.yaw_rad - motion_.yaw()));
-    const Eigen::Matrix<double, 1, 1> noise(GyroVariance(imu_.yaw_rad));
-    if (Contradicts<1>(residual, jacobian, noise)) {
-      covariance_(kMotion + 2, kMotion + 2) += residual.squaredNorm();
+    Innovation innovation;
+    innovation.residual = ErrorColumn::Constant(1, WrapAngle(imu_.yaw_rad - motion_.yaw()));
+    innovation.jacobian = ErrorMatrix::Zero(1, kAugmentedCount);
+    innovation.jacobian(0, kMotion + 2) = 1.0;
+    innovation.jacobian(0, kGyroBias) = dt_;
+    innovation.noise = ErrorMatrix::Constant(1, 1, GyroVariance(imu_.yaw_rad));
+    if (Contradicts(innovation)) {
+      covariance_(kMotion + 2, kMotion + 2) += Square(innovation.residual(0));
     } else {
-      Correct<1>(residual, jacobian, noise);
+      Correct(innovation);
     }
   }
 
   // The way is what velocity and accelerations lead to.
   void CorrectByAccelerometer() {
-    Eigen::Matrix<double, 2, kAugmentedCount> jacobian = Eigen::Matrix<double, 2, kAugmentedCount>::Zero();
-    jacobian.block<2, 2>(0, kMotion) = motion_.rotation();
-    jacobian.block<2, 2>(0, kVelocity) = -dt_ * Eigen::Matrix2d::Identity();
-    jacobian.block<2, 2>(0, kAccelerationBias) = -imu_.position_by_bias;
-    const Eigen::Vector2d residual = ImuTranslation() - motion_.translation();
-    const Eigen::Matrix2d noise = ImuTranslationVariance() * Eigen::Matrix2d::Identity();
-    if (Contradicts<2>(residual, jacobian, noise)) {
-      covariance_.block<2, 2>(kMotion, kMotion) += residual.squaredNorm() * Eigen::Matrix2d::Identity();
+    Innovation innovation;
+    innovation.residual = ImuTranslation() - motion_.translation();
+    innovation.jacobian = ErrorMatrix::Zero(2, kAugmentedCount);
+    innovation.jacobian.block<2, 2>(0, kMotion) = motion_.rotation();
+    innovation.jacobian.block<2, 2>(0, kVelocity) = -dt_ * Eigen::Matrix2d::Identity();
+    innovation.jacobian.block<2, 2>(0, kAccelerationBias) = -imu_.position_by_bias;
+    innovation.noise = ImuTranslationVariance() * Eigen::Matrix2d::Identity();
+    if (Contradicts(innovation)) {
+      covariance_.block<2, 2>(kMotion, kMotion) += innovation.residual.squaredNorm() * Eigen::Matrix2d::Identity();
     } else {
-      Correct<2>(residual, jacobian, noise);
+      Correct(innovation);
     }
   }
 
-  template <int kRows>
-  bool Contradicts(const Eigen::Matrix<double, kRows, 1>& residual,
-                   const Eigen::Matrix<double, kRows, kAugmentedCount>& jacobian,
-                   const Eigen::Matrix<double, kRows, kRows>& noise) {
-    const bool contradicts = MahalanobisSquared<kRows, kAugmentedCount>(residual, jacobian, noise, covariance_) >
-                             options_.max_slip_mahalanobis_squared;
+  bool Contradicts(const Innovation& innovation) {
+    const bool contradicts = MahalanobisSquared(innovation, covariance_) > options_.max_slip_mahalanobis_squared;
     contradicted_ = contradicted_ || contradicts;
     return contradicts;
   }
 
   // Kalman correction of state and motion.
-  template <int kRows>
-  void Correct(const Eigen::Matrix<double, kRows, 1>& residual,
-               const Eigen::Matrix<double, kRows, kAugmentedCount>& jacobian,
-               const Eigen::Matrix<double, kRows, kRows>& noise) {
-    const AugmentedErrors error = KalmanCorrection<kRows, kAugmentedCount>(residual, jacobian, noise, &covariance_);
-    state_.Add(error.template head<kCount>());
-    motion_ = motion_ * Pose2::Exp(error.template tail<3>());
+  void Correct(const Innovation& innovation) {
+    const Correction correction = KalmanCorrection(innovation, covariance_);
+    covariance_ = correction.covariance;
+    state_.Add(correction.error.head<kCount>());
+    motion_ = motion_ * Pose2::Exp(correction.error.tail<3>());
   }
 
   // Adds the motion to the pose, and its error to the pose's error.
@@ -216,7 +211,7 @@ class PropagationStep {
     DecayFixBias(&jacobian, &noise);
     noise(kGyroBias) = Square(options_.imu.gyro_walk) * dt_;
     noise.segment<2>(kAccelerationBias).setConstant(Square(options_.imu.accelerometer_walk) * dt_);
-    state_.covariance = jacobian * covariance_ * jacobian.transpose();
+    state_.covariance = PropagateCovariance(jacobian, covariance_);
     state_.covariance.diagonal() += noise;
     state_.covariance = 0.5 * (state_.covariance + state_.covariance.transpose()).eval();
     state_.map_from_base = state_.map_from_base * motion_;

@@ -29,15 +29,9 @@ FixRejection FirstFailedGate(const FixOutcome& fix, double p_wrong, const Filter
   return fix.mahalanobis_squared > gates.max_mahalanobis_squared ? FixRejection::kMahalanobis : FixRejection::kNone;
 }
 
-// A fix against the state: residual = jacobian * error + noise.
-struct FixInnovation {
-  Eigen::Vector3d residual;
-  Eigen::Matrix<double, 3, error_row::kCount> jacobian = Eigen::Matrix<double, 3, error_row::kCount>::Zero();
-  Eigen::Matrix3d noise;
-};
-
-FixInnovation ComputeInnovation(const PoseFix& fix, const FilterState& state) {
-  FixInnovation innovation;
+Innovation ComputeInnovation(const PoseFix& fix, const FilterState& state) {
+  Innovation innovation;
+  innovation.jacobian = ErrorMatrix::Zero(3, error_row::kCount);
   innovation.residual = (state.map_from_base * Pose2::Exp(state.fix_bias)).Between(fix.map_from_base).Log();
   innovation.jacobian.block<3, 3>(0, error_row::kPose).setIdentity();
   innovation.jacobian.block<3, 3>(0, error_row::kFixBias).setIdentity();
@@ -46,9 +40,7 @@ FixInnovation ComputeInnovation(const PoseFix& fix, const FilterState& state) {
 }
 
 double MahalanobisOf(const PoseFix& fix, const FilterState& predicted) {
-  const FixInnovation innovation = ComputeInnovation(fix, predicted);
-  return MahalanobisSquared<3, error_row::kCount>(innovation.residual, innovation.jacobian, innovation.noise,
-                                                  predicted.covariance);
+  return MahalanobisSquared(ComputeInnovation(fix, predicted), predicted.covariance);
 }
 
 }  // namespace
@@ -72,9 +64,9 @@ void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, Filt
 }
 
 void CorrectByFix(const PoseFix& fix, FilterState* state) {
-  const FixInnovation innovation = ComputeInnovation(fix, *state);
-  state->Add(KalmanCorrection<3, error_row::kCount>(innovation.residual, innovation.jacobian, innovation.noise,
-                                                    &state->covariance));
+  const Correction correction = KalmanCorrection(ComputeInnovation(fix, *state), state->covariance);
+  state->covariance = correction.covariance;
+  state->Add(correction.error);
 }
 
 void ResetToFix(const PoseFix& fix, const SharedFixNoise& shared, FilterState* state) {

@@ -1,36 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace floorloc {
 
-/// How far a residual = jacobian * error + noise is from what its covariance allows: chi-square with kRows degrees of
-/// freedom.
-template <int kRows, int kState>
-double MahalanobisSquared(const Eigen::Matrix<double, kRows, 1>& residual,
-                          const Eigen::Matrix<double, kRows, kState>& jacobian,
-                          const Eigen::Matrix<double, kRows, kRows>& noise,
-                          const Eigen::Matrix<double, kState, kState>& covariance) {
-  const Eigen::Matrix<double, kRows, kRows> innovation = jacobian * covariance * jacobian.transpose() + noise;
-  return residual.dot(innovation.ldlt().solve(residual));
-}
+// Sizes are known at run time only: with fixed ones the compiler took half a minute for these few products.
 
-/// Correction of an error state by residual = jacobian * error + noise. Returns the expected error and replaces the
-/// covariance by the one that is left; Joseph's form keeps it positive.
-template <int kRows, int kState>
-Eigen::Matrix<double, kState, 1> KalmanCorrection(const Eigen::Matrix<double, kRows, 1>& residual,
-                                                  const Eigen::Matrix<double, kRows, kState>& jacobian,
-                                                  const Eigen::Matrix<double, kRows, kRows>& noise,
-                                                  Eigen::Matrix<double, kState, kState>* covariance) {
-  using Covariance = Eigen::Matrix<double, kState, kState>;
-  const Eigen::Matrix<double, kRows, kState> jacobian_covariance = jacobian * *covariance;
-  const Eigen::Matrix<double, kRows, kRows> innovation = jacobian_covariance * jacobian.transpose() + noise;
-  const Eigen::Matrix<double, kState, kRows> gain = innovation.ldlt().solve(jacobian_covariance).transpose();
-  const Covariance i_minus_kh = Covariance::Identity() - gain * jacobian;
-  *covariance = (i_minus_kh * *covariance * i_minus_kh.transpose() + gain * noise * gain.transpose()).eval();
-  return gain * residual;
-}
+inline constexpr int kMaxErrorRows = 21;  ///< of an error state
+using ErrorColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxErrorRows, 1>;
+using ErrorMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxErrorRows, kMaxErrorRows>;
+
+/// A measurement of an error state: residual = jacobian * error + noise, noise given by its covariance.
+struct Innovation {
+  ErrorColumn residual;
+  ErrorMatrix jacobian;
+  ErrorMatrix noise;
+};
+
+/// How far an innovation is from what its covariance allows: chi-square with as many degrees of freedom as it has rows.
+double MahalanobisSquared(const Innovation& innovation, const ErrorMatrix& covariance);
+
+/// The error that an innovation lets expect, and the covariance that is left of it.
+struct Correction {
+  ErrorColumn error;
+  ErrorMatrix covariance;
+};
+
+/// Kalman correction of an error state; Joseph's form keeps the covariance positive.
+Correction KalmanCorrection(const Innovation& innovation, const ErrorMatrix& covariance);
+
+/// jacobian * covariance * jacobian^T, the covariance of what depends on a state by the jacobian.
+ErrorMatrix PropagateCovariance(const ErrorMatrix& jacobian, const ErrorMatrix& covariance);
 
 }  // namespace floorloc

@@ -18,7 +18,7 @@ void InitializeVisualPose(const Eigen::Matrix3d& frame_noise, FilterState* state
   ErrorCovariance jacobian = ErrorCovariance::Identity();
   jacobian.block<3, 3>(kVisual, kVisual).setZero();
   jacobian.block<3, 3>(kVisual, kPose).setIdentity();
-  state->covariance = jacobian * state->covariance * jacobian.transpose();
+  state->covariance = PropagateCovariance(jacobian, state->covariance);
   state->covariance.block<3, 3>(kVisual, kVisual) += frame_noise;
   state->visual_map_from_base = state->map_from_base;
 }
@@ -29,7 +29,7 @@ void PropagateVisualPose(const MotionIncrement& increment, FilterState* state) {
   ErrorCovariance jacobian = ErrorCovariance::Identity();
   jacobian.block<3, 3>(kVisual, kVisual) = motion.Inverse().Adjoint();
   jacobian.block<2, 1>(kVisual, kVisionScale) = motion.rotation().transpose() * increment.motion.translation();
-  state->covariance = jacobian * state->covariance * jacobian.transpose();
+  state->covariance = PropagateCovariance(jacobian, state->covariance);
   if (increment.covariance) {
     state->covariance.block<3, 3>(kVisual, kVisual) += ToBaseFrame(*increment.covariance, motion);
   }
@@ -47,16 +47,18 @@ void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& opt
     return;
   }
   PropagateVisualPose(motion, state);
-  Eigen::Matrix<double, 3, kCount> jacobian = Eigen::Matrix<double, 3, kCount>::Zero();
-  jacobian.block<3, 3>(0, kPose).setIdentity();
-  jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
   const Eigen::Vector3d residual = state->map_from_base.Between(state->visual_map_from_base).Log();
-  const double mahalanobis_squared = MahalanobisSquared<3, kCount>(residual, jacobian, frame_noise, state->covariance);
+  Innovation innovation{residual, ErrorMatrix::Zero(3, kCount), frame_noise};
+  innovation.jacobian.block<3, 3>(0, kPose).setIdentity();
+  innovation.jacobian.block<3, 3>(0, kVisual) = -Eigen::Matrix3d::Identity();
+  const double mahalanobis_squared = MahalanobisSquared(innovation, state->covariance);
   if (mahalanobis_squared > options.max_slip_mahalanobis_squared) {
     state->covariance.diagonal().segment<3>(kPose) += residual.cwiseAbs2();
   }
   state->vision_noise_factor = AdaptNoiseFactor(state->vision_noise_factor, mahalanobis_squared, options.adaptation);
-  state->Add(KalmanCorrection<3, kCount>(residual, jacobian, frame_noise, &state->covariance));
+  const Correction correction = KalmanCorrection(innovation, state->covariance);
+  state->covariance = correction.covariance;
+  state->Add(correction.error);
 }
 
 }  // namespace floorloc
