@@ -28,7 +28,7 @@ using testing_map::OtherDamages;
 class DamagedMapTest : public ::testing::Test {
  protected:
   DamagedMapTest() {
-    merge_.tie.same_frame = true;
+    merge_.alignment.same_frame = true;
     merge_.out = folder_.path() / "merged.floormap";
     extend_.surveys = {SmallMap::Get().survey()};
     extend_.out = folder_.path() / "extended.floormap";
