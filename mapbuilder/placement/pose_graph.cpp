@@ -99,6 +99,12 @@ PoseGraphSummary Solve(PoseGraph* graph, const std::vector<double>& weights) {
 
 }  // namespace
 
+std::vector<Link> PoseGraph::LinksAndOdometry() const {
+  std::vector<Link> all = links;
+  all.insert(all.end(), odometry.begin(), odometry.end());
+  return all;
+}
+
 PoseGraphSummary OptimizePoses(PoseGraph* graph) { return Solve(graph, {}); }
 
 PoseGraphSummary OptimizePosesWeighted(PoseGraph* graph, const std::vector<double>& weights) {

@@ -32,6 +32,8 @@ struct PoseGraph {
   std::vector<PosePriorFactor> priors;
   std::vector<ControlPointFactor> control_points;
   std::vector<int> fixed;  ///< frames that do not move
+
+  std::vector<Link> LinksAndOdometry() const;
 };
 
 struct PoseGraphSummary {
