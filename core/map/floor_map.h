@@ -23,7 +23,7 @@ struct MapParent {
 };
 
 /// A part of a map file that has a version of its own: tables that a program reads together, or not at all.
-struct MapLayer {
+struct MapFileLayer {
   std::string name;
   int version = 1;
   bool required = true;      ///< whoever does not know it must not use the map
@@ -45,9 +45,9 @@ struct MapInfo {
   ExtractorOptions extractor;
   std::vector<FloorCamera> cameras;  ///< one per survey, at least one
   std::vector<MapParent> parents;
-  std::vector<MapLayer> layers;  ///< as the file has them, also those that this program does not know
-  std::string surveys_json;      ///< provenance: one object per survey
-  std::string report_json;       ///< build report
+  std::vector<MapFileLayer> layers;  ///< as the file has them, also those that this program does not know
+  std::string surveys_json;          ///< provenance: one object per survey
+  std::string report_json;           ///< build report
 
   /// Of the first survey: frames are rectified at its resolution.
   const FloorCamera& camera() const { return cameras.front(); }

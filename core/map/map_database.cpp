@@ -171,7 +171,7 @@ void MapDatabase::VerifyContent() const {
     }
   }
   const std::lock_guard lock(impl_->mutex);
-  for (const MapLayer& layer : info.layers) {
+  for (const MapFileLayer& layer : info.layers) {
     if (layer.known && !layer.content_hash.empty() &&
         ComputeLayerHash(impl_->connection, layer.name) != layer.content_hash) {
       ThrowDamaged(impl_->connection, "its layer '" + layer.name + "' does not have the recorded content");

@@ -41,9 +41,9 @@ const KnownLayer* FindKnown(const std::string& name) {
   return found == kKnownLayers.end() ? nullptr : found;
 }
 
-MapLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement& statement) {
+MapFileLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement& statement) {
   const CheckedRow row(connection, statement, "layer '" + statement.Text(0) + "'");
-  MapLayer layer;
+  MapFileLayer layer;
   layer.name = row.Text(0, "name");
   layer.version = row.Integer(1, "version", 1, std::numeric_limits<int>::max());
   layer.required = row.Integer(2, "required", 0, 1) == 1;
@@ -65,8 +65,8 @@ MapLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement& st
 
 }  // namespace
 
-std::vector<MapLayer> ReadLayers(const SqliteConnection& connection) {
-  std::vector<MapLayer> layers;
+std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection) {
+  std::vector<MapFileLayer> layers;
   if (ReadFormatVersion(connection) < kFirstVersionWithLayers) {
     for (const KnownLayer& known : kKnownLayers) {
       layers.push_back({known.name, 1, true, "", true});
@@ -78,7 +78,7 @@ std::vector<MapLayer> ReadLayers(const SqliteConnection& connection) {
     layers.push_back(ReadLayer(connection, statement));
   }
   for (const KnownLayer& known : kKnownLayers) {
-    if (std::none_of(layers.begin(), layers.end(), [&](const MapLayer& l) { return l.name == known.name; })) {
+    if (std::none_of(layers.begin(), layers.end(), [&](const MapFileLayer& l) { return l.name == known.name; })) {
       ThrowDamaged(connection, "it has no layer '" + std::string(known.name) + "'");
     }
   }

@@ -13,7 +13,7 @@ namespace floorloc {
 
 /// The layers of a map, by name. Throws a MapError: unsupported when one is required that this program does not know,
 /// damaged when one is missing that it needs. Maps of format version 2 have no table, and these layers in version 1.
-std::vector<MapLayer> ReadLayers(const SqliteConnection& connection);
+std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection);
 
 /// Fills the table for what this program writes; the layers' own tables must be complete.
 void WriteLayers(const SqliteConnection& connection);

@@ -49,7 +49,7 @@ nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
     json["parents"].push_back({{"relation", parent.relation}, {"id", parent.id}, {"version", parent.content_version}});
   }
   json["layers"] = nlohmann::json::array();
-  for (const MapLayer& layer : info.layers) {
+  for (const MapFileLayer& layer : info.layers) {
     json["layers"].push_back(
         {{"name", layer.name}, {"version", layer.version}, {"required", layer.required}, {"known", layer.known}});
   }
@@ -75,7 +75,7 @@ void PrintText(const FloorMap& map, std::size_t frames, std::uintmax_t bytes) {
               map.keypoints.descriptors.cols, map.keypoints.descriptors.depth() == CV_8U ? "bytes" : "numbers");
   std::printf("mosaic       %.2f mm per pixel, %d levels of %d px tiles\n", 1e3 * map.mosaic.resolution_m,
               map.mosaic.max_zoom + 1, map.mosaic.tile_px);
-  for (const MapLayer& layer : info.layers) {
+  for (const MapFileLayer& layer : info.layers) {
     if (!layer.known) {
       std::printf("layer        %s, version %d: not known to this version of floorloc\n", layer.name.c_str(),
                   layer.version);

@@ -17,7 +17,7 @@ void AddVerifyCommand(CLI::App& app) {
     map.VerifyContent();
     const MapInfo info = map.ReadInfo();
     std::cout << file->string() << ": whole, version " << info.content_version << "\n";
-    for (const MapLayer& layer : info.layers) {
+    for (const MapFileLayer& layer : info.layers) {
       if (!layer.known) {
         std::cout << "not checked: the layer '" << layer.name << "', which this version of floorloc does not know\n";
       }

@@ -34,7 +34,7 @@ std::vector<RectM> BaseMap::Floors() const {
 
 std::vector<std::string> BaseMap::LayersLeftBehind() const {
   std::vector<std::string> sentences;
-  for (const MapLayer& layer : map.info.layers) {
+  for (const MapFileLayer& layer : map.info.layers) {
     if (!layer.known) {
       sentences.push_back("the layer '" + layer.name + "' of " + file.filename().string() +
                           " is not in the new map: this version of floorloc does not know it; make it again, or use "

@@ -50,7 +50,7 @@ TEST_F(MapLayersTest, AMapNamesItsLayers) {
   EXPECT_EQ(info.layers[0].name, "frames");
   EXPECT_EQ(info.layers[1].name, "keypoints");
   EXPECT_EQ(info.layers[2].name, "mosaic");
-  for (const MapLayer& layer : info.layers) {
+  for (const MapFileLayer& layer : info.layers) {
     EXPECT_EQ(layer.version, 1);
     EXPECT_TRUE(layer.required && layer.known);
   }

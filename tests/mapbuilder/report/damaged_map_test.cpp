@@ -136,10 +136,13 @@ TEST_F(DamagedMapTest, ExportsRefuseOrWork) {
   }
 }
 
+// A whole build takes long; it reads the map as a merge does.
 TEST_F(DamagedMapTest, OtherDamageIsRefusedOrHarmless) {
+  auto commands = WholeMapCommands();
+  commands.erase("extend");
   for (const std::string& damage : OtherDamages()) {
     Damage(damage);
-    for (const auto& [name, command] : WholeMapCommands()) {
+    for (const auto& [name, command] : commands) {
       EXPECT_EQ(SentenceOf(command).find('\n'), std::string::npos) << name << " after " << damage;
     }
   }
