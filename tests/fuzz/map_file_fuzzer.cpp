@@ -1,27 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <cstddef>
-#include <cstdint>
-#include <string>
+#include <fstream>
 
 #include "core/map/map_database.h"
+#include "tests/fuzz/refusal.h"
+#include "tests/synthetic/temporary_folder.h"
 
-// Reads the bytes as a map file that lives in memory.
+// The bytes as a map file. SQLite opens no file that has no name, so it cannot stay in memory.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const int file = memfd_create("fuzzed", MFD_CLOEXEC);
-  if (file < 0 || write(file, data, size) != static_cast<ssize_t>(size)) {
-    return 0;
-  }
-  try {
-    const floorloc::MapDatabase map("/proc/self/fd/" + std::to_string(file));
+  using namespace floorloc;
+  static const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "fuzzed.floormap";
+  std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  MayRefuse<MapError>([&] {
+    const MapDatabase map(file);
     map.ReadFrames();
+    map.ReadLinks();
     map.ReadMap();
     map.VerifyContent();
-  } catch (const floorloc::MapError&) {
-    // The only way to refuse a map.
-  }
-  close(file);
+  });
   return 0;
 }
