@@ -65,6 +65,21 @@ class PoseDecisionTest : public ::testing::Test {
     }
     return pose;
   }
+  // Surveyed floor in two thirds of the frame only: not in third `missing`.
+  VerifiedPose WithoutThird(std::size_t missing) {
+    VerifiedPose pose = WithImage(MakePose(static_cast<double>(missing)), 0.5F);
+    pose.supporting_keypoints.clear();
+    pose.distance.assign(kKeypoints, 30.0F);
+    pose.photo->cell_correlation.assign(kCells, 0.5F);
+    std::fill_n(pose.photo->cell_samples.begin() + static_cast<std::ptrdiff_t>(missing) * kCells / 3, kCells / 3, 0);
+    return pose;
+  }
+  // Of a third's 40 keypoints so many resemble the map less than usual, the others more.
+  static void Worsen(std::size_t third, int worse, VerifiedPose* pose) {
+    for (int i = 0; i < kKeypoints / 3; ++i) {
+      pose->distance[third * kKeypoints / 3 + static_cast<std::size_t>(i)] += i < worse ? 5.0F : -5.0F;
+    }
+  }
   static PoseDecision Decide(const std::vector<VerifiedPose>& poses, bool floor_repeats = true) {
     PoseEvidence evidence{kMaxDistance, {}, floor_repeats};
     for (int i = 0; i < kKeypoints; ++i) {
@@ -160,6 +175,29 @@ TEST_F(PoseDecisionTest, TheOrderOfThePosesDoesNotMatter) {
     EXPECT_EQ(poses[static_cast<std::size_t>(again.best)].candidate.target_from_source.x(), best_x);
     EXPECT_NEAR(again.p_wrong, first.p_wrong, 1e-9);
     EXPECT_EQ(again.alternatives.size(), first.alternatives.size());
+  }
+}
+
+// Each pair is compared in another third of the frame: the first clearly beats the second, which beats the third, which
+// beats the first, both by a little.
+TEST_F(PoseDecisionTest, TheOrderDoesNotMatterWhereComparisonsGoInACircle) {
+  std::vector<VerifiedPose> poses{WithoutThird(0), WithoutThird(1), WithoutThird(2)};
+  Worsen(2, 40, &poses[1]);
+  Worsen(0, 22, &poses[2]);
+  Worsen(1, 21, &poses[0]);
+  const PoseDecision first = Decide(poses);
+  EXPECT_EQ(first.best, 0);
+  for (int turn = 0; turn < 3; ++turn) {
+    for (const bool swapped : {false, true}) {
+      std::rotate(poses.begin(), poses.begin() + 1, poses.end());
+      std::vector<VerifiedPose> ordered = poses;
+      if (swapped) {
+        std::swap(ordered[0], ordered[1]);
+      }
+      const PoseDecision again = Decide(ordered);
+      EXPECT_EQ(ordered[static_cast<std::size_t>(again.best)].candidate.target_from_source.x(), 0.0);
+      EXPECT_NEAR(again.p_wrong, first.p_wrong, 1e-9);
+    }
   }
 }
 
