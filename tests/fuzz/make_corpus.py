@@ -174,7 +174,7 @@ def map_changes():
 
 
 def map_file():
-    """A map of one camera and one frame in pages as small as SQLite has them; its checksums are wrong."""
+    """A map of one camera and one frame in pages as small as SQLite has them; its checksums and hashes are wrong."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "m.floormap"
         connection = sqlite3.connect(file)
@@ -187,6 +187,8 @@ def map_file():
         for name, value in {"type": "hessian", "max_keypoints": 60, "cell_px": 48, "levels": 2, "scale_factor": 1.4,
                             "threshold": 0, "normalize_radius_px": 15, "smooth_sigma_px": 1}.items():
             connection.execute("INSERT INTO extractor_parameter VALUES (?, ?)", [name, str(value)])
+        for layer in ["frames", "keypoints", "mosaic"]:
+            connection.execute("INSERT INTO layer VALUES (?, 1, 1, ?)", [layer, "0" * 64])
         connection.execute("INSERT INTO frame VALUES (0, 0, 5, 'a.jpg', 0, 0, 0, 1, NULL, NULL, NULL)")
         connection.commit()
         connection.close()
