@@ -59,7 +59,7 @@ std::vector<VerifiedPose> CandidateSearch::FindPoses(const Features& features, c
   return poses;
 }
 
-// Poses that meet are one.
+// Candidates that converge to the same pose are kept once.
 std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& features, const SearchScope& scope,
                                                             const FrameMatches& matches) const {
   const SearchRegion region = RegionOf(scope.guide);
@@ -94,8 +94,8 @@ bool CandidateSearch::ContainsPose(const std::vector<VerifiedPose>& poses, const
   });
 }
 
-// On a floor that repeats itself a wrong prior would be confirmed by whatever looks alike there: places outside it
-// compete, and all are judged by what is distinctive on the whole map.
+// On a self-similar floor a similar place would confirm a wrong prior: poses outside it compete, and all are compared
+// by the matches that are distinctive on the whole map.
 void CandidateSearch::AddPosesOutsidePrior(const Features& features, GlobalSearchCache* global,
                                            std::vector<VerifiedPose>* poses) const {
   if (!global->matches) {

@@ -14,37 +14,41 @@
 
 namespace floorloc {
 
-/// Matches of a frame, twice: matches[i] and oriented[i] are the same.
+/// Matches of a frame as pairs of indices and as pairs of oriented points: matches[i] and oriented[i] are the same
+/// match.
 struct FrameMatches {
   std::vector<Match> matches;
   std::vector<OrientedMatch> oriented;
 };
 
-/// What one frame finds on the whole map: looked up at most once, when a prior is doubted.
+/// Global search of one frame, run at most once: on a self-similar map, to compare the poses near the prior with
+/// others.
 struct GlobalSearchCache {
   std::optional<FrameMatches> matches;
   std::vector<VerifiedPose> poses;
 };
 
-/// Query keypoints of which a match agrees with the pose within radius_m, increasing and each once.
+/// Query keypoints with a match whose residual under the pose is at most radius_m; sorted, without duplicates.
 std::vector<int> SupportingKeypoints(const FrameMatches& matches, const Pose2& map_from_base, double radius_m);
 
-/// Finds the poses of a frame that its keypoints vote for, each verified by all of them. Const and thread-safe.
+/// Finds candidate poses of a frame by votes of its keypoints and verifies each with all of them. Const and
+/// thread-safe.
 class CandidateSearch {
  public:
   /// Builds the search structures. Refers to the map, which must outlive it. options: scaled to the map's resolution.
   CandidateSearch(const FloorMap& map, DescriptorType descriptors, const LocalizerOptions& options);
 
-  /// First search: distinctive matches; with a guide a part of the keypoints is enough.
+  /// First pass: matches that pass the ratio test, or all near neighbours for scope.indistinct. With a guide only every
+  /// stride-th keypoint is matched.
   FrameMatches FindMatches(const Features& features, const SearchScope& scope) const;
 
-  /// Second look: all keypoints where each pose that the matches vote for predicts them. On a floor that repeats itself
-  /// places outside a prior come along, as rivals.
+  /// Second pass: matches all keypoints where each pose that the matches vote for predicts them. On a self-similar
+  /// floor poses outside the prior are added as rivals.
   std::vector<VerifiedPose> FindPoses(const Features& features, const SearchScope& scope, const FrameMatches& matches,
                                       GlobalSearchCache* global) const;
 
   bool floor_repeats() const { return floor_repeats_; }
-  /// Largest descriptor distance at which two keypoints count as alike.
+  /// Largest descriptor distance at which two keypoints count as similar.
   float max_distance() const { return verifier_.max_distance(); }
 
  private:

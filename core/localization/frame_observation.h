@@ -9,12 +9,12 @@
 
 namespace floorloc {
 
-/// What a localizer takes from a frame: made once, sought as often as needed.
+/// What a Localizer needs of a frame: computed once, localized as often as needed.
 struct FrameObservation {
   Features features;              ///< base frame
   FrameSamples samples;           ///< to be aligned to the mosaic
   Eigen::Vector3d camera_center;  ///< base frame, metres
-  RectM roi;                      ///< what the camera sees, base frame
+  RectM roi;                      ///< region of interest of the camera, base frame
   double rectify_ms = 0.0;
   double features_ms = 0.0;
 };

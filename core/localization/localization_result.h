@@ -37,7 +37,7 @@ struct LocalizationTiming {
 struct LocalizationResult {
   LocalizationStatus status = LocalizationStatus::kNotLocalized;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
-  Pose2 map_from_base;  ///< when localized; otherwise, when there are inliers, the best pose that was not accepted
+  Pose2 map_from_base;  ///< when localized; else the best pose that was not accepted, if there are inliers
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
   int keypoints = 0;
   int matches = 0;

@@ -98,7 +98,7 @@ struct Localizer::Impl {
     result->timing.register_ms += stage.LapMs();
   }
 
-  // The best pose is aligned to the mosaic; so are its rivals when the keypoints do not tell them apart.
+  // The best pose is aligned to the mosaic; so are its rivals when the keypoints alone do not decide.
   PoseDecision Decide(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
     const PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
     PoseDecision decision = DecidePose(*poses, evidence, options.registration, options.decision);
@@ -145,7 +145,7 @@ struct Localizer::Impl {
     FillPose(best, frame.samples.center(), result);
   }
 
-  // center_in_base: middle of what the camera sees, metres.
+  // center_in_base: centre of the visible floor, metres.
   void FillPose(const VerifiedPose& best, const Eigen::Vector2d& center_in_base, LocalizationResult* result) const {
     const Pose2& pose = best.candidate.target_from_source;
     result->map_from_base = pose;
@@ -160,12 +160,12 @@ struct Localizer::Impl {
       result->covariance = best.photo->covariance;
       systematic_m = options.systematic_m;
     }
-    // Errors that a frame alone does not show: those of the map turn and shift the floor in view.
+    // Errors that residuals do not show: those of the map shift and rotate the visible floor as a whole.
     result->covariance += SystematicCovariance(result->map_from_base, result->map_from_base * center_in_base,
                                                {systematic_m, systematic_m / options.systematic_lever_m});
   }
 
-  // True when the frame fits the mosaic, and where the keypoints say: a fit can slide off.
+  // True when the frame correlates with the mosaic near the pose by keypoints: a fit can diverge.
   bool Agrees(const PhotometricFit& photo) const {
     return photo.MeanCorrelation() >= options.photometric.min_correlation &&
            photo.moved_m <= options.photometric.max_correction_radii * options.registration.inlier_radius_m;

@@ -25,18 +25,20 @@ namespace floorloc {
 /// same answer for the same input.
 class Localizer {
  public:
-  /// Builds the search structures. tiles: the map's mosaic; without it keypoints alone decide, less accurately. Throws
-  /// std::invalid_argument on bad options.
+  /// Builds the search structures. tiles: the map's mosaic; without it poses come from keypoints only and are less
+  /// accurate. Throws std::invalid_argument on bad options.
   Localizer(FloorMap map, const LocalizerOptions& options, MosaicTileSource tiles = nullptr);
   ~Localizer();
   Localizer(const Localizer&) = delete;
   Localizer& operator=(const Localizer&) = delete;
 
-  /// What is sought of a frame. raw: CV_8UC1 image of the rectifier's camera.
+  /// Rectifies a frame and extracts its features. raw: CV_8UC1 of the size of the rectifier's camera; throws
+  /// std::invalid_argument otherwise.
   FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw) const;
-  /// There is no global search when the prior fails: the caller decides.
+  /// Searches near the prior, or the whole map without one. No global search when the prior fails: the caller decides.
   LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
-  /// Searches about the prior, and the whole map when that fails; result.used_prior says which succeeded.
+  /// Searches near the prior, and the whole map when the frame is not localized there; result.used_prior says which
+  /// search the result is from.
   LocalizationResult LocalizeWithGlobalFallback(const FrameObservation& frame,
                                                 const std::optional<PosePrior>& prior) const;
   /// Observes and localizes.

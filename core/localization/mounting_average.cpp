@@ -13,8 +13,8 @@ namespace {
 // Standard deviations of vibration: radians of each rotation, and share of the camera's height.
 constexpr std::array<double, 6> kLevels{2e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3};
 
-// The pose that a fit starts from is at least this good. Far looser than any image, but for directions of which the
-// image shows nothing, as along stripes: there rounding alone would decide.
+// Prior of the start pose. Far looser than what images measure; it regularizes directions that the image does not
+// constrain (along stripes), where rounding errors would decide.
 constexpr double kLoosePositionM = 0.01;
 constexpr double kLooseYawRad = 0.1;
 
@@ -26,13 +26,14 @@ MountingMatrix PriorInformation(double level) {
   return prior;
 }
 
-// Neighbouring pixels are not independent: how much wider the gradients of whole cells scatter than independent ones.
+// Inflation of the variance: neighbouring pixels are correlated, so gradients of whole cells scatter more than
+// independent residuals would.
 double Inflation(const MountingProblem& problem) {
   const Eigen::Matrix3d information = problem.information.topLeftCorner<3, 3>();
   const Eigen::Matrix3d scatter = problem.scatter.topLeftCorner<3, 3>();
   double ratio = information.ldlt().solve(scatter).trace() / (3.0 * problem.variance);
   if (problem.cells > 0) {
-    // The unknowns were fitted to the same cells: few cells scatter less about their own fit.
+    // Degrees of freedom: the unknowns were fitted to the same cells, so few cells scatter too little.
     ratio *= static_cast<double>(problem.cells) /
              std::max(1, problem.cells - static_cast<int>(MountingVector::SizeAtCompileTime));
   }

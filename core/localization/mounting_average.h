@@ -16,7 +16,7 @@ struct MountingProblem {
   MountingVector gradient = MountingVector::Zero();     ///< J^T W r
   MountingMatrix scatter = MountingMatrix::Zero();      ///< sum of g g^T, g: gradient of one cell of the frame
   double variance = 1.0;                                ///< of a residual
-  int cells = 0;                                        ///< how many scatter is the sum of; 0: many
+  int cells = 0;                                        ///< number of cells summed in scatter; 0: many
 };
 
 struct MountingEstimate {
@@ -24,12 +24,12 @@ struct MountingEstimate {
   MountingMatrix covariance = MountingMatrix::Identity();
 };
 
-/// One Gauss-Newton step, the mounting held by its loosest prior.
+/// One Gauss-Newton step, the mounting regularized by its loosest prior.
 MountingVector MountingStep(const MountingProblem& problem, const MountingVector& unknowns);
 
-/// Posterior of the unknowns. The level of vibration is unknown: levels are averaged, weighted by their evidence
-/// (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is indistinguishable from a turn of
-/// the robot; its uncertainty follows the level.
+/// Posterior of the unknowns. The level of vibration is unknown: the posteriors of several levels are averaged,
+/// weighted by their evidence (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is
+/// indistinguishable from a turn of the robot; its uncertainty follows the level.
 MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns);
 
 }  // namespace floorloc

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Matches of descriptors -> pairs of oriented points, for registration.
+/// Converts descriptor matches to pairs of oriented points for registration; query is the source, train the target.
 std::vector<OrientedMatch> ToOrientedMatches(const std::vector<Match>& matches, const std::vector<Keypoint>& query,
                                              const std::vector<Keypoint>& train);
 

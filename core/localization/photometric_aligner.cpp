@@ -14,7 +14,7 @@
 namespace floorloc {
 namespace {
 
-// Of a normalised image.
+// Mean grey level of a normalised image.
 constexpr float kMiddle = 128.0F;
 
 constexpr int kSampleStridePx = 6;
@@ -22,7 +22,7 @@ constexpr int kCellPx = 48;
 constexpr int kMaxIterations = 6;
 constexpr double kConvergedPx = 0.25;
 
-// How far beyond the frame the cut-out of the mosaic reaches, for the fit to move.
+// Margin of the mosaic patch around the frame, so that the fit can move.
 constexpr double kMarginPx = 8.0;
 
 // One row of eight floats per pixel, so that compilers keep it in one register; the eighth is padding.
@@ -63,14 +63,15 @@ struct Warp {
   float cos_yaw, sin_yaw;
   float camera_x, camera_y, height;  // base frame
   float center_x, center_y;          // base frame, about which the frame turns
-  float middle_u, middle_v;          // where the centre comes to lie, px
+  float middle_u, middle_v;          // mosaic pixel of the centre
   float per_m;                       // px per metre
   float rotation_x, rotation_y, rotation_z, height_share;
 
   struct Point {
     float u, v;
-    float arm_x, arm_y;                                          // rotated, m
-    float dx_rx, dx_ry, dy_rx, dy_ry, dx_rz, dy_rz, dx_h, dy_h;  // of the floor point to the mounting, map frame
+    float arm_x, arm_y;  // rotated, m
+    float dx_rx, dx_ry, dy_rx, dy_ry, dx_rz, dy_rz, dx_h,
+        dy_h;  // derivatives of the floor point by the mounting, map frame
   };
 
   Point At(const FrameSamples::Sample& s) const {
@@ -99,7 +100,8 @@ struct Warp {
   }
 };
 
-// Adds the pixels of a cell that lie on surveyed floor. Derivatives are of metres of map and radians of mounting.
+// Adds the pixels of a cell that lie on surveyed floor. Derivatives are per metre in the map and per radian of
+// mounting.
 void AddCell(std::span<const FrameSamples::Sample> samples, const Warp& warp, const cv::Mat& gray, CellSums* sums) {
   for (const FrameSamples::Sample& s : samples) {
     const Warp::Point p = warp.At(s);
@@ -120,7 +122,7 @@ void AddCell(std::span<const FrameSamples::Sample> samples, const Warp& warp, co
     const auto lower_slope = static_cast<float>(lower[1] - lower[0]);
     const float top = static_cast<float>(upper[0]) + a * upper_slope;
     const float bottom = static_cast<float>(lower[0]) + a * lower_slope;
-    // Rows run against y.
+    // Image rows run against the y axis.
     const float gx = (upper_slope + b * (lower_slope - upper_slope)) * warp.per_m;
     const float gy = (top - bottom) * warp.per_m;
     sums->Add(s.value, top + b * (bottom - top) - kMiddle,
@@ -268,7 +270,7 @@ std::vector<float> ComparedCells(const PhotometricFit& fit) {
   return cells;
 }
 
-// Of the first `share` of the values.
+// Mean of the first `share` of the values.
 double MeanOf(const std::vector<float>& values, double share) {
   const auto count = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
   return count > 0 ? std::accumulate(values.begin(), values.begin() + count, 0.0) / static_cast<double>(count) : 0.0;

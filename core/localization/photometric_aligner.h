@@ -14,14 +14,13 @@
 
 namespace floorloc {
 
-/// When a fit to the mosaic is believed. All from 13d8f43; `./run bench honesty` for right or wrong, `./run bench` for
-/// how far off.
+/// When a fit to the mosaic is accepted. All chosen in 13d8f43; `./run bench honesty` measures wrong fixes, `./run
+/// bench` accuracy.
 struct PhotometricOptions {
-  int min_cell_samples = 16;  ///< pixels on surveyed floor below which a cell of the frame compares nothing
-  /// A frame whose cells correlate less with the mosaic, in the mean, keeps the pose that its keypoints gave it.
+  int min_cell_samples = 16;  ///< cells of the frame with fewer pixels on surveyed floor are not compared
+  /// With a smaller mean correlation of its cells a frame keeps the pose by keypoints.
   double min_correlation = 0.15;
-  /// How far the mosaic may correct where the keypoints put the middle of the frame, in inlier radii: a fit can slide
-  /// off.
+  /// Largest correction of the frame's centre relative to the pose by keypoints, in inlier radii: a fit can diverge.
   double max_correction_radii = 2.0;
 
   /// Throws std::invalid_argument with the field's name.
@@ -33,26 +32,26 @@ struct PhotometricFit {
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
   MountingError mounting;                                ///< deviation of the camera from its calibration
-  double moved_m = 0.0;                                  ///< how far the middle of the image moved over the mosaic
-  std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0 where nothing compares
+  double moved_m = 0.0;                                  ///< displacement of the image's centre by the fit
+  std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0: not compared
   std::vector<int> cell_samples;                         ///< pixels compared per cell
 
-  /// Over the cells that compare; 0 when there are none.
+  /// Mean over the compared cells; 0 when there are none.
   double MeanCorrelation() const;
-  /// Over the lower `share` of them: a few lines that cross the whole floor do not raise it.
+  /// Mean over the lowest `share` of the compared cells: a few lines that cross the whole floor do not raise it.
   double TrimmedCorrelation(double share) const;
 };
 
 /// The pixels of a frame that are compared, its image contrast-normalised as the mosaic's. The image is divided into
-/// square cells, so that changed floor spoils its cells only.
+/// square cells, so that changed floor affects only its own cells.
 class FrameSamples {
  public:
-  /// normalized: CV_8UC1 of the image's grid, 128 in the mean.
+  /// normalized: CV_8UC1 of the image's grid, mean 128.
   FrameSamples(const GroundImage& image, const cv::Mat& normalized);
 
   struct Sample {
     float x_m, y_m;  // base frame
-    float value;     // normalised grey level, 0 in the mean
+    float value;     // normalised grey level, mean 0
   };
   int cells() const { return static_cast<int>(cell_start_.size()) - 1; }
   std::span<const Sample> cell(int c) const {
@@ -61,7 +60,7 @@ class FrameSamples {
   }
   /// Cell of a point of the base frame; -1 outside the image.
   int CellAt(const Eigen::Vector2d& point_in_base) const;
-  /// Middle of what the camera sees, base frame.
+  /// Centre of the visible floor, base frame, metres.
   const Eigen::Vector2d& center() const { return center_; }
   double radius_m() const { return radius_m_; }
 

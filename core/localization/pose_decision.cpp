@@ -13,11 +13,10 @@
 namespace floorloc {
 namespace {
 
-// How well a keypoint fits a pose: 0 where the pose has no match for it.
+// How well a keypoint fits a pose; 0 without a match.
 double Score(float distance, float max_distance) { return std::max(0.0, static_cast<double>(max_distance - distance)); }
 
-// Were two poses equally right, the differences of what they explain, test by test, would be as often negative as
-// positive (paired z test).
+// Paired z test: under the hypothesis that two poses are equally right the differences of their scores have mean zero.
 class PairedTest {
  public:
   void Add(double lead) {
@@ -47,7 +46,7 @@ class CommonFloor {
 
  private:
   const std::vector<int>& cell_of_keypoint_;
-  std::vector<bool> cells_;  // empty: all of it
+  std::vector<bool> cells_;  // per cell of the frame; empty: the whole frame
 };
 
 double LeadByKeypoints(const VerifiedPose& first, const VerifiedPose& second, const CommonFloor& common,
@@ -61,7 +60,7 @@ double LeadByKeypoints(const VerifiedPose& first, const VerifiedPose& second, co
   return test.Sigma();
 }
 
-// Distinctive matches went to one pose only (sign test).
+// Sign test on the distinctive matches that support either pose.
 double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second, const CommonFloor& common) {
   const auto votes = [&](const VerifiedPose& pose) {
     return static_cast<double>(
@@ -73,7 +72,7 @@ double LeadByVotes(const VerifiedPose& first, const VerifiedPose& second, const 
   return (for_first - for_second) / std::sqrt(std::max(1.0, for_first + for_second));
 }
 
-// Correlations spread evenly only after Fisher's transformation.
+// Fisher's transformation makes the variance of a correlation independent of its value.
 double FisherZ(float correlation, double limit) {
   return std::atanh(std::clamp(static_cast<double>(correlation), -limit, limit));
 }
@@ -107,8 +106,8 @@ double FisherP(std::span<const double> p_values) {
   return std::exp(-x) * sum;
 }
 
-// Odds that the second of two poses is right rather than the first. A test without discrimination does not weaken
-// another one that has it; one that contradicts does.
+// Odds that the second of two poses is right rather than the first. An inconclusive test does not weaken a conclusive
+// one; a contradicting one does.
 double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
                     const DecisionOptions& options) {
   const CommonFloor common(first, second, evidence.cell_of_keypoint);
@@ -126,7 +125,7 @@ double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const
   return FisherP(for_first) * second.prior_weight / (FisherP(for_second) * first.prior_weight);
 }
 
-// log10 of the chance that the frame agrees as well with the mosaic under a wrong pose.
+// log10 of the probability that the frame agrees as well with the mosaic under a wrong pose.
 double Log10ChanceOfPhoto(const PhotometricFit& photo, const DecisionOptions& options) {
   const auto cells = std::count_if(photo.cell_samples.begin(), photo.cell_samples.end(), [](int n) { return n > 0; });
   const double sigma =
@@ -134,7 +133,8 @@ double Log10ChanceOfPhoto(const PhotometricFit& photo, const DecisionOptions& op
   return sigma > 0.0 ? std::log10(UpperTail(sigma)) : 0.0;
 }
 
-// Beyond chance by all its keypoints, and by what is distinctive.
+// log10 of the probability of such a pose by chance: the weaker of the evidence of all keypoints and the distinctive
+// evidence.
 double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const DecisionOptions& options) {
   double distinctive = pose.support_log10_nfa;
   if (pose.photo && !evidence.floor_repeats) {
@@ -143,15 +143,15 @@ double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const
   return std::max(pose.candidate.log10_nfa, options.structure_exponent * distinctive);
 }
 
-// On a floor that repeats itself: that the right pose was not among the candidates, and a similar place is accepted. A
-// pose becomes a candidate by a few distinctive matches, whose number is Poisson distributed.
+// On a self-similar floor: probability that the right pose was not among the candidates and a similar place is
+// accepted. A pose becomes a candidate by at least three distinctive matches, whose number is Poisson distributed.
 double ChanceOfMissingTheRightPose(std::size_t inliers, const DecisionOptions& options) {
   const double expected = options.distinctive_share * static_cast<double>(inliers);
   const double at_most_two = std::exp(-expected) * (1.0 + expected + 0.5 * expected * expected);
   return options.look_alike_taken * at_most_two;
 }
 
-// odds[i][k]: that pose k is right rather than pose i.
+// odds[i][k]: odds of pose k against pose i.
 std::vector<std::vector<double>> OddsOfAll(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
                                            const DecisionOptions& options) {
   std::vector<std::vector<double>> odds(poses.size(), std::vector<double>(poses.size(), 1.0));
@@ -164,8 +164,8 @@ std::vector<std::vector<double>> OddsOfAll(const std::vector<VerifiedPose>& pose
   return odds;
 }
 
-// The pose that has the largest weight when all are weighed against it. Comparisons of pairs need not be transitive:
-// each pose is weighed against all others, so that their order does not matter.
+// The pose with the largest weight when the odds of all poses against it are normalised. Pairwise odds need not be
+// transitive: each pose is compared with all others, so that their order does not matter.
 std::size_t FindBest(const std::vector<std::vector<double>>& odds) {
   std::vector<double> sums;
   for (const std::vector<double>& against : odds) {

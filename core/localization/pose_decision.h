@@ -9,24 +9,23 @@
 
 namespace floorloc {
 
-/// What tells the right pose from a wrong one. Each number names the commit that chose it; whether it still holds is
-/// for
-/// `./run bench honesty` to say.
+/// Parameters that separate right poses from wrong ones. Each names the commit that chose it; `./run bench honesty`
+/// checks them.
 struct DecisionOptions {
-  /// Floors repeat themselves more than independent points would: of the distinctive matches and of the mosaic, what
-  /// looks like a chance of p happens with p^this (c76363b).
+  /// Exponent of the chance probabilities of distinctive matches and of the mosaic: floors repeat themselves more than
+  /// independent points would, so that a modelled probability of p is really p^structure_exponent (c76363b).
   double structure_exponent = 0.5;
-  /// Spread of a cell's correlation where frame and mosaic show different floor (2407dfd).
+  /// Standard deviation of a cell's correlation where frame and mosaic show different floor (2407dfd).
   double cell_sigma = 0.2;
-  /// Share of the cells, the worst ones, by which a frame agrees with the mosaic: a few lines that cross the whole
-  /// floor do not count (2407dfd).
+  /// Share of the cells, the worst ones, whose correlation measures the agreement with the mosaic: a few lines that
+  /// cross the whole floor do not count (2407dfd).
   double trimmed_share = 0.75;
-  /// Correlations of cells are compared up to this; beyond, Fisher's transformation makes too much of little (13d8f43).
+  /// Correlations of cells are clamped to this: near 1 Fisher's transformation exaggerates small differences (13d8f43).
   double max_correlation = 0.98;
-  /// Share of a pose's inliers that are distinctive matches on a floor that repeats itself: 0.2 on simulated tiles,
-  /// hard to clean (fae08be).
+  /// Share of distinctive matches among a pose's inliers on a self-similar floor: 0.2 on simulated tiles, from hard to
+  /// clean images (fae08be).
   double distinctive_share = 0.2;
-  /// How often a look-alike is taken for the right pose when that one is not among the candidates (b82405e).
+  /// Probability that a similar place is accepted when the right pose is not among the candidates (b82405e).
   double look_alike_taken = 0.05;
   /// Above this p_wrong the keypoints alone do not decide: all poses are aligned to the mosaic (13d8f43).
   double clear_p_wrong = 1e-6;
@@ -35,19 +34,18 @@ struct DecisionOptions {
   void Check() const;
 };
 
-/// Evidence by which poses are compared.
+/// Evidence of a frame by which its poses are compared.
 struct PoseEvidence {
   float max_distance = 0.0F;          ///< at which descriptors still count as similar
   std::vector<int> cell_of_keypoint;  ///< cell of the frame in which a keypoint of the frame lies; -1: none
   bool floor_repeats = false;         ///< the floor is self-similar
 };
 
-/// A pose must be beyond chance by all its keypoints, and by the distinctive matches that support this pose alone; on a
-/// floor that does not repeat itself a frame that agrees all over with the mosaic is as good.
-/// Every two poses are compared keypoint by keypoint and cell by cell of the frame: on self-similar floors much fits
-/// several places, and only the difference of fit discriminates between them. Where both were aligned to the mosaic,
-/// only the part of the frame counts that shows surveyed floor under both poses: beyond the map's edge nothing can be
-/// compared.
+/// Chooses the pose of a frame. It must be significant by all its keypoints and by the distinctive matches that support
+/// it; on a floor that is not self-similar, agreement of the whole frame with the mosaic may replace the latter. Poses
+/// are compared in pairs, keypoint by keypoint and cell by cell of the frame: on self-similar floors most keypoints fit
+/// several places, and only the difference of fit discriminates. Where both poses were aligned to the mosaic, only
+/// cells that show surveyed floor under both count: beyond the map's edge nothing can be compared.
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
                         const RegistrationOptions& registration, const DecisionOptions& options);
 

@@ -5,7 +5,7 @@
 
 namespace floorloc {
 
-/// Where the robot probably is; only map keypoints that such a pose would see are compared.
+/// Probable pose of the robot with search radii; only map keypoints visible from a pose within them are matched.
 struct PosePrior {
   Pose2 map_from_base;
   double radius_m = 0.25;

@@ -22,7 +22,7 @@ double DescriptorDistance(const cv::Mat& descriptors, int a, int b) {
                   descriptors.depth() == CV_8U ? cv::NORM_HAMMING : cv::NORM_L2);
 }
 
-// The value that `rank` of the distances are below; 0 of too few.
+// The distance that `rank` others are below; 0 when there are too few.
 double OrderStatistic(std::vector<double> distances, double rank) {
   if (rank < 1.0 || rank >= static_cast<double>(distances.size())) {
     return 0.0;
@@ -89,9 +89,9 @@ std::vector<double> PoseVerifier::DistancesOfNeighbours(std::mt19937* random) co
   return distances;
 }
 
-// Few different floor points are alike: an order statistic of the distances between any two keypoints of the map.
-// Copies of one point, a repetition of the floor apart, spoil it: of tiles with n keypoints every n-th pair is one.
-// Those of neighbours are not spoilt.
+// max_distance_ is an order statistic of the distances between random pairs of keypoints, as few different floor points
+// are similar. Where the floor repeats itself such pairs include copies of one point: every n-th pair on tiles with n
+// keypoints. There pairs of neighbours are used, which are never copies.
 void PoseVerifier::MeasureChance(double area_m2) {
   if (map_.size() < 2) {
     return;
@@ -106,7 +106,7 @@ void PoseVerifier::MeasureChance(double area_m2) {
       static_cast<double>(std::count_if(any.begin(), any.end(), [&](double d) { return d < by_neighbours; }));
   const bool copies = alike > rank + options_.copies_sigma * std::sqrt(2.0 * rank);
   max_distance_ = static_cast<float>(copies ? by_neighbours : OrderStatistic(any, rank));
-  // Copies count as chance: where one lies is where another is predicted.
+  // Copies raise the probability of a match by chance: a wrong pose predicts a keypoint where a copy of it lies.
   const double alike_share = copies ? alike / kPairs : options_.alike_share;
   const double per_m2 = static_cast<double>(map_.size()) / std::max(area_m2, 1e-3);
   const double disc_m2 = std::numbers::pi * registration_.inlier_radius_m * registration_.inlier_radius_m;
@@ -126,7 +126,7 @@ VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_fro
     const Match& match = alike[static_cast<std::size_t>(i)];
     verified.distance[static_cast<std::size_t>(match.query)] = match.distance;
   }
-  // The hypothesis came from pairs of keypoints, so as many were tried; two inliers fit by construction.
+  // Number of trials: pairs of keypoints, which propose the poses. The two inliers of such a pair fit by construction.
   const auto keypoints = static_cast<double>(features.keypoints.size());
   verified.candidate.log10_nfa =
       Log10Nfa(static_cast<int>(keypoints) - 2, static_cast<int>(verified.candidate.inliers.size()) - 2,

@@ -15,9 +15,9 @@ namespace floorloc {
 
 /// A pose hypothesis after all keypoints of the frame were matched where it predicts them.
 struct VerifiedPose {
-  PoseCandidate candidate;  ///< refined; its inliers index `matches`; its significance is that of all keypoints
+  PoseCandidate candidate;                ///< refined; inliers index `matches`; log10_nfa is by all keypoints
   std::vector<OrientedMatch> matches;     ///< one per keypoint that matches a map point near its predicted position
-  std::vector<int> supporting_keypoints;  ///< whose distinctive match of the first search agrees with the pose
+  std::vector<int> supporting_keypoints;  ///< whose distinctive match of the first pass agrees with the pose
   double support_log10_nfa = 0.0;         ///< log10 of the number of false alarms, by the supporting keypoints
   std::vector<float> distance;            ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
   std::optional<PhotometricFit> photo;    ///< where the frame was aligned to the mosaic
@@ -25,23 +25,23 @@ struct VerifiedPose {
   double prior_weight = 1.0;              ///< prior probability of the pose, relative to the others
 };
 
-/// What counts as a keypoint found again under a pose. Each number names the commit that chose it; whether it still
-/// holds is for `./run bench honesty` to say.
+/// When a keypoint counts as matched under a pose. Each number names the commit that chose it; `./run bench honesty`
+/// checks them.
 struct VerificationOptions {
   /// How far a keypoint may be from where the pose predicts it, before refinement, in inlier radii (a729b4a).
   double search_radii = 3.0;
   /// How far its angle may be from the predicted one, before refinement, radians (c76363b).
   double yaw_radius_rad = 0.45;
-  /// Share of the pairs of different floor points whose descriptors may count as alike (c76363b).
+  /// Share of the pairs of different floor points whose descriptors may count as similar (c76363b).
   double alike_share = 0.01;
-  /// Keypoints between so many inlier radii of each other are different floor points, also on a floor that repeats
-  /// itself.
+  /// Keypoints whose distance, in inlier radii, is between these two are different floor points, also on a self-similar
+  /// floor.
   double min_neighbour_radii = 5.0;
   double max_neighbour_radii = 20.0;
-  /// By how many standard deviations more of any two keypoints than of neighbours must be alike for the floor to hold
-  /// copies of its points: fewer may be the sample's doing.
+  /// The floor holds copies of its points when random pairs of keypoints are similar more often than neighbours by this
+  /// many standard deviations; a smaller excess may be sampling noise.
   double copies_sigma = 3.0;
-  /// Bounds of the chance that a keypoint has an inlier under a wrong pose, as measured on the map (c76363b).
+  /// Bounds of the measured probability that a keypoint has an inlier under a wrong pose (c76363b).
   double min_chance = 1e-6;
   double max_chance = 0.5;
 
@@ -58,7 +58,7 @@ class PoseVerifier {
 
   VerifiedPose Verify(const Features& features, const Pose2& map_from_base) const;
 
-  /// Largest descriptor distance at which two keypoints count as similar: few pairs of different floor points are.
+  /// Largest descriptor distance at which two keypoints count as similar; few pairs of different floor points do.
   float max_distance() const { return max_distance_; }
 
  private:

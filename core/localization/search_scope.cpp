@@ -11,10 +11,10 @@ namespace {
 // With a prior, every eighth keypoint usually finds the pose (all of them verify it); more are used when it does not.
 constexpr std::array<int, 3> kStrides{8, 3, 1};
 
-// Without, few buckets of the index usually hold enough of the true neighbours.
+// Without a prior, few buckets of the index usually hold enough of the true neighbours.
 constexpr int kFewProbes = 96;
 
-// How far a keypoint can be from its predicted place when the pose is off by the prior's radii.
+// How far a keypoint can be from its predicted position when the pose is off by the prior's radii.
 MatchGuide GuideOf(const PosePrior& prior, const RectM& roi) {
   const double lever = std::max(std::hypot(roi.x_min, roi.y_min), std::hypot(roi.x_max, roi.y_max));
   return {prior.map_from_base, prior.radius_m + prior.yaw_radius_rad * lever,

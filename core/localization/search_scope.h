@@ -14,14 +14,14 @@ namespace floorloc {
 struct SearchScope {
   std::optional<PosePrior> prior;
   std::optional<MatchGuide> guide;  ///< follows from the prior
-  int probes = 0;                   ///< of the index, without a prior; 0: as many as its options say
-  bool indistinct = false;          ///< without a prior: all near neighbours vote, not the distinctive ones only
+  int probes = 0;                   ///< buckets of the index, without a prior; 0: as in IndexOptions
+  bool indistinct = false;          ///< without a prior: all near neighbours vote, not only distinctive ones
 
   bool Contains(const Pose2& map_from_base) const;
 };
 
-/// Searches to try in turn until a pose is accepted: the first one mostly suffices. A floor that repeats itself is
-/// searched with all effort at once, for the rivals. roi: base frame.
+/// Searches to try in turn until a pose is accepted: the first one usually suffices. Without a prior a self-similar
+/// floor is searched once, with all probes of the index, to find the rivals. roi: base frame.
 std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, bool floor_repeats);
 
 }  // namespace floorloc

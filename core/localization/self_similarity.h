@@ -8,22 +8,23 @@
 
 namespace floorloc {
 
-/// When a floor counts as one that repeats itself. All from 2407dfd; `./run bench honesty` shows both kinds of floors.
+/// When a floor counts as self-similar. All chosen in 2407dfd; `./run bench honesty` has floors of both kinds.
 struct SelfSimilarityOptions {
-  int sample = 400;    ///< keypoints that are looked up
-  int neighbours = 8;  ///< of each that may be its twin
-  /// A twin is at least this far away, metres: not the same point in another descriptor.
+  int sample = 400;    ///< keypoints that are tested
+  int neighbours = 8;  ///< nearest neighbours of each that may be duplicates
+  /// Least distance of a duplicate, metres: nearer ones are the same floor point with another descriptor.
   double min_distance_m = 0.05;
-  /// Share of differing bits up to which descriptors are twins: as much as good views of one point differ.
+  /// Largest share of differing bits of a duplicate: as much as good views of one point differ.
   double max_bit_share = 18.0 / 256.0;
-  double min_twin_share = 0.5;  ///< share of the sample with a twin above which the floor repeats itself
+  double min_twin_share = 0.5;  ///< share of the sample with a duplicate above which the floor is self-similar
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
 };
 
-/// True when the floor repeats itself, as tiles do: half of its keypoints, by a sample, have a match at another place
-/// whose descriptor is as near as another view of the same point. Binary descriptors; float ones are not tested: false.
+/// True when the floor repeats itself, as tiles do: more than min_twin_share of a sample of its keypoints have a
+/// duplicate, a keypoint at another place whose descriptor is as near as another view of the same point. False for
+/// float descriptors, which are not tested.
 bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
                    std::uint32_t seed);
 
