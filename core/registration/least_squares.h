@@ -11,8 +11,8 @@
 
 namespace floorloc {
 
-/// The rigid motion that minimises the squared residuals of the matches that `subset` names (Umeyama 1991 without
-/// scale, in closed form for the plane). Empty when they do not fix a rotation.
+/// The rigid motion that minimises the squared residuals of a subset of the matches (Umeyama 1991 without scale, in
+/// closed form for the plane). subset: indices. Empty when it does not determine a rotation.
 std::optional<Pose2> FitRigid(const std::vector<OrientedMatch>& matches, std::span<const int> subset);
 
 /// Matches whose residual under the pose is at most radius_m.

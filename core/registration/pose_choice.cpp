@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// Odds -> weights. The best one has odds of 1: the sum is at least that.
+// Odds -> weights. The best one has odds of 1, so the sum is at least 1.
 std::vector<PoseHypothesis> Normalize(std::vector<PoseHypothesis> hypotheses) {
   double sum = 0.0;
   for (const PoseHypothesis& hypothesis : hypotheses) {

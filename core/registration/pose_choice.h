@@ -8,26 +8,26 @@
 
 namespace floorloc {
 
-/// Poses of one frame of which one at most is right, before the choice.
+/// Mutually exclusive poses of one frame, before the choice.
 struct PoseContest {
-  /// weight: odds that the pose is right rather than the best one; 1 of the best one itself, 0 of what is no rival.
+  /// weight: odds of the pose against the best one; 1 for the best one itself, 0 for a pose that is no rival.
   std::vector<PoseHypothesis> hypotheses;
   std::size_t best = 0;   ///< index of the most probable one
-  double p_chance = 1.0;  ///< that chance alone offers a pose as good as the best one
-  double p_missed = 0.0;  ///< that the right pose is not among the hypotheses
+  double p_chance = 1.0;  ///< probability of a pose as good as the best one by chance alone
+  double p_missed = 0.0;  ///< probability that the right pose is not among the hypotheses
 };
 
-/// What to make of the poses of a frame.
+/// Decision about the poses of a frame.
 struct PoseDecision {
   RegistrationStatus status = RegistrationStatus::kTooFewInliers;
   int best = -1;         ///< index of the best pose; -1 when none is worth reporting
   double p_wrong = 1.0;  ///< by chance, or because a rival is the right one
-  /// Of a weight above max_p_wrong; when ambiguous the best one stands among them, first.
+  /// Rivals with a weight above max_p_wrong; when ambiguous, the best pose comes first.
   std::vector<PoseHypothesis> alternatives;
 };
 
-/// The one decision of the system, whatever the odds come from. Weights are the odds divided by their sum (Bayes' rule
-/// for exclusive hypotheses), so that k equal poses have 1/k each.
+/// Decides for registration and localization alike, which differ in how they compute the odds. Weights are the odds
+/// divided by their sum (Bayes' rule for exclusive hypotheses), so that k equal poses have 1/k each.
 PoseDecision ChoosePose(const PoseContest& contest, const RegistrationOptions& options);
 
 }  // namespace floorloc

@@ -45,7 +45,7 @@ Pose2 SampleBestPose(const std::vector<OrientedMatch>& matches, const std::vecto
     const int pair[2] = {draw(), draw()};
     const OrientedMatch& a = matches[static_cast<std::size_t>(pair[0])];
     const OrientedMatch& b = matches[static_cast<std::size_t>(pair[1])];
-    // The distance between two points survives the motion: most wrong pairs are rejected here.
+    // A rigid motion preserves the distance between two points: most wrong pairs are rejected here.
     const double source_distance = (a.source_m - b.source_m).norm();
     const double target_distance = (a.target_m - b.target_m).norm();
     if (source_distance < 4.0 * options.inlier_radius_m ||
@@ -65,8 +65,8 @@ Pose2 SampleBestPose(const std::vector<OrientedMatch>& matches, const std::vecto
   return best;
 }
 
-// The most significant candidate is the best. A rival's odds follow from its significance; rivals that chance alone
-// explains are none.
+// The most significant candidate is the best. A rival's odds follow from its significance; poses that chance explains
+// are no rivals.
 PoseContest MakeContest(const std::vector<PoseCandidate>& candidates, const RegistrationOptions& options) {
   PoseContest contest;
   const auto best =
@@ -123,7 +123,7 @@ void RegistrationOptions::Check() const {
 }
 
 double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& options) {
-  // Two residuals per inlier, three of them spent on the pose.
+  // Two residuals per inlier, minus the three parameters of the pose.
   const double degrees_of_freedom = std::max(1.0, 2.0 * inliers - 3.0);
   return std::hypot(rms_m * std::sqrt(inliers / degrees_of_freedom), options.position_noise_floor_m);
 }

@@ -31,11 +31,9 @@ struct RegistrationOptions {
   int min_inliers = 8;
   double max_p_wrong = 1e-4;             ///< a pose that is wrong with a higher probability is not accepted
   double position_noise_floor_m = 5e-5;  ///< lower bound of the keypoint noise in the covariance
-  /// p_wrong is never below: no model of chance is surer of itself. 9226105; `./run bench honesty`.
+  /// Lower bound of p_wrong: the chance model is not more reliable than this. 9226105; `./run bench honesty`.
   double min_p_wrong = 1e-9;
-  /// A pose whose log10 of the number of false alarms is not below this is no rival: chance always offers some.
-  /// 887cc41;
-  /// `./run bench honesty`.
+  /// Poses whose log10_nfa is not below this are no rivals: such poses arise by chance. 887cc41; `./run bench honesty`.
   double max_rival_log10_nfa = -1.0;
   /// Exponent of the likelihood ratio of two poses by their numbers of inliers: inliers of one pose are not independent
   /// (neighbouring keypoints share pixels). 887cc41; RegistrationTest.
@@ -65,7 +63,7 @@ struct RegistrationResult {
   std::vector<int> inliers;  ///< indices into the matches
   double rms_m = 0.0;        ///< residual of the inliers
   double p_wrong = 1.0;      ///< probability that the pose is wrong
-  /// Other poses that explain the matches nearly as well; when ambiguous, the best one stands among them, first.
+  /// Other poses that explain the matches nearly as well; when ambiguous, the best one comes first.
   std::vector<PoseHypothesis> alternatives;
 
   bool ok() const { return status == RegistrationStatus::kRegistered; }
@@ -75,8 +73,8 @@ struct RegistrationResult {
 struct PoseCandidate {
   Pose2 target_from_source;
   std::vector<int> inliers;  ///< indices into the matches
-  /// log10 of the number of false alarms: of how many poses as good as this one chance alone would give; far below 0:
-  /// not chance.
+  /// log10 of the number of false alarms: the expected number of poses as good as this one by chance alone; far below
+  /// 0: significant.
   double log10_nfa = 0.0;
 };
 
@@ -94,14 +92,15 @@ double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& optio
 /// True when two poses are too near each other to be different hypotheses.
 bool SamePose(const Pose2& a, const Pose2& b, const RegistrationOptions& options);
 
-/// Where the target points can lie, for the chance model behind p_wrong.
+/// Region of the target points, for the chance model of p_wrong.
 struct SearchRegion {
   double area_m2 = 1.0;  ///< of the part of the target that was searched
 };
 
-/// log10 of the number of false alarms: of how many poses chance would give that agree with as many of the matches (a
-/// contrario, Desolneux, Moisan & Morel 2000; for rigid motions Moisan & Stival 2004). Each pair of matches proposes
-/// one, and a wrong match agrees with a wrong pose as often as its place in the searched area happens to be right.
+/// log10 of the number of false alarms: the expected number of poses that agree with as many of the matches by chance
+/// (a contrario, Desolneux, Moisan & Morel 2000; for rigid motions Moisan & Stival 2004). Each pair of matches is a
+/// trial; a wrong match agrees with a wrong pose when its target point, uniform in the searched area, happens to be
+/// within the inlier radius.
 double Log10NfaOfPose(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options);
 
 /// Robust SE(2) registration of oriented matches of a known scale: every match is a hypothesis; votes over (x, y, yaw);

@@ -7,7 +7,7 @@
 namespace floorloc {
 namespace {
 
-// lgamma() writes its sign to a global; this one may run in many threads.
+// lgamma() is not thread-safe: it writes the sign to a global variable.
 double LogFactorial(int n) {
   int sign = 0;
   return lgamma_r(n + 1.0, &sign);

@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// Errors that residuals do not show (calibration, vibration, the map): they shift and turn the common floor as a
+/// Errors that residuals do not show (calibration, vibration, the map): they shift and rotate the common floor as a
 /// whole.
 struct SystematicError {
   double sigma_m = 0.0;
@@ -16,11 +16,11 @@ struct SystematicError {
 };
 
 /// Covariance of (x, y, yaw) of target_from_source, additive in the target frame, when the floor around a point of the
-/// target is shifted and turned about that point.
+/// target is shifted and rotated about that point, metres.
 Eigen::Matrix3d SystematicCovariance(const Pose2& target_from_source, const Eigen::Vector2d& center_in_target,
                                      const SystematicError& error);
 
-/// Middle of the inliers in the target. At least one.
+/// Mean target point of the inliers, metres. At least one inlier.
 Eigen::Vector2d MeanTarget(const std::vector<OrientedMatch>& matches, const std::vector<int>& inliers);
 
 }  // namespace floorloc

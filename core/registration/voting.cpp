@@ -33,9 +33,9 @@ class Grid {
       : cell_m_(options.vote_cell_m),
         yaw_cells_(std::max(3, static_cast<int>(std::lround(2.0 * std::numbers::pi / options.vote_cell_rad)))) {}
 
-  // A pose beyond any floor, by damaged keypoints, has no cell.
+  // False for poses out of range, as damaged keypoints produce them.
   bool Contains(const Eigen::Vector2d& p, double yaw) const {
-    constexpr double kCells = 1e9;  // an int counts them
+    constexpr double kCells = 1e9;  // fits an int
     return std::abs(p.x()) < kCells * cell_m_ && std::abs(p.y()) < kCells * cell_m_ && std::isfinite(yaw);
   }
   Cell At(const Eigen::Vector2d& p, double yaw) const {
@@ -85,7 +85,7 @@ std::vector<VotePeak> FindVotePeaks(const std::vector<OrientedMatch>& matches, c
       votes[grid.At(center, yaw)].push_back(static_cast<int>(i));
     }
   }
-  // A cell's score counts its neighbours: a peak across a border is found, too.
+  // A cell's score includes its neighbours, so that a peak across a cell border is found.
   std::vector<std::pair<int, Cell>> scores;
   for (const auto& entry : votes) {
     int score = 0;

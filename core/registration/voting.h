@@ -14,9 +14,9 @@ struct VotePeak {
   std::vector<int> matches;  ///< indices, increasing
 };
 
-/// Votes of all matches over (x, y, yaw); each match votes for where it puts `source_center` in the target frame (the
-/// middle of the source points, so that an error of the keypoint's angle has the shortest lever). Returns the best
-/// peaks, no two of them neighbours, most votes first.
+/// Votes of all matches over (x, y, yaw); each match votes for the position of `source_center` in the target frame (the
+/// mean of the source points, so that errors of keypoint angles have the shortest lever arm). Returns the best peaks,
+/// no two of them in adjacent cells, most votes first.
 std::vector<VotePeak> FindVotePeaks(const std::vector<OrientedMatch>& matches, const Eigen::Vector2d& source_center,
                                     const RegistrationOptions& options);
 
