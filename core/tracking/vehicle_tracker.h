@@ -13,11 +13,11 @@
 
 namespace floorloc {
 
-/// The prior of a frame: the expected pose, with a search radius by its uncertainty.
+/// Prior of a frame: the predicted pose, with search radii from its covariance.
 struct PriorOptions {
   double sigmas = 4.0;
   double min_radius_m = 0.05;
-  double max_radius_m = 0.5;  ///< an uncertainty beyond it: the whole map is searched
+  double max_radius_m = 0.5;  ///< above it the whole map is searched
   double min_yaw_radius_rad = 0.06;
   double max_yaw_radius_rad = 0.8;
 };
@@ -32,7 +32,7 @@ struct NextFrameOptions {
 struct TrackerOptions {
   FusionMethod method = FusionMethod::kEkf;
   PoseFilterOptions filter;
-  bool visual_odometry = true;  ///< motion between images counts, too
+  bool visual_odometry = true;  ///< use the motion between images
   PriorOptions prior;
   NextFrameOptions next;
 };
@@ -50,8 +50,8 @@ struct FrameOutcome {
   bool visual_used = false;  ///< false: an image from before the last one, or no visual odometry
 };
 
-/// One vehicle: turns its images, odometry and IMU into a pose. Not thread-safe. Localizing, which takes long, is the
-/// caller's, between Prior() and AddFrame(), so that it needs no lock around it.
+/// One vehicle: turns its images, odometry and IMU into a pose. Not thread-safe. The caller localizes images between
+/// Prior() and AddFrame(): that takes long and needs no lock of the vehicle.
 class VehicleTracker {
  public:
   /// resolution_m: of the rectified images. Throws std::invalid_argument on bad options.
@@ -60,12 +60,12 @@ class VehicleTracker {
   VehicleTracker(VehicleTracker&&) noexcept;
   VehicleTracker& operator=(VehicleTracker&&) noexcept;
 
-  /// Motion by wheel odometry.
+  /// Motion by wheel odometry. After a clock jump visual odometry restarts.
   MessageOutcome AddOdometry(const MotionIncrement& increment);
   MessageOutcome AddImu(const ImuReading& reading);
   void SetPose(const PoseFix& pose);
 
-  /// The prior for an image of this time; empty: search the whole map.
+  /// The prior for an image of this time; empty: the whole map should be searched.
   std::optional<PosePrior> Prior(std::int64_t stamp_ns) const;
   /// Adds an image after its localization.
   FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
