@@ -11,7 +11,7 @@ namespace {
 
 using namespace error_row;  // NOLINT: rows are named all over this file
 
-// The error state with, behind it, that of the interval's motion: true motion = motion * Exp(error).
+// The error state, followed by the error of the interval's motion: true motion = motion * Exp(error).
 constexpr int kMotion = kCount;
 constexpr int kAugmentedCount = kCount + 3;
 static_assert(kAugmentedCount <= kMaxErrorRows);
@@ -33,10 +33,10 @@ struct Interval {
   double Seconds() const { return 1e-9 * static_cast<double>(to_ns - from_ns); }
 };
 
-// A motion as a function of the state, with noise of its own.
+// A motion as a function of the state, with independent noise.
 struct MotionModel {
   Pose2 motion;
-  MotionJacobian jacobian = MotionJacobian::Zero();  // derivative of the motion's error by the state's
+  MotionJacobian jacobian = MotionJacobian::Zero();  // of the motion's error by the state's error
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
 };
 
@@ -85,7 +85,7 @@ class PropagationStep {
            Eigen::Vector3d(Square(o.still_m), Square(o.still_m), Square(o.still_rad)).asDiagonal().toDenseMatrix();
   }
 
-  // The turn is spread over the interval: an error of it turns the way travelled by half as much.
+  // The rotation is spread evenly over the interval: an error of it rotates the translation by half as much.
   MotionModel FromWheels(const TrackMotion& raw) const {
     const OdometryBias& bias = state_.odometry_bias;
     const OdometryNoise& o = options_.odometry;
@@ -112,7 +112,7 @@ class PropagationStep {
     return Square(options_.imu.gyro) * dt_ + Square(options_.imu.gyro_scale * yaw);
   }
 
-  // x, y of the base at the end in the base at the beginning.
+  // Position of the base at the end of the interval in the base frame at its beginning.
   Eigen::Vector2d ImuTranslation() const { return dt_ * state_.velocity_m_s + imu_.position_m; }
   double ImuTranslationVariance() const { return Square(options_.imu.accelerometer) * dt_ * dt_ * dt_ / 3.0; }
 
@@ -154,8 +154,8 @@ class PropagationStep {
     }
   }
 
-  // The gyro's turn, less its bias, is that of the motion. Where it contradicts the wheels, they slip, or the vehicle
-  // was knocked: neither can be trusted.
+  // Measurement: yaw by the gyro, less its bias, is the yaw of the motion. Where it contradicts the wheels (slip or a
+  // knock) the uncertainty grows by the difference instead.
   void CorrectByGyro() {
     Innovation innovation;
     innovation.residual = ErrorColumn::Constant(1, WrapAngle(imu_.yaw_rad - motion_.yaw()));
@@ -170,7 +170,7 @@ class PropagationStep {
     }
   }
 
-  // The way is what velocity and accelerations lead to.
+  // Measurement: the translation is that of the initial velocity and the integrated accelerations.
   void CorrectByAccelerometer() {
     Innovation innovation;
     innovation.residual = ImuTranslation() - motion_.translation();
@@ -230,8 +230,8 @@ class PropagationStep {
     noise->segment<3>(kFixBias) = (1.0 - decay * decay) * FixBiasVariance(shared);
   }
 
-  // With an IMU the velocity is integrated; without, it is the mean velocity of the interval, with the acceleration
-  // over half of it as uncertainty.
+  // With an IMU the velocity is integrated. Without, it is the mean velocity of the interval, with the acceleration
+  // over half the interval as its uncertainty; without any measurement it is kept for coast_s, then unknown.
   void PropagateVelocity(Eigen::Matrix<double, kCount, kAugmentedCount>* jacobian, ErrorVector* noise) {
     const Eigen::Matrix2d to_end = motion_.rotation().transpose();
     jacobian->middleRows<2>(kVelocity).setZero();
@@ -267,7 +267,7 @@ class PropagationStep {
   AugmentedCovariance covariance_ = AugmentedCovariance::Zero();
 };
 
-// The longest interval from a time on in which the same sensors cover the motion.
+// The longest interval from from_ns on during which the same sensors cover the motion.
 Interval NextInterval(const MotionRecord& record, std::int64_t from_ns, std::int64_t to_ns) {
   Interval interval{from_ns, to_ns, false, false, false};
   const auto take = [&](const auto& track, bool* covers) {

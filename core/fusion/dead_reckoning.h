@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// Everything that measures a vehicle's motion.
+/// All motion measurements of a vehicle.
 struct MotionRecord {
   MotionTrack wheels;
   MotionTrack vision;
@@ -18,8 +18,8 @@ struct MotionRecord {
 };
 
 /// Propagates a state to a later time: the prediction of the Kalman filter. Wheels, else the IMU, else the last
-/// velocity give the motion of each interval; the IMU corrects it where the wheels turn. The motion of an interval is
-/// an error of its own until it is added to the pose.
+/// velocity give the motion of each interval; where wheels and IMU cover an interval, the IMU corrects the wheels. The
+/// error of the interval's motion is part of the error state until the motion is added to the pose.
 void Propagate(const MotionRecord& record, const PoseFilterOptions& options, std::int64_t to_ns, FilterState* state);
 
 }  // namespace floorloc

@@ -45,37 +45,35 @@ struct FilterState {
   Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< base frame
   ImuBias imu_bias;
   OdometryBias odometry_bias;
-  double vision_scale = 0.0;  ///< true distance = (1 + vision_scale) * what the images measure
-  /// Pose of the base by visual odometry at the last image: drifts against map_from_base, but slowly, while each image
-  /// by itself has an error of its own, as the camera vibrates. Estimating both keeps what consecutive motions have in
-  /// common.
+  double vision_scale = 0.0;  ///< true distance = (1 + vision_scale) * measured by images
+  /// Pose of the base by visual odometry at the last image. Its drift relative to map_from_base is slow, while each
+  /// image has an independent error (vibration); estimating both poses keeps the correlation of consecutive motions.
   Pose2 visual_map_from_base;
   std::optional<std::int64_t> visual_ns;               ///< time of that image; empty: there was none
   Eigen::Vector3d fix_bias = Eigen::Vector3d::Zero();  ///< common error of nearby fixes; tangent space
   ErrorCovariance covariance = ErrorCovariance::Zero();
-  /// Variance of the wheels' noise against what OdometryNoise says: estimated from the innovations of the fixes.
+  /// Factor on the variances of OdometryNoise::noise_*, estimated from the innovations of the fixes.
   double wheel_noise_factor = 1.0;
-  double vision_noise_factor =
-      1.0;  ///< likewise, of VisionNoise::frame_*: estimated from the innovations of the images
-  // Not estimated, but propagated:
+  double vision_noise_factor = 1.0;  ///< likewise, of VisionNoise::frame_*, from the innovations of the images
+  // Propagated, but not estimated:
   Pose2 odom_from_base;
   double path_m = 0.0;    ///< since the last accepted fix
   double turn_rad = 0.0;  ///< likewise
 
   /// Covariance of (x, y, yaw), additive in the map frame.
   Eigen::Matrix3d MapCovariance() const;
-  /// Moves the estimate by an error.
+  /// Applies an estimated error to the state.
   void Add(const ErrorVector& error);
 };
 
-/// The covariance of xi in pose * Exp(xi) that an additive one of (x, y, yaw) amounts to.
+/// Converts a covariance that is additive in (x, y, yaw) to that of xi in pose * Exp(xi).
 Eigen::Matrix3d ToBaseFrame(const Eigen::Matrix3d& additive, const Pose2& pose);
 
-/// Of x, y, yaw.
+/// Stationary variance of the common error: x, y, yaw.
 Eigen::Vector3d FixBiasVariance(const SharedFixNoise& noise);
 
-/// The factor of a noise's variance after a measurement that depends on it: raised when the innovation is larger than
-/// expected, lowered when it is smaller (covariance matching). mahalanobis_squared: with 3 degrees of freedom.
+/// Updates the factor of a noise variance after a measurement: raises it when the innovation is larger than expected,
+/// lowers it when it is smaller (covariance matching). mahalanobis_squared: with 3 degrees of freedom.
 double AdaptNoiseFactor(double factor, double mahalanobis_squared, const NoiseAdaptation& adaptation);
 
 /// Standard deviation along the longer axis.

@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// After a shorter path since the last fix the wheels hardly affect the prediction.
+// After a shorter path since the last fix the innovation hardly depends on the noise of the wheels.
 constexpr double kMinPathM = 0.005;
 
 FixRejection FirstFailedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,

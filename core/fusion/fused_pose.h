@@ -22,16 +22,16 @@ const char* ToString(TrackingState state);
 struct SinceFix {
   double seconds = 0.0;
   double metres = 0.0;   ///< length of the path
-  double radians = 0.0;  ///< sum of the turns, whatever their sense
+  double radians = 0.0;  ///< sum of absolute turns
 };
 
-/// Where a vehicle is at one time. Frames as in REP-105: map may jump when a fix corrects it, odom never does.
+/// Pose of a vehicle at one time. Frames as in REP-105: map may jump when a fix corrects it, odom never does.
 struct FusedPose {
   std::int64_t stamp_ns = 0;
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame; m^2, m rad, rad^2
   Pose2 map_from_odom;
-  Pose2 odom_from_base;  ///< sum of the increments; the identity at the first message
+  Pose2 odom_from_base;  ///< sum of the increments; identity at the first message
   TrackingState state = TrackingState::kLost;
   bool contradicted = false;          ///< the last fix contradicts it
   std::optional<SinceFix> since_fix;  ///< empty before the first fix
@@ -40,13 +40,13 @@ struct FusedPose {
 /// Why a fix was not used.
 enum class FixRejection {
   kNone,
-  kWrongFixRisk,  ///< its probability to be wrong is too high
+  kWrongFixRisk,  ///< its p_wrong is too high
   kJumpDistance,  ///< too far from the predicted pose
   kJumpAngle,     ///< turned too far from the predicted heading
-  kMahalanobis,   ///< near, but not within what both covariances allow
+  kMahalanobis,   ///< within the other gates, but not compatible with both covariances
   kTooOld,        ///< older than the history
   kDuplicate,     ///< there is a fix of this time already
-  kInvalid,       ///< not finite, or its covariance is none
+  kInvalid,       ///< not finite, or its covariance is not positive definite
 };
 /// "", "wrong_fix_risk", "jump_distance", "jump_angle", "mahalanobis", "too_old", "duplicate", "invalid"
 const char* ToString(FixRejection reason);

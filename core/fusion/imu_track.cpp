@@ -7,13 +7,13 @@
 namespace floorloc {
 namespace {
 
-constexpr std::int64_t kMaxGapNs = 100'000'000;  // longer pauses between readings are holes
+constexpr std::int64_t kMaxGapNs = 100'000'000;  // longer pauses between readings are gaps
 
 double Seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 Eigen::Matrix2d Rotation(double yaw) { return Pose2(0.0, 0.0, yaw).rotation(); }
 
-// The reading at a time between two.
+// Linear interpolation between two readings.
 ImuReading Interpolate(const ImuReading& a, const ImuReading& b, std::int64_t stamp_ns) {
   const double share = static_cast<double>(stamp_ns - a.stamp_ns) / static_cast<double>(b.stamp_ns - a.stamp_ns);
   return {stamp_ns, a.yaw_rate_rad_s + share * (b.yaw_rate_rad_s - a.yaw_rate_rad_s),

@@ -15,11 +15,11 @@ struct ImuBias {
   Eigen::Vector2d acceleration_m_s2 = Eigen::Vector2d::Zero();
 };
 
-/// Readings summed up over an interval of time (preintegration), in the base frame at its beginning.
+/// Readings integrated over an interval (preintegration), in the base frame at its beginning.
 struct ImuMotion {
   double yaw_rad = 0.0;
-  Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< that was gained
-  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();    ///< where that leads, without the velocity at the beginning
+  Eigen::Vector2d velocity_m_s = Eigen::Vector2d::Zero();  ///< change of velocity
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();    ///< displacement by it, without that of the initial velocity
   Eigen::Matrix2d velocity_by_bias = Eigen::Matrix2d::Zero();  ///< derivatives by the accelerations' bias
   Eigen::Matrix2d position_by_bias = Eigen::Matrix2d::Zero();
 };
@@ -28,7 +28,7 @@ struct ImuMotion {
 class ImuTrack {
  public:
   MessageOutcome Add(const ImuReading& reading);
-  /// Forgets what is older, but for one reading before it.
+  /// Drops readings before stamp_ns, except the last of them.
   void DropBefore(std::int64_t stamp_ns);
   void DropOldest();
   void Clear() { readings_.clear(); }
@@ -37,11 +37,11 @@ class ImuTrack {
   std::size_t size() const { return readings_.size(); }
   std::int64_t newest_ns() const { return readings_.back().stamp_ns; }
 
-  /// How far, at most to limit_ns, readings follow each other without a hole; from_ns when there are none.
+  /// How far, at most to limit_ns, readings follow each other without a gap; from_ns when there are none.
   std::int64_t CoveredUntil(std::int64_t from_ns, std::int64_t limit_ns) const;
   /// The first reading at or after from_ns; limit_ns when there is none before it.
   std::int64_t NextStart(std::int64_t from_ns, std::int64_t limit_ns) const;
-  /// Of a covered interval: trapezoids between the readings.
+  /// Integrates over a covered interval by the trapezoidal rule.
   ImuMotion Between(std::int64_t from_ns, std::int64_t to_ns, const ImuBias& bias) const;
 
  private:

@@ -13,12 +13,12 @@ struct JumpFilterOptions {
 };
 
 /// Drops poses that jump from the last accepted one by more than a distance or an angle. The first pose is always
-/// accepted: when that one is wrong, all right ones after it are dropped, as in the thesis.
+/// accepted: when it is wrong, all right ones after it are dropped, as in the thesis.
 class JumpFilter {
  public:
   explicit JumpFilter(const JumpFilterOptions& options) : options_(options) {}
 
-  /// With odometry, what counts is the jump from the last accepted pose propagated by odometry.
+  /// With odometry the jump is measured from the last accepted pose propagated by odometry.
   bool Accept(const Pose2& map_from_base, const std::optional<Pose2>& odom_from_base);
   const JumpFilterOptions& options() const { return options_; }
 

@@ -12,7 +12,7 @@ namespace floorloc {
 
 /// Motion of the base between two times, by increments and IMU.
 struct MotionEstimate {
-  Pose2 motion;  ///< base at the first from base at the second
+  Pose2 motion;  ///< pose of the base at the second time in the base frame at the first
   double sigma_m = 0.0;
   double sigma_rad = 0.0;
 };
@@ -25,12 +25,12 @@ class KidnapDetector {
 
   explicit KidnapDetector(const KidnapOptions& options) : options_(options) {}
 
-  /// A fix that was not accepted. Returns how many of them, this one among them, agree with each other.
+  /// A fix that was not accepted. Returns how many contradicting fixes agree with it, itself included.
   int AddContradiction(const PoseFix& fix, const MotionBetween& motion_between);
   void Clear();
-  /// True while there are contradictions that are not resolved.
+  /// True when fixes contradicted the pose since the last accepted one.
   bool HasContradictions() const { return !contradictions_.empty(); }
-  /// True when the last of them agrees with an earlier one.
+  /// True when the last contradicting fix agrees with an earlier one.
   bool HasConsistentContradictions() const { return agreeing_ > 1; }
 
  private:
@@ -38,7 +38,7 @@ class KidnapDetector {
 
   KidnapOptions options_;
   std::deque<PoseFix> contradictions_;
-  int agreeing_ = 0;  // with the last one, itself included
+  int agreeing_ = 0;  // contradicting fixes that agree with the last one, itself included
 };
 
 }  // namespace floorloc

@@ -9,11 +9,11 @@
 
 namespace floorloc {
 
-/// A motion of the robot, measured by wheels or images.
+/// Motion of the robot between two times, measured by wheels or images.
 struct MotionIncrement {
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;  ///< later than from_ns
-  Pose2 motion;            ///< base at from_ns from base at to_ns
+  Pose2 motion;            ///< pose of the base at to_ns in the base frame at from_ns
   /// Of (x, y, yaw), additive, in the frame of the base at from_ns; empty: as in OdometryNoise.
   std::optional<Eigen::Matrix3d> covariance;
 };
@@ -25,12 +25,12 @@ struct ImuReading {
   Eigen::Vector2d acceleration_m_s2 = Eigen::Vector2d::Zero();  ///< forward and left
 };
 
-/// A pose that was measured in the map.
+/// A pose measured in the map from one image.
 struct PoseFix {
   std::int64_t stamp_ns = 0;  ///< when the image was taken, not when it was processed
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame
-  double p_wrong = 0.0;                                  ///< probability that it is a wrong place
+  double p_wrong = 0.0;                                  ///< probability that the pose is wrong
 };
 
 /// Outcome of a message.
@@ -39,7 +39,7 @@ enum class MessageOutcome {
   kUsedLate,   ///< out of order; inserted at its time
   kDuplicate,  ///< there is a message of this time already; ignored
   kTooOld,     ///< older than the history; ignored
-  kClockJump,  ///< the sender's clock was set: the history restarts with this message
+  kClockJump,  ///< the sender's clock was set; the history restarts with this message
   kInvalid,    ///< not finite, or ends before it begins; ignored
 };
 /// "used", "used_late", "duplicate", "too_old", "clock_jump", "invalid"

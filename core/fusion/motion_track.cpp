@@ -12,7 +12,7 @@ bool IsValid(const MotionIncrement& increment) {
          (!increment.covariance || increment.covariance->allFinite());
 }
 
-// Appends a share of an increment to a motion.
+// Appends a fraction of an increment to a motion.
 void Append(const MotionIncrement& increment, double share, TrackMotion* total) {
   const Pose2 motion = share < 1.0 ? Pose2::Exp(share * increment.motion.Log()) : increment.motion;
   const Eigen::Matrix3d adjoint = motion.Inverse().Adjoint();

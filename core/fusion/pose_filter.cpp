@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// States are remembered at least so far apart, to bound the recomputation after a late message.
+// Interval of the remembered states, which bounds the recomputation after a late message.
 constexpr std::int64_t kCheckpointNs = 200'000'000;
 
 // The motion while the clock was set is unknown.
@@ -78,14 +78,14 @@ void PoseFilter::TrimHistory() {
   trim(&record_.imu);
 }
 
-// Messages before the first pose are kept, too: they move the odom frame.
+// Messages before the first pose are kept too: they move odom_from_base.
 void PoseFilter::Start(std::int64_t stamp_ns) {
   if (checkpoints_.empty()) {
     checkpoints_.push_back({InitialState(stamp_ns, options_)});
   }
 }
 
-// The sender's clock was set: keeps the estimate, at the new time.
+// Clock jump of the sender: keeps the estimate, restamped, and drops the history.
 void PoseFilter::RestartAt(std::int64_t stamp_ns) {
   FilterState state = StateAt(*newest_ns_);
   record_ = {};
@@ -134,7 +134,7 @@ MessageOutcome PoseFilter::AddIncrement(MotionSource source, const MotionIncreme
   return outcome;
 }
 
-// Corrects the state of the image's time and repropagates what came after.
+// Corrects the state at the image's time and repropagates the states after it.
 void PoseFilter::AddVision(const MotionIncrement& increment) {
   if (increment.to_ns < checkpoints_.front().state.stamp_ns) {
     return;
@@ -152,7 +152,7 @@ MessageOutcome PoseFilter::AddImu(const ImuReading& reading) {
 std::size_t PoseFilter::LastCheckpointBefore(std::int64_t stamp_ns) const {
   const auto after = std::upper_bound(checkpoints_.begin(), checkpoints_.end(), stamp_ns,
                                       [](std::int64_t stamp, const Checkpoint& c) { return stamp < c.state.stamp_ns; });
-  return static_cast<std::size_t>(after - checkpoints_.begin()) - 1;  // the first one is never after what is asked
+  return static_cast<std::size_t>(after - checkpoints_.begin()) - 1;  // the first one is never later than stamp_ns
 }
 
 FilterState PoseFilter::StateAt(std::int64_t stamp_ns) const {
@@ -161,7 +161,7 @@ FilterState PoseFilter::StateAt(std::int64_t stamp_ns) const {
   return state;
 }
 
-// The place of the state of a time among those that are remembered; it is made when there is none.
+// Index of the checkpoint at a time; inserts one when there is none.
 std::size_t PoseFilter::CheckpointAt(std::int64_t stamp_ns) {
   const std::size_t before = LastCheckpointBefore(stamp_ns);
   if (checkpoints_[before].state.stamp_ns == stamp_ns) {
@@ -178,7 +178,7 @@ void PoseFilter::RepropagateSince(std::int64_t stamp_ns) {
   }
 }
 
-// The first state has none before it to be predicted from: it stays as it is.
+// The first state has no predecessor to be predicted from and is kept.
 void PoseFilter::RepropagateFrom(std::size_t index) {
   for (std::size_t i = std::max<std::size_t>(index, 1); i < checkpoints_.size(); ++i) {
     const std::int64_t stamp = checkpoints_[i].state.stamp_ns;

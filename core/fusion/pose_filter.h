@@ -13,7 +13,7 @@ namespace floorloc {
 
 /// Extended Kalman filter on SE(2) with its error state in the tangent space (Sola, Deray & Atchuthan 2018): pose,
 /// velocity, biases of the IMU and of the wheels. Fixes are applied at their own time: the states of the last seconds
-/// are remembered, and the filter is run again after a late message. Bounded in memory.
+/// are remembered, and the filter is rerun from the time of a late message. Bounded memory.
 class PoseFilter : public PoseFuser {
  public:
   /// Throws std::invalid_argument when the options do not pass Check().
@@ -28,16 +28,16 @@ class PoseFilter : public PoseFuser {
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
   std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override;
 
-  /// Everything that is estimated, at the newest message; empty before there is a pose.
+  /// The full state at the newest message; empty before there is a pose.
   std::optional<FilterState> State() const;
 
  private:
-  // A remembered state, and what was measured at its time.
+  // A remembered state and the measurements at its time.
   struct Checkpoint {
-    FilterState state;  // after both
+    FilterState state;  // after the measurements
     std::optional<MotionIncrement> vision = std::nullopt;
     std::optional<PoseFix> fix = std::nullopt;
-    bool fix_accepted = false;  ///< else it only adapts the noise
+    bool fix_accepted = false;  ///< false: the fix only adapts the noise
   };
 
   template <typename Track, typename Message>

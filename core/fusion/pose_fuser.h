@@ -11,12 +11,12 @@
 
 namespace floorloc {
 
-/// Ways to make one pose of increments and fixes.
+/// How increments and fixes are fused to one pose.
 enum class FusionMethod {
   kEkf,         ///< PoseFilter
   kIncrements,  ///< the first fix, propagated by increments alone
   kFixes,       ///< the last fix alone
-  kReplace,     ///< increments are added, a fix replaces the pose: the fuser of the thesis (3.3.8)
+  kReplace,     ///< increments are added, a fix replaces the pose, as in the thesis (3.3.8)
   kJumpFilter,  ///< the same, but fixes that jump by more than the distance and angle gates are dropped
 };
 /// "ekf", "increments", "fixes", "replace", "jump_filter"
@@ -26,7 +26,7 @@ FusionMethod ParseFusionMethod(const std::string& name);
 
 enum class MotionSource { kWheels, kVision };
 
-/// Keeps the pose of one vehicle. Not thread-safe: one caller at a time.
+/// Estimates the pose of one vehicle. Not thread-safe.
 class PoseFuser {
  public:
   virtual ~PoseFuser() = default;
@@ -34,16 +34,16 @@ class PoseFuser {
   virtual MessageOutcome AddIncrement(MotionSource source, const MotionIncrement& increment) = 0;
   virtual MessageOutcome AddImu(const ImuReading& reading) = 0;
   virtual FixOutcome AddFix(const PoseFix& fix) = 0;
-  /// The image of this time was not localized.
+  /// Reports that the image of this time was not localized.
   virtual void AddUnlocalizedFrame(std::int64_t stamp_ns) = 0;
   /// Sets the pose by hand; the next fixes are gated against it.
   virtual void SetPose(const PoseFix& pose) = 0;
 
   /// At the time of the newest message; empty before there was a fix or a pose by hand.
   virtual std::optional<FusedPose> Estimate() const = 0;
-  /// At a time that is remembered, or after the newest message; empty for earlier ones.
+  /// At a time within the history or after the newest message; empty for earlier times.
   virtual std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const = 0;
-  /// Motion of the base between two times without the fixes in between; empty for times that are not remembered.
+  /// Motion of the base between two times without the fixes in between; empty for times before the history.
   virtual std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const = 0;
 };
 

@@ -9,8 +9,9 @@
 
 namespace floorloc {
 
-/// The ways to fuse that need no covariance, to compare with: see FusionMethod. Messages count in the order of their
-/// arrival, whatever their times; every pose is reported as localized, with the covariance of the last fix.
+/// Baselines without covariance propagation: see FusionMethod. Messages are applied in the order of arrival; increments
+/// that end before the newest message are dropped as too old. Every pose is reported as localized, with the covariance
+/// of the last fix.
 class SimpleFuser : public PoseFuser {
  public:
   /// Any method but kEkf.

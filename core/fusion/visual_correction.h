@@ -7,9 +7,9 @@
 
 namespace floorloc {
 
-/// Kalman correction of the state, which is that of the image's time, by the motion of visual odometry up to it. A
-/// motion that does not begin at the last image begins a new visual pose. Where the images contradict the prediction,
-/// the images are used: wheels slip.
+/// Kalman correction of the state at the image's time by the motion of visual odometry that ends there. A motion that
+/// does not begin at the last image starts a new visual pose. Where the images contradict the prediction (wheel slip),
+/// the covariance of the predicted pose is inflated first.
 void CorrectByVision(const MotionIncrement& motion, const PoseFilterOptions& options, FilterState* state);
 
 }  // namespace floorloc
