@@ -24,7 +24,7 @@ Eigen::Vector2d DistortEquidistant(const std::vector<double>& k, const Eigen::Ve
   return p * (theta_d / r);
 }
 
-// Brown-Conrady with OpenCV's rational extension; the numbers that a model lacks are zero.
+// Brown-Conrady with OpenCV's rational extension; coefficients that a model lacks are zero.
 Eigen::Vector2d DistortRational(const std::vector<double>& d, const Eigen::Vector2d& p) {
   std::array<double, 8> k{};
   for (std::size_t i = 0; i < d.size() && i < k.size(); ++i) {
@@ -43,8 +43,8 @@ Eigen::Vector2d DistortNormalized(const CameraModel& camera, const Eigen::Vector
                                                                   : DistortRational(camera.distortion, p);
 }
 
-// A polynomial lens model can fold: beyond some radius, farther points come nearer again. An undistorted point is only
-// valid when its image moves outward all the way from the centre to it.
+// A polynomial lens model can fold: beyond some radius the distorted radius decreases again. An undistorted point is
+// valid only when the distorted radius increases all the way from the centre to it.
 bool IsBeforeFold(const CameraModel& camera, const Eigen::Vector2d& p) {
   constexpr int kSamples = 32;
   double previous = DistortNormalized(camera, Eigen::Vector2d::Zero()).norm();

@@ -25,7 +25,7 @@ struct CameraModel {
   double fx = 0.0, fy = 0.0;  ///< focal lengths, px
   double cx = 0.0, cy = 0.0;  ///< principal point, px
   DistortionModel distortion_model = DistortionModel::kPlumbBob;
-  std::vector<double> distortion;  ///< as many numbers as the model takes
+  std::vector<double> distortion;  ///< coefficients in the order of the model
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;

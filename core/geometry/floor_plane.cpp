@@ -21,7 +21,7 @@ void Require(bool ok, const char* message) {
 constexpr int kGridSteps = 8;
 using RoiGrid = std::array<Eigen::Vector2d, (kGridSteps + 1) * (kGridSteps + 1)>;
 
-// Points spread evenly over a rectangle, its corners and centre among them.
+// Grid of points over a rectangle, including its corners and centre.
 RoiGrid SpreadOver(const RectM& r) {
   RoiGrid points;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -34,8 +34,8 @@ RoiGrid SpreadOver(const RectM& r) {
   return points;
 }
 
-// Sign of the homography's local area change at a pixel: a camera above the floor turns the image over
-// (v runs down, y runs left and x forward), so the determinant is negative in front of the horizon.
+// Sign of the homography's local area change at a pixel: a camera above the floor reverses the orientation (u right and
+// v down; x forward and y left), so the determinant is negative in front of the horizon.
 double LocalOrientation(const Eigen::Matrix3d& base_from_pixel, const Eigen::Vector2d& pixel) {
   const double w = base_from_pixel.row(2) * pixel.homogeneous();
   return base_from_pixel.determinant() / (w * w * w);
@@ -45,7 +45,7 @@ double LocalOrientation(const Eigen::Matrix3d& base_from_pixel, const Eigen::Vec
 
 void FloorPlane::Check() const {
   Require(base_from_pixel.allFinite(), "homography must have 9 finite numbers");
-  // Relative to the size of the matrix: a homography means the same at every scale.
+  // Relative to the norm of the matrix: a homography is defined up to scale.
   const double size = base_from_pixel.norm();
   Require(std::abs(base_from_pixel.determinant()) > 1e-15 * size * size * size, "homography is singular");
   Require(std::isfinite(roi.width_m()) && std::isfinite(roi.height_m()), "roi must be finite");

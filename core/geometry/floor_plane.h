@@ -20,7 +20,7 @@ struct RectM {
   }
 };
 
-/// Where the floor is under the camera: floor.yaml.
+/// The floor relative to the camera: floor.yaml.
 struct FloorPlane {
   /// Undistorted pixel (u, v, 1) -> floor point in the base frame (x forward, y left), metres, homogeneous.
   Eigen::Matrix3d base_from_pixel = Eigen::Matrix3d::Identity();
@@ -31,19 +31,20 @@ struct FloorPlane {
   void Check() const;
 };
 
-/// A camera that looks at the floor: the pair camera.yaml + floor.yaml.
+/// A calibrated camera over the floor: camera.yaml and floor.yaml.
 struct FloorCamera {
   CameraModel camera;
   FloorPlane floor;
 
-  /// Checks both parts, and together: the homography is not mirrored, the region of interest lies in front of the
+  /// Checks both parts, and that they match: the homography is not mirrored, the region of interest is in front of the
   /// horizon and at least partly inside the image. Throws std::invalid_argument.
   void Check() const;
 
-  /// The same camera, rectified to another resolution: a map's keypoints only fit images of its own.
+  /// The same camera with another resolution: keypoints of a map only match images at the map's resolution.
   FloorCamera AtResolution(double resolution_m) const;
 
-  /// Where the camera is, base frame, from the homography's decomposition (Zhang 2000): z is its height.
+  /// Position of the camera in the base frame, metres, by decomposition of the homography (Zhang 2000); z is its
+  /// height.
   Eigen::Vector3d CameraCenter() const;
 
   Eigen::Vector2d FloorFromRawPixel(const Eigen::Vector2d& raw_px) const;

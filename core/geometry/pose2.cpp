@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// Below this angle the closed forms of Exp and Log lose digits to 0/0; their series are exact to double precision.
+// Below this angle the closed forms of Exp and Log lose digits (0/0), while their series are exact to double precision.
 constexpr double kSmallAngle = 1e-4;
 
 // The matrix V of SE(2)'s exponential: t = V(omega) * v. (Eade, "Lie Groups for 2D and 3D Transformations", eq. 135.)
