@@ -25,12 +25,12 @@ struct ViewRegistrationOptions {
   double resolution_m = 7e-4;
   float max_ratio_binary = 0.9F;
   float max_ratio_float = 0.85F;
-  double systematic_m = 1e-4;    ///< errors that residuals do not show (calibration, vibration), per registration
+  double systematic_m = 1e-4;    ///< errors not in the residuals (calibration, vibration), per registration
   double systematic_rad = 2e-4;  ///< the same for the heading
   double min_inlier_share = 0.1;
 };
 
-/// A frame against a view.
+/// Registration of a frame to a view.
 struct ViewRegistration {
   RegistrationStatus status = RegistrationStatus::kTooFewMatches;
   Pose2 view_from_base;
@@ -38,19 +38,19 @@ struct ViewRegistration {
   int matches = 0;
   int inliers = 0;
   double rms_m = 0.0;
-  double overlap = 0.0;  ///< share of the frame's keypoints that lie on the view's floor
+  double overlap = 0.0;  ///< share of the frame's keypoints on the floor of the view
 
   bool ok() const { return status == RegistrationStatus::kRegistered; }
 };
 
-/// A frame of the floor that others are registered to. Immutable after construction.
+/// A frame that others are registered to. Immutable after construction.
 class FloorView {
  public:
   /// Copies the features; keypoints in the base frame. resolution_m: of the rectified image.
   FloorView(std::int64_t stamp_ns, const Features& features, double resolution_m);
 
-  /// Matches near the guess, votes, RANSAC; then matches every keypoint again near where the pose found predicts it.
-  /// Not significant when fewer than a share of the keypoints of the common floor agree.
+  /// Matching near the guess, voting and RANSAC; then every keypoint is matched again near the position that the pose
+  /// predicts. kNotSignificant when too small a share of the keypoints on the common floor agrees.
   ViewRegistration Register(const Features& frame, const ViewGuess& guess,
                             const ViewRegistrationOptions& options) const;
 

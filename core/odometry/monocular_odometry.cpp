@@ -15,10 +15,10 @@ namespace {
 constexpr std::size_t kMinScaleLandmarks = 8;
 constexpr std::size_t kMinPoseLandmarks = 20;
 
-// Rays must meet at this angle for a depth; a finer angle's depth would be noise.
+// Least angle between rays for a triangulation: below it the depth is noise.
 constexpr double kMinAngleRad = 0.01;
 
-// External positions that differ by less give no length.
+// External positions that differ by less do not determine a length.
 constexpr double kMinLengthM = 1e-3;
 
 // A tracked point.
@@ -33,7 +33,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// The camera's motion since the keyframe, as a frame measured it.
+// Motion of the camera since the keyframe, measured by one frame.
 struct MeasuredMotion {
   MonocularStatus status = MonocularStatus::kLost;
   Eigen::Isometry3d camera_from_keyframe = Eigen::Isometry3d::Identity();
@@ -80,13 +80,13 @@ struct MonocularOdometry::State {
   PointTracker tracker;
   double focal_px;
   std::vector<TrackedPoint> tracks;     // one per point of the tracker
-  std::size_t initial_track_count = 0;  // points that the keyframe began with
+  std::size_t initial_track_count = 0;  // points at the keyframe
   Eigen::Isometry3d world_from_keyframe = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d camera_from_keyframe = Eigen::Isometry3d::Identity();  // of the newest frame
   std::optional<Eigen::Vector3d> keyframe_position_m;
   std::optional<std::int64_t> newest_ns;
-  double last_length = 1.0;  // between the last two keyframes; the unit, at first
-  bool scaled = false;       // there was a length already
+  double last_length = 1.0;  // translation between the last two keyframes; the unit of length, at first
+  bool scaled = false;       // a length is known
   int scale_breaks = 0;
 
   Eigen::Vector2d OnPlane(const cv::Point2f& raw) const {
@@ -123,7 +123,7 @@ struct MonocularOdometry::State {
     return landmarks;
   }
 
-  // Length of the translation since the keyframe: by external positions, or by landmarks of the keyframe. Empty without
+  // Length of the translation since the keyframe by external positions or by landmarks of the keyframe; empty without
   // either.
   std::optional<double> TranslationLength(const TwoViewMotion& motion, const std::vector<PointPair>& pairs,
                                           const std::optional<Eigen::Vector3d>& position_m) const {
@@ -147,7 +147,7 @@ struct MonocularOdometry::State {
     return std::nullopt;
   }
 
-  // Little parallax: landmarks may still determine the pose, the essential matrix does not.
+  // With little parallax the essential matrix is ill-conditioned, but landmarks may still determine the pose.
   MeasuredMotion MeasureWithSmallParallax(const std::vector<PointPair>& pairs, const RotationFit& rotation) const {
     MeasuredMotion measured;
     const std::vector<LandmarkObservation> landmarks = Landmarks(pairs);
@@ -161,7 +161,7 @@ struct MonocularOdometry::State {
       }
     }
     measured.status = MonocularStatus::kRotated;
-    // The camera stays where it was; only its direction is known.
+    // Only the rotation is known; the position is kept.
     const Eigen::Vector3d center = camera_from_keyframe.inverse().translation();
     measured.camera_from_keyframe.linear() = rotation.second_from_first;
     measured.camera_from_keyframe.translation() = -(rotation.second_from_first * center);
@@ -194,7 +194,7 @@ struct MonocularOdometry::State {
     return result;
   }
 
-  // The newest frame's points, each a track from here on.
+  // Starts a track for each point of the newest frame.
   void AddTracks(const std::optional<Eigen::Vector3d>& position_m) {
     tracker.Detect();
     for (std::size_t i = tracks.size(); i < tracker.points().size(); ++i) {
@@ -204,7 +204,7 @@ struct MonocularOdometry::State {
     keyframe_position_m = position_m;
   }
 
-  // The newest frame becomes the keyframe; points seen by both get their depth there.
+  // Makes the newest frame the keyframe; points visible in both keyframes get a depth in it.
   void MakeKeyframe(const MeasuredMotion& measured, const std::vector<PointPair>& pairs,
                     const std::optional<Eigen::Vector3d>& position_m) {
     for (std::size_t i = 0; i < tracks.size(); ++i) {
@@ -227,7 +227,7 @@ struct MonocularOdometry::State {
     AddTracks(position_m);
   }
 
-  // By external positions.
+  // True when external positions say that the camera has not moved.
   bool IsStationary(const std::optional<Eigen::Vector3d>& position_m) const {
     return position_m && keyframe_position_m && (*position_m - *keyframe_position_m).norm() < kMinLengthM;
   }

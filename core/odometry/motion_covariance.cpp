@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// Arm at which a turn weighs as much as a shift.
+// Lever arm that converts radians to metres before the eigenvalues are clamped.
 constexpr double kLeverM = 0.25;
 
 Eigen::Matrix3d RotationOf(const Pose2& pose) {
@@ -15,7 +15,8 @@ Eigen::Matrix3d RotationOf(const Pose2& pose) {
   return rotation;
 }
 
-// How an error of a pose shows in the pose after a motion: its yaw swings the shift (in the pose's target frame).
+// Derivative of the error after a motion by the error before it, in the target frame: an error of yaw rotates the
+// shift.
 Eigen::Matrix3d PropagationJacobian(const Eigen::Vector2d& shift) {
   Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
   jacobian(0, 2) = -shift.y();

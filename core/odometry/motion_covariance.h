@@ -15,15 +15,16 @@ struct AnchoredPose {
 };
 
 /// Covariance of the motion from.Between(to), additive in the frame of the base at `from`, when both poses were
-/// measured against one anchor. Half of their variance is the anchor's own noise, which they share. A `from` without
+/// measured against one anchor. Half of their variance is the noise of the anchor, which they share. A `from` with zero
 /// covariance is the anchor itself.
 Eigen::Matrix3d MotionCovariance(const AnchoredPose& from, const AnchoredPose& to);
 
-/// Covariance of the motion alike, such that motions that are taken as independent add up to `to`'s covariance:
-/// what `to` is less certain than `from`, moved there; zero in directions in which it is not.
+/// Covariance of the same motion for filters that treat motions as independent: the covariance of `to` minus that of
+/// `from` propagated to it, clamped to positive semidefinite, so that successive motions add up to the covariance of
+/// `to`.
 Eigen::Matrix3d IncrementalCovariance(const AnchoredPose& from, const AnchoredPose& to);
 
-/// The covariance of `from` propagated by an independent motion with that covariance, as a filter would do.
+/// Covariance of `from` propagated by an independent motion, as a filter does.
 Eigen::Matrix3d PropagatedCovariance(const AnchoredPose& from, const Pose2& motion,
                                      const Eigen::Matrix3d& motion_covariance);
 

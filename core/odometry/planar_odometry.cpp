@@ -12,7 +12,7 @@
 namespace floorloc {
 namespace {
 
-// First search radius about the prediction: so many pixels, and a share of the motion.
+// First search radius about the prediction: this many pixels plus a share of the motion.
 constexpr double kNearPx = 20.0;
 constexpr double kNearRad = 0.1;
 constexpr double kMotionShare = 0.3;
@@ -20,11 +20,11 @@ constexpr double kMotionShare = 0.3;
 // Factor of the second search radius.
 constexpr double kWideningFactor = 4.0;
 
-// Slack of the speed limits: time stamps are not exact.
+// Tolerance of the speed limits: time stamps are not exact.
 constexpr double kSlackM = 0.03;
 constexpr double kSlackRad = 0.1;
 
-// A guess may be wrong by this share of itself: wheels slip.
+// Relative error of a guess: wheels slip.
 constexpr double kGuessShare = 0.5;
 
 TrackingLoss ToTrackingLoss(RegistrationStatus status) {
@@ -47,7 +47,7 @@ double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return (static_cast<double>(to_ns) - static_cast<double>(from_ns)) * 1e-9;
 }
 
-// A frame that others may be registered to, and where the base was then.
+// A frame that others may be registered to, with its pose.
 struct Anchor {
   FloorView view;
   Pose2 odom_from_base;
@@ -57,10 +57,10 @@ struct Anchor {
 struct TrackedFrame {
   std::int64_t stamp_ns = 0;
   AnchoredPose pose;         ///< with the covariance of the registration
-  AnchoredPose accumulated;  ///< with the sum of what the motions since the keyframe added
+  AnchoredPose accumulated;  ///< with the sum of the incremental covariances since the keyframe
 };
 
-// A reference that a frame is registered to, and the frame that its motion then starts from.
+// An anchor to register to, and the frame from which the motion then starts.
 struct SearchTarget {
   std::unique_ptr<Anchor>* anchor;
   TrackedFrame from;
@@ -153,8 +153,8 @@ struct PlanarOdometry::State {
   PlanarOdometryOptions options;
   ViewRegistrationOptions registration;
   std::unique_ptr<Anchor> keyframe;
-  std::unique_ptr<Anchor> last;  // tracked, newer than the keyframe
-  std::unique_ptr<Anchor> lost;  // newest frame that was lost
+  std::unique_ptr<Anchor> last;  // last tracked frame after the keyframe
+  std::unique_ptr<Anchor> lost;  // newest lost frame
   TrackedFrame tracked;          // relative to the keyframe
   Eigen::Vector3d twist_per_s = Eigen::Vector3d::Zero();
   std::optional<std::int64_t> newest_ns;
@@ -177,7 +177,7 @@ struct PlanarOdometry::State {
     return prediction;
   }
 
-  // Near the prediction, then wider, then within the speed limits.
+  // Searches near the prediction, then in a wider radius, then within the speed limits.
   ViewRegistration Search(const Anchor& anchor, const Features& features, const Prediction& prediction) const {
     const Pose2 expected = anchor.odom_from_base.Between(prediction.odom_from_base);
     const double near_m = kNearPx * options.resolution_m + kMotionShare * prediction.step.translation().norm();
@@ -195,7 +195,7 @@ struct PlanarOdometry::State {
     return found;
   }
 
-  // Rejects motions beyond the speed limits or far from the guess, however well they fit.
+  // Rejects motions beyond the speed limits or far from the guess, however good the fit.
   TrackingLoss CheckPlausible(const VisualMotion& motion, const std::optional<Pose2>& guess) const {
     const double seconds = Seconds(motion.from_ns, motion.to_ns);
     const Pose2& step = motion.from_from_to;
@@ -223,7 +223,7 @@ struct PlanarOdometry::State {
     return result;
   }
 
-  // The references that a frame is registered to, in this order, and the frame that its motion then starts from.
+  // The anchors to register to, in this order.
   std::vector<SearchTarget> SearchTargets() {
     std::vector<SearchTarget> targets = {{&keyframe, tracked}};
     for (std::unique_ptr<Anchor>* anchor : {&last, &lost}) {
@@ -304,7 +304,7 @@ struct PlanarOdometry::State {
     return result;
   }
 
-  // The pose is propagated by the guess; without a guess it stays.
+  // Propagates the pose by the guess; keeps it without one.
   PlanarOdometryResult HandleLost(std::int64_t stamp_ns, const Features& features, TrackingLoss loss,
                                   const std::optional<Pose2>& guess) {
     twist_per_s.setZero();

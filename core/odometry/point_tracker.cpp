@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// More candidates than wanted, to spread them.
+// More candidates than needed, to choose spread ones.
 constexpr int kCandidatesPerPoint = 5;
 constexpr int kFastThreshold = 10;
 constexpr int kBriskThreshold = 20;
@@ -30,12 +30,12 @@ cv::Ptr<cv::Feature2D> MakeDetector(const PointTrackerOptions& options) {
   throw std::invalid_argument("unknown point detector");
 }
 
-// The image without a rim of so many pixels.
+// The image without a rim of rim_px.
 cv::Rect Inside(const cv::Size& size, int rim_px) {
   return cv::Rect(rim_px, rim_px, size.width - 2 * rim_px, size.height - 2 * rim_px) & cv::Rect({}, size);
 }
 
-// Points keep the tracker's window clear of the rim that is left out.
+// The tracker's window must not reach into the excluded border.
 int Rim(const PointTrackerOptions& options) {
   return options.border_px > 0 ? options.border_px + options.window_px / 2 : 0;
 }
@@ -128,7 +128,7 @@ PointTracker::Flow PointTracker::TrackFrom(std::vector<cv::Point2f> start, const
 }
 
 std::vector<bool> PointTracker::Advance(const cv::Mat& raw) {
-  // Exposure and light change from image to image, which Lucas-Kanade does not allow for.
+  // Lucas-Kanade assumes constant brightness, but exposure and light change between images.
   cv::Mat mask(raw.size(), CV_8UC1, cv::Scalar(0));
   mask(Inside(raw.size(), options_.border_px)).setTo(255);
   const cv::Mat gray = NormalizeContrast(raw, mask, {});

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMinAgreeing = 8;
 constexpr double kConfidence = 0.9999;
-constexpr double kHorizon = 1e4;  // baselines: farther points count as before the cameras, too
+constexpr double kHorizon = 1e4;  // in baselines; beyond its default of 50 cv::recoverPose would reject points
 
 Eigen::Vector3d Ray(const Eigen::Vector2d& point) { return point.homogeneous().normalized(); }
 
