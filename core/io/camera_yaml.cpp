@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
 
-// A YAML document whose errors name the file, and the line where there is one.
+// A YAML document whose errors name the file and, if known, the line.
 class YamlDocument {
  public:
   YamlDocument(const std::string& text, const std::filesystem::path& source) : source_(source) {
@@ -182,7 +182,7 @@ FloorPlane FloorFromYaml(const YamlDocument& document) {
   return floor;
 }
 
-// The shortest text that reads back as the same double. With a dot: YAML 1.1 takes 7e-04 for a string.
+// The shortest text that reads back as the same double. It has a dot: YAML 1.1 reads 7e-04 as a string.
 std::string NumberText(double value) {
   std::array<char, 32> buffer{};
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);

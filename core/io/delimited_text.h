@@ -12,21 +12,21 @@ namespace floorloc {
 /// One line of a text file with content.
 struct TextLine {
   int number = 0;         ///< counted from 1, as editors do
-  std::string_view text;  ///< without blanks at the ends; points into the text it was cut from
+  std::string_view text;  ///< trimmed; refers to the parsed text
 };
 
-/// The lines of a text that are neither blank nor comments ('#' comes first). Unix and Windows line ends and a UTF-8
-/// byte order mark are fine.
+/// The lines of a text that are neither blank nor comments (starting with '#'). Accepts Unix and Windows line ends and
+/// a UTF-8 byte order mark.
 std::vector<TextLine> ContentLines(std::string_view text);
 
-/// "a, b,c" -> {"a", "b", "c"}: fields without blanks at their ends, empty ones included.
+/// "a, b,c" -> {"a", "b", "c"}: trimmed fields, including empty ones.
 std::vector<std::string_view> SplitFields(std::string_view line, char separator);
 /// "a  b\tc" -> {"a", "b", "c"}.
 std::vector<std::string_view> SplitWords(std::string_view line);
 
-/// A finite decimal number that fills the whole text, whatever the locale.
+/// A finite decimal number that is the whole text; independent of the locale. Empty otherwise.
 std::optional<double> ParseNumber(std::string_view text);
-/// A whole number of nanoseconds within the range of time stamps (see kMaxStampNs).
+/// An integer number of nanoseconds within +-kMaxStampNs; empty otherwise.
 std::optional<std::int64_t> ParseNanoseconds(std::string_view text);
 /// "2.6x1.8" -> {2.6, 1.8}: two decimal numbers without sign and exponent, an 'x' or 'X' between them and nothing else.
 std::optional<std::array<double, 2>> ParseSize(std::string_view text);

@@ -22,13 +22,13 @@ bool IsFrameHeader(std::uint8_t marker) {
 }
 bool IsRestart(std::uint8_t marker) { return marker >= 0xD0 && marker <= 0xD7; }
 
-// One marker segment of a JPEG; `payload` stands behind the two bytes of length.
+// One marker segment of a JPEG; `payload` follows the two bytes of length.
 struct Segment {
   std::uint8_t marker = 0;
   Bytes payload;
 };
 
-// Reads the segments one after the other.
+// Iterates over the segments.
 class JpegParser {
  public:
   explicit JpegParser(Bytes bytes) : rest_(bytes) {}
@@ -39,7 +39,7 @@ class JpegParser {
     return ok;
   }
 
-  // Empty when there is no whole segment.
+  // The next segment; empty when there is no complete one.
   std::optional<Segment> Next() {
     if (rest_.empty() || rest_[0] != 0xFF) {
       return std::nullopt;
@@ -157,7 +157,7 @@ std::optional<int> CountJpegScans(std::span<const std::uint8_t> bytes) {
 }
 
 bool HasPngEnd(std::span<const std::uint8_t> bytes) {
-  // A chunk is its length, name, data and checksum.
+  // A chunk consists of length, name, data and checksum.
   constexpr std::size_t kSignature = 8;
   constexpr std::size_t kFrame = 12;
   constexpr std::uint32_t kEnd = 0x49454E44;  // "IEND"

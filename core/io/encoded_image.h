@@ -7,11 +7,11 @@
 
 namespace floorloc {
 
-/// Walks over a JPEG's segments and its compressed data without decoding them. Returns the number of scans, or empty
-/// when the file ends before its end marker: decoders only warn about that and make up the missing rows.
+/// Parses the segments of a JPEG without decoding the compressed data. Returns the number of scans, or empty when the
+/// file ends before its end marker: decoders only warn about that and fill in the missing rows.
 std::optional<int> CountJpegScans(std::span<const std::uint8_t> bytes);
 
-/// Walks over a PNG's chunks. False when the file ends before its end chunk.
+/// Parses the chunks of a PNG. False when the file ends before its end chunk.
 bool HasPngEnd(std::span<const std::uint8_t> bytes);
 
 }  // namespace floorloc

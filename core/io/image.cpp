@@ -19,7 +19,7 @@ constexpr int kMaxJpegScans = 100;
 
 std::string SizeText(int width_px, int height_px) { return std::to_string(width_px) + "x" + std::to_string(height_px); }
 
-// Everything that can be known before a pixel is decoded, so that no header can ask for memory or time.
+// All checks that need no decoding, so that no header can cause large allocations or long decoding.
 void CheckBeforeDecoding(std::span<const std::uint8_t> bytes, const cv::Size& expected,
                          const std::filesystem::path& source) {
   const std::optional<ImageHeader> header = ProbeImage(bytes);
@@ -47,11 +47,11 @@ void CheckBeforeDecoding(std::span<const std::uint8_t> bytes, const cv::Size& ex
   }
 }
 
-// shrink: that of the flags.
+// shrink: reduction factor of the flags.
 cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& expected,
                const std::filesystem::path& source, int shrink = 1) {
   CheckBeforeDecoding(bytes, expected, source);
-  // imdecode only reads the buffer, but a cv::Mat header cannot say so.
+  // imdecode only reads the buffer, but cv::Mat has no const header.
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
   cv::Mat decoded;
   try {
@@ -59,7 +59,7 @@ cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& e
   } catch (const cv::Exception&) {
     decoded.release();
   }
-  // Some decoders round shrunken sizes up, others down.
+  // Some decoders round reduced sizes up, others down.
   if (std::abs(decoded.cols * shrink - expected.width) >= shrink ||
       std::abs(decoded.rows * shrink - expected.height) >= shrink) {
     throw InputError(source, "the image is damaged; copy it again or remove it");

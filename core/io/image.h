@@ -11,7 +11,7 @@ namespace floorloc {
 
 enum class ImageFormat { kJpeg, kPng };
 
-/// What the header of an encoded image says; nothing has been decoded yet.
+/// Header of an encoded image, read without decoding.
 struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   int width_px = 0;
@@ -21,19 +21,19 @@ struct ImageHeader {
 /// Reads the header of a JPEG or PNG. Empty when the bytes are neither, or the header is cut off or damaged.
 std::optional<ImageHeader> ProbeImage(std::span<const std::uint8_t> bytes);
 
-/// Decodes a JPEG or PNG to 8-bit grey, ignoring EXIF orientation. The header must announce exactly
-/// width_px x height_px, which is checked before any pixel is decoded. `source` names the image in errors.
-/// Throws InputError.
+/// Decodes a JPEG or PNG to 8-bit grey, ignoring EXIF orientation. The header must give exactly width_px x height_px,
+/// which is checked before decoding. Returns CV_8UC1. `source` names the image in errors. Throws InputError.
 cv::Mat DecodeGray(std::span<const std::uint8_t> bytes, int width_px, int height_px,
                    const std::filesystem::path& source);
-/// The same, to 8-bit BGR.
+/// The same, to 8-bit BGR (CV_8UC3).
 cv::Mat DecodeColor(std::span<const std::uint8_t> bytes, int width_px, int height_px,
                     const std::filesystem::path& source);
 
 /// Reads and decodes an image of the given size from a file. Throws InputError.
 cv::Mat ReadGrayImage(const std::filesystem::path& file, int width_px, int height_px);
 cv::Mat ReadColorImage(const std::filesystem::path& file, int width_px, int height_px);
-/// An eighth as wide and high, rounded up or down; from a JPEG several times faster than the whole image.
+/// Reads a colour image reduced to an eighth of its width and height, rounded up or down; several times faster than the
+/// full size for a JPEG. Throws InputError.
 cv::Mat ReadSmallColorImage(const std::filesystem::path& file, int width_px, int height_px);
 
 }  // namespace floorloc

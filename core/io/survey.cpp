@@ -57,7 +57,7 @@ std::vector<SurveyFrame> ListImages(const fs::path& folder) {
   return frames;
 }
 
-// The line of frames.csv that lists an image, for messages only: frames do not carry their lines.
+// The line of frames.csv that lists an image, for messages only: frames do not store it.
 int LineOf(const std::string& filename, const std::string& frames_csv) {
   for (const TextLine& line : ContentLines(frames_csv)) {
     if (SplitFields(line.text, ',').back() == filename) {
@@ -75,7 +75,7 @@ void SortByTime(Survey* survey) {
   std::stable_sort(survey->frames.begin(), survey->frames.end(), earlier);
 }
 
-// Keeps the rows that can be used; the reasons of the others go to skipped_frames.
+// Keeps the usable rows and records the others with their reasons in skipped_frames.
 void SkipBadFrames(Survey* survey) {
   SortByTime(survey);
   std::vector<SurveyFrame> kept;
@@ -126,7 +126,7 @@ class FrameNames {
       known_.insert(frame.filename);
     }
   }
-  // row: counted from 0 below the line of column names.
+  // row: counted from 0 below the header line.
   void Require(const std::string& filename, std::size_t row, const fs::path& file, const std::string& text) const {
     if (!known_.contains(filename)) {
       throw InputError(file, ContentLines(text)[row + 1].number,

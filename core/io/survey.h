@@ -31,7 +31,7 @@ struct ControlPoint {
   Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
 };
 
-/// One row of known_distances.csv: raw pixels of two frames (or one) and the measured distance of what they show.
+/// One row of known_distances.csv: raw pixels in two frames (or one) and the measured distance of their floor points.
 struct KnownDistance {
   std::string first_filename;
   Eigen::Vector2d first_raw_px = Eigen::Vector2d::Zero();
@@ -40,11 +40,10 @@ struct KnownDistance {
   double distance_m = 0.0;
 };
 
-/// Policy for rows of frames.csv that can't be used as they are: disordered or repeated time stamps, images
-/// that are missing.
+/// Policy for unusable rows of frames.csv: unordered or repeated time stamps, missing images.
 enum class BadFramePolicy {
   kThrow,  ///< InputError names the first one
-  kSkip,   ///< rows are sorted by time, what can't be used is listed in Survey::skipped_frames
+  kSkip,   ///< rows are sorted by time; unusable ones are listed in Survey::skipped_frames
 };
 
 /// A row of frames.csv that is not used.
@@ -53,15 +52,15 @@ struct SkippedFrame {
   std::string reason;
 };
 
-/// One row of a file of markers: an ArUco or AprilTag marker that lies on the floor, and where.
+/// One row of a marker file: an ArUco or AprilTag marker on the floor and its pose in the map.
 struct KnownMarker {
   int id = 0;
   Eigen::Vector2d center_in_map_m = Eigen::Vector2d::Zero();
-  std::optional<double> yaw_rad;  ///< of its x axis: to the right when its image is upright; empty: not measured
+  std::optional<double> yaw_rad;  ///< of its x axis, which points right in its upright image; empty: not measured
   int line = 0;                   ///< of the file
 };
 
-/// A survey folder, parsed and checked (images must exist, but are not read).
+/// A survey folder, parsed and checked; images must exist but are not read.
 struct Survey {
   std::filesystem::path folder;
   FloorCamera camera;
@@ -77,12 +76,11 @@ struct Survey {
   std::filesystem::path ImagePath(const SurveyFrame& frame) const { return folder / frame.filename; }
 };
 
-/// Reads a folder in the survey format. A folder without frames.csv but with images/ is read too: the frames are the
-/// images in alphabetical order, one second apart. Throws InputError that names file, line and reason.
+/// Reads a folder in the survey format. Without frames.csv the frames are the files of images/ in alphabetical order,
+/// one second apart. Throws InputError that names file, line and reason.
 Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames = BadFramePolicy::kThrow);
 
-/// Images of a calibrated camera that need not look at a floor: a folder like a survey's, but floor.yaml is not asked
-/// for.
+/// Images of a calibrated camera that need not show a floor: a survey folder, of which floor.yaml is not required.
 struct CameraRecording {
   std::filesystem::path folder;
   CameraModel camera;
@@ -94,14 +92,14 @@ struct CameraRecording {
 /// Throws InputError that names file, line and reason.
 CameraRecording ReadCameraRecording(const std::filesystem::path& folder);
 
-/// The rows in the order of the file. kSkip: time stamps need not increase.
+/// Parses the rows in the order of the file. kSkip: time stamps need not increase.
 std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
                                         BadFramePolicy bad_frames = BadFramePolicy::kThrow);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
 std::string FormatImuCsv(const std::vector<ImuSample>& samples);
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
 std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const std::filesystem::path& source);
-/// "id,x,y,yaw": metres and radians in the map frame; yaw may be empty. No id may come twice.
+/// "id,x,y,yaw": metres and radians in the map frame; yaw may be empty. Ids must be unique.
 std::vector<KnownMarker> ParseMarkersCsv(const std::string& text, const std::filesystem::path& source);
 
 }  // namespace floorloc

@@ -12,7 +12,7 @@
 namespace floorloc {
 namespace {
 
-// Checks the line of column names and returns the rows behind it.
+// Checks the header line and returns the rows after it.
 std::vector<TextLine> RowsBelowHeader(std::string_view text, const std::string& header,
                                       const std::filesystem::path& source) {
   std::vector<TextLine> lines = ContentLines(text);
@@ -65,7 +65,7 @@ void CheckIncreasing(std::int64_t stamp_ns, std::int64_t previous_ns, int line, 
   }
 }
 
-// A survey's images lie in its folder: a name that leads out of it is a mistake or an attack.
+// Images must be inside the survey folder: a path out of it is a mistake or an attack.
 void CheckInsideFolder(const std::string& filename, int line, const std::filesystem::path& source) {
   const std::filesystem::path path(filename);
   bool inside = !filename.empty() && path.is_relative() && filename.find('\0') == std::string::npos;

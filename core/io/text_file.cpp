@@ -18,7 +18,7 @@ namespace {
 
 std::string Reason(int error_number) { return std::generic_category().message(error_number); }
 
-// Reads in pieces and ignores the size that the file system reports: pipes have none, and files grow.
+// Reads in chunks and ignores the size that the file system reports: pipes have none, and files may grow.
 template <typename Bytes>
 Bytes ReadWhole(const std::filesystem::path& file, std::uint64_t max_bytes) {
   std::error_code ignored;
@@ -48,7 +48,7 @@ Bytes ReadWhole(const std::filesystem::path& file, std::uint64_t max_bytes) {
   return content;
 }
 
-// A file that is being written under a temporary name; unless Commit() succeeds, nothing of it stays.
+// A file written under a temporary name; removed unless Commit() succeeds.
 class TemporaryFile {
  public:
   explicit TemporaryFile(std::filesystem::path target) : target_(std::move(target)) {
@@ -106,7 +106,7 @@ class TemporaryFile {
                                   "free space");
   }
 
-  // The rename itself is on the disk once the folder is. File systems that cannot flush a folder say EINVAL.
+  // The rename is durable once the folder is flushed. File systems that cannot flush a folder return EINVAL.
   void FlushFolder() const {
     const std::filesystem::path parent = target_.parent_path();
     const int folder = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

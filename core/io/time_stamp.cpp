@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
-// A decimal number taken apart: 0.d1d2d3... * 10^point.
+// A decimal number: 0.d1d2d3... * 10^point.
 struct Decimal {
   bool negative = false;
   std::string digits;
@@ -29,7 +29,7 @@ std::string_view TakeDigits(std::string_view& text) {
   return digits;
 }
 
-// The "e+09" behind a number; zero when there is none. Exponents that no time stamp needs are refused.
+// The exponent after a number ("e+09"); zero when there is none. Exponents too large for any time stamp are rejected.
 std::optional<int> ParseExponent(std::string_view text) {
   if (text.empty()) {
     return 0;
@@ -70,7 +70,7 @@ std::optional<std::int64_t> ParseSeconds(const std::string& text) {
   if (!decimal) {
     return std::nullopt;
   }
-  // The first `whole` digits are nanoseconds; the next one rounds them.
+  // The first `whole` digits are nanoseconds; the next one is for rounding.
   const int whole = decimal->point + 9;
   if (whole < 0) {
     return 0;
@@ -98,7 +98,7 @@ std::string FormatSeconds(std::int64_t stamp_ns) {
 }
 
 double ToSeconds(std::int64_t stamp_ns) {
-  // Whole seconds and rest apart: the nanoseconds of a Unix time do not fit a double's 53 bits.
+  // Whole seconds and the rest separately: the nanoseconds of a Unix time do not fit the 53 bits of a double.
   const std::int64_t seconds = stamp_ns / kNsPerSecond;
   return static_cast<double>(seconds) + 1e-9 * static_cast<double>(stamp_ns % kNsPerSecond);
 }

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kPoseFields = 8;
 constexpr double kMaxPositionM = 1e9;
 
-// Where a row came from, for error messages.
+// Source of a row, for error messages.
 struct Row {
   const std::filesystem::path& source;
   const TextLine& line;
@@ -25,8 +25,8 @@ struct Row {
   [[noreturn]] void Fail(const std::string& reason) const { throw InputError(source, line.number, reason); }
 };
 
-// Numbers 2 to 8 of a row: the position, then the quaternion. Stamps are read apart because they need more digits than
-// a double has.
+// Numbers 2 to 8 of a row: the position, then the quaternion. Stamps are parsed separately because they need more
+// digits than a double has.
 std::array<double, kPoseFields - 1> ParsePoseNumbers(std::span<const std::string_view> fields, const Row& row) {
   std::array<double, kPoseFields - 1> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) {

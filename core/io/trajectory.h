@@ -37,12 +37,12 @@ Trajectory ParseEurocCsv(const std::string& text, const std::filesystem::path& s
 /// Reads a trajectory in either format: .csv is EuRoC, everything else TUM.
 Trajectory ReadTrajectory(const std::filesystem::path& file);
 
-/// The pose at a time: geodesic interpolation between the neighbours. Empty before the first and after the last row,
-/// and where the neighbours are more than `max_gap_s` apart.
+/// Pose at a time by geodesic interpolation between the neighbours on SE(2). Empty before the first and after the last
+/// row, and where the neighbours are more than `max_gap_s` apart.
 std::optional<Pose2> InterpolatePose(const Trajectory& trajectory, std::int64_t stamp_ns, double max_gap_s = 1.0);
 
-/// Seconds <-> integer nanoseconds without the loss of a double. The text may have an exponent, as numpy writes it;
-/// digits beyond nanoseconds are rounded. Empty for anything else and for times beyond +-4e9 s.
+/// Seconds <-> integer nanoseconds, without the rounding of a double. The text may have an exponent, as numpy writes
+/// it; digits beyond nanoseconds are rounded. Empty for anything else and for times beyond +-4e9 s.
 std::optional<std::int64_t> ParseSeconds(const std::string& text);
 std::string FormatSeconds(std::int64_t stamp_ns);
 double ToSeconds(std::int64_t stamp_ns);
