@@ -77,7 +77,7 @@ double CheckedRow::Coordinate(int column, const char* what) const {
 }
 
 Pose2 CheckedRow::Pose(int first_column, const char* what) const {
-  constexpr double kMaxYawRad = 1e3;  // any number of turns that leaves a double its digits
+  constexpr double kMaxYawRad = 1e3;  // any number of turns at which a double still resolves the angle
   const std::string name(what);
   return {Coordinate(first_column, (name + "x").c_str()), Coordinate(first_column + 1, (name + "y").c_str()),
           Real(first_column + 2, (name + "yaw").c_str(), -kMaxYawRad, kMaxYawRad)};

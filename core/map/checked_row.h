@@ -10,14 +10,14 @@
 
 namespace floorloc {
 
-/// Throws a MapError that names the file, says what is wrong with it and what to do.
+/// Throws a MapError (damaged) that names the file, what is wrong with it and what to do.
 [[noreturn]] void ThrowDamaged(const SqliteConnection& connection, const std::string& what);
 
-/// A row of a map's table whose values are checked as they are read: SQLite keeps a value of any type in any column.
-/// What is wrong is thrown as a MapError that names row and column.
+/// A row of a map table whose values are checked as they are read: SQLite allows any type in any column. Throws a
+/// MapError that names row and column.
 class CheckedRow {
  public:
-  /// name: of the row, for the sentence, e.g. "frame 12". Refers to both others.
+  /// name: of the row, for messages, e.g. "frame 12". Refers to connection and row, which must outlive it.
   CheckedRow(const SqliteConnection& connection, const SqliteStatement& row, std::string name)
       : connection_(connection), row_(row), name_(std::move(name)) {}
 
@@ -25,7 +25,7 @@ class CheckedRow {
   int Integer(int column, const char* what, std::int64_t low, std::int64_t high) const;
   /// A finite number, low <= number <= high.
   double Real(int column, const char* what, double low, double high) const;
-  /// Of the map frame, metres: not farther from its origin than any floor reaches.
+  /// A coordinate in the map frame, metres, at most kMaxMapCoordinateM in magnitude.
   double Coordinate(int column, const char* what) const;
   /// x, y and yaw in successive columns.
   Pose2 Pose(int first_column, const char* what) const;

@@ -21,7 +21,7 @@ class ContentHash {
   ContentHash& Add(double number);
   ContentHash& Add(const std::string& text);  ///< with its length, so that "ab","c" differs from "a","bc"
 
-  /// 64 hex digits. The hash can't be added to afterwards.
+  /// 64 hex digits. Nothing can be added afterwards.
   std::string Hex();
   /// The first eight bytes, big-endian.
   std::int64_t Checksum();

@@ -25,7 +25,7 @@ Number FromText(const std::string& name, const std::string& text) {
   return value;
 }
 
-// Visits every field once, so that writing and reading cannot disagree.
+// Visits every field once, for writing and reading alike, so that they cannot differ.
 template <typename Options, typename Visit>
 void VisitFields(Options& o, const Visit& visit) {
   visit("max_keypoints", o.max_keypoints);

@@ -26,7 +26,7 @@ struct MapParent {
 struct MapFileLayer {
   std::string name;
   int version = 1;
-  bool required = true;      ///< whoever does not know it must not use the map
+  bool required = true;      ///< a program that does not know it must not use the map
   std::string content_hash;  ///< SHA-256, hex; empty in maps of format version 2
   bool known = true;         ///< false: this program does not read it
 };
@@ -49,18 +49,18 @@ struct MapInfo {
   std::string surveys_json;          ///< provenance: one object per survey
   std::string report_json;           ///< build report
 
-  /// Of the first survey: frames are rectified at its resolution.
+  /// Camera of the first survey: frames are rectified at its resolution.
   const FloorCamera& camera() const { return cameras.front(); }
 };
 
-/// One survey frame as it was placed.
+/// One survey frame with its pose in the map.
 struct MapFrame {
   std::int64_t stamp_ns = 0;
   std::string filename;
   Pose2 map_from_base;
   int survey = 0;                                      ///< index into MapInfo::cameras
-  double gain = 1.0;                                   ///< factor that evens out its exposure
-  std::optional<Pose2> odom_from_base = std::nullopt;  ///< where its survey's odometry put it
+  double gain = 1.0;                                   ///< exposure compensation: factor on the grey levels
+  std::optional<Pose2> odom_from_base = std::nullopt;  ///< pose by the odometry of its survey
 };
 
 /// A motion between two frames of a map, measured by registering their images.
@@ -71,7 +71,7 @@ struct MapLink {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive in the first's frame
   int inliers = 0;
   double rms_m = 0.0;           ///< keypoint residual
-  double residual_sigma = 0.0;  ///< residual of the frames' poses against it, standard deviations
+  double residual_sigma = 0.0;  ///< residual of the frames' poses, in standard deviations of the link
 };
 
 /// All keypoints of a map, in memory, in the map frame.
@@ -79,16 +79,16 @@ struct MapKeypoints {
   std::vector<Keypoint> keypoints;
   std::vector<std::uint16_t> observations;  ///< number of frames that saw the point
   cv::Mat descriptors;
-  /// 0: the map has an equal descriptor at another place, 255: the nearest one is as far as expected of a random
-  /// one.
+  /// Distance to the nearest descriptor at another place in the map: 0 when it is equal, 255 when it is as far as
+  /// expected of a random one.
   std::vector<std::uint8_t> distinctiveness;
   std::vector<std::uint16_t> last_survey;  ///< index of the newest survey that saw the point
 
   std::size_t size() const { return keypoints.size(); }
 };
 
-/// Levels of the mosaic: level `max_zoom` has the map's resolution, every level above half of it.
-/// Tile (z, x, y): x counts from the map frame's origin to the right (+x), y UP (+y); both may be negative.
+/// Pyramid of the mosaic: level `max_zoom` has resolution_m, each level z - 1 twice as many metres per pixel as level
+/// z. Tile (z, x, y): counted from the map frame's origin, x to the right (+x), y UP (+y); both may be negative.
 struct MosaicLayout {
   int tile_px = 256;
   int max_zoom = 0;

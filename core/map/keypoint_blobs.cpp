@@ -32,7 +32,7 @@ bool HasValidLengths(const KeypointBlobs& blobs, std::size_t row_bytes) {
          blobs.last_survey.size() == n * 2 && blobs.descriptor.size() == n * row_bytes;
 }
 
-// Floats round a place in the tile to its edges at most.
+// Rounding to float moves a position in the tile at most onto its edges.
 bool LiesInTile(float x_m, float y_m, const KeypointTile& tile) {
   const auto side_m = static_cast<float>(tile.side_m);
   const float slack_m = 1e-3F * side_m;

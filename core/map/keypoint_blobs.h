@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// The columns of one row of keypoint_tile, packed as schema/map.sql says.
+/// The columns of one row of keypoint_tile, packed as in schema/map.sql.
 struct KeypointBlobs {
   int count = 0;
   Blob position, angle, size, response, observations, distinctiveness, last_survey, descriptor;

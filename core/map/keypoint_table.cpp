@@ -40,7 +40,7 @@ KeypointColumns ReadColumns(const SqliteConnection& connection) {
           row.Real(2, "keypoint_tile_m", 1e-3, 1e4)};
 }
 
-// A map without keypoints may leave the length open.
+// The stored layout of a map without keypoints is not checked.
 void CheckDescriptors(const SqliteConnection& connection, ExtractorType type, std::size_t keypoints,
                       DescriptorLayout* layout) {
   const DescriptorLayout expected = LayoutOf(type);
@@ -51,7 +51,7 @@ void CheckDescriptors(const SqliteConnection& connection, ExtractorType type, st
   *layout = expected;
 }
 
-// From the blobs' real lengths, so never more than the file holds.
+// From the actual lengths of the blobs, so never more than the file holds.
 std::size_t CountKeypoints(const SqliteConnection& connection) {
   SqliteStatement sum(connection, "SELECT COALESCE(SUM(LENGTH(angle) / 4), 0) FROM keypoint_tile");
   sum.Step();
@@ -62,7 +62,7 @@ std::size_t CountKeypoints(const SqliteConnection& connection) {
   return static_cast<std::size_t>(total);
 }
 
-// Of the keypoints from `first` on, which came from this row.
+// Checks the keypoints from `first` on, which are those of this row.
 void CheckTile(const CheckedRow& row, const MapKeypoints& keypoints, std::size_t first, std::size_t surveys) {
   constexpr float kMaxAngleRad = 100.0F;
   constexpr float kMaxSizeM = 1e4F;

@@ -6,8 +6,8 @@
 
 namespace floorloc {
 
-/// All tiles of keypoints, every blob's length and checksum verified, every number within reason, every survey one of
-/// the `info`'s. Throws a MapError (damaged) that names the tile.
+/// Reads all tiles of keypoints and verifies length and checksum of every blob, the range of every number, and that
+/// every survey is in `info`. Throws a MapError (damaged) that names the tile.
 MapKeypoints ReadKeypointTable(const SqliteConnection& connection, const MapInfo& info);
 
 }  // namespace floorloc

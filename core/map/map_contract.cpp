@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// The value's type, then the value: no two rows of different values are the same bytes.
+// The type, then the value, so that different rows never yield the same bytes.
 void AddValue(const SqliteStatement& row, int column, ContentHash* hash) {
   const int type = row.Type(column);
   hash->Add(std::int64_t{type});
@@ -33,7 +33,7 @@ void AddValue(const SqliteStatement& row, int column, ContentHash* hash) {
   }
 }
 
-// As version 2 wrote it; it covers neither surveys nor report.
+// Content version as in format version 2, which covers neither surveys nor report.
 std::string ContentVersionOfFormat2(const SqliteConnection& connection) {
   ContentHash hash;
   SqliteStatement map(connection,

@@ -13,10 +13,10 @@ namespace floorloc {
 
 // Constants and encodings shared by reader and writer.
 constexpr std::int64_t kMapApplicationId = 0x464C4F43;  // "FLOC"
-constexpr int kMapFormatVersion = 3;                    // what is written
+constexpr int kMapFormatVersion = 3;                    // version that is written
 constexpr int kOldestMapFormatVersion = 2;
 constexpr int kFirstVersionWithLayers = 3;
-/// No floor lies farther from the map frame's origin, not even in UTM coordinates: northings end at 10,000 km.
+/// Largest coordinate in the map frame; allows UTM coordinates, whose northings end at 10,000 km.
 constexpr double kMaxMapCoordinateM = 1e7;
 
 Blob PackDoubles(std::span<const double> values);
@@ -31,9 +31,9 @@ bool IsSha256(const std::string& text);
 /// Adds all rows of a query, each value with its type: schema/README.md has the layout.
 void AddRows(const SqliteConnection& connection, const std::string& query, ContentHash* hash);
 
-/// SHA-256 over all that the map says, the layers by the hashes that their table holds; schema/README.md lists what
-/// does not count. In maps of format version 2: over what decides the answers (frame placement, links, cameras,
-/// extractor, keypoints, mosaic).
+/// SHA-256 over the content of a map; layers enter by their hashes in the table of layers. schema/README.md lists what
+/// is excluded. Format version 2: over what affects the answers only (frame placement, links, cameras, extractor,
+/// keypoints, mosaic).
 std::string ComputeContentVersion(const SqliteConnection& connection);
 
 }  // namespace floorloc

@@ -23,8 +23,7 @@ SqliteConnection OpenChecked(const std::filesystem::path& file) {
     throw MapError(file.string() + " does not exist or is not a file; give the path of a .floormap file");
   }
   SqliteConnection connection(file, SqliteConnection::Mode::kReadOnly);
-  // A map comes from outside: nothing in it may run code or exceed its limits (SQLite, "Defense Against The Dark
-  // Arts").
+  // A map is untrusted input: nothing in it may run code or exceed limits (SQLite, "Defense Against The Dark Arts").
   sqlite3_db_config(connection.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(connection.get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_limit(connection.get(), SQLITE_LIMIT_LENGTH, kMaxBlobBytes);
@@ -73,7 +72,7 @@ void MapDatabase::Impl::CheckContract() const {
     std::replace(found.begin(), found.end(), '\n', ' ');
     ThrowDamaged(connection, "SQLite's quick_check: " + found);
   }
-  // It comes from outside: what computes when it is read could compute for ever.
+  // Untrusted input: views, triggers and virtual tables could compute without end.
   SqliteStatement code(connection,
                        "SELECT COUNT(*) FROM sqlite_schema WHERE type NOT IN ('table', 'index') "
                        "OR sql LIKE 'CREATE VIRTUAL%'");
@@ -123,7 +122,7 @@ FloorMap MapDatabase::ReadMap() const {
   map.info = ReadInfoTables(impl_->connection);
   map.mosaic = ReadMosaicColumns(impl_->connection);
   map.keypoints = ReadKeypointTable(impl_->connection, map.info);
-  // Not part of the answer, but a map is used whole or not at all.
+  // Not returned, but a map is used only when all of it is valid.
   impl_->ReadFrames();
   impl_->ReadLinks();
   impl_->CheckMosaicTileIds();

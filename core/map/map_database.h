@@ -12,13 +12,12 @@
 
 namespace floorloc {
 
-/// A map file opened read-only. Thread-safe: calls are serialised inside. What its functions return is consistent,
-/// whatever the file holds: every index names something that is there, every number is finite and within reason. They
-/// throw a MapError that names table, row and column where that does not hold.
+/// A map file opened read-only. Thread-safe: calls are serialised inside. All functions return consistent data or throw
+/// a MapError that names table, row and column: every index is valid, every number finite and within its range.
 class MapDatabase {
  public:
-  /// Checks the application id, the format version, SQLite's quick_check, that there are tables only, and that no
-  /// layer is required that this program does not know.
+  /// Checks the application id, the format version, SQLite's quick_check, that there are only tables, and that all
+  /// required layers are known. Throws MapError.
   explicit MapDatabase(const std::filesystem::path& file);
   ~MapDatabase();
   MapDatabase(const MapDatabase&) = delete;
@@ -26,17 +25,17 @@ class MapDatabase {
 
   MapInfo ReadInfo() const;
   MosaicLayout ReadMosaicLayout() const;
-  /// Info, layout and all keypoints, every blob's length and checksum verified. Checks all other tables, too.
+  /// Info, layout and all keypoints, every blob's length and checksum verified. Checks all other tables too.
   FloorMap ReadMap() const;
   std::vector<MapFrame> ReadFrames() const;
-  /// Every link joins two of ReadFrames().
+  /// Links index the frames of ReadFrames().
   std::vector<MapLink> ReadLinks() const;
   /// The encoded JPEG of a mosaic tile, its checksum verified; empty where the map has none.
   std::optional<std::vector<std::uint8_t>> ReadMosaicTile(const TileId& tile) const;
-  /// Of one level; all lie on the surveyed floor.
+  /// Tiles of one level, all on the surveyed floor.
   std::vector<TileId> ListMosaicTiles(int zoom) const;
-  /// Reads every byte that this program knows and recomputes the content version, by the rule of the file's format
-  /// version. Throws MapError when it differs from the stored one. Layers that it does not know are not looked into.
+  /// Reads all known content and recomputes the content version by the rule of the file's format version. Throws
+  /// MapError when it differs from the stored one. Unknown layers are not verified.
   void VerifyContent() const;
 
  private:

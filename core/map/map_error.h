@@ -11,9 +11,9 @@ namespace floorloc {
 class MapError : public std::runtime_error {
  public:
   enum class Kind {
-    kOther,        ///< missing, not readable, not writable, or not fit for what is asked
-    kDamaged,      ///< no map, or one whose content contradicts itself: it stays so
-    kUnsupported,  ///< whole, but it takes another version of this program
+    kOther,        ///< missing, not readable, not writable, or unsuitable for the request
+    kDamaged,      ///< not a map, or inconsistent content; retrying does not help
+    kUnsupported,  ///< intact, but needs another version of this program
   };
 
   explicit MapError(const std::string& what, Kind kind = Kind::kOther) : std::runtime_error(what), kind_(kind) {}

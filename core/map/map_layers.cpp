@@ -13,7 +13,7 @@ namespace floorloc {
 namespace {
 
 // A layer as this program reads and writes it, and the rows that its hash covers. Blobs of tiles are covered by the
-// checksums that stand beside them.
+// checksums in their rows.
 struct KnownLayer {
   const char* name;
   int version;
@@ -51,7 +51,7 @@ MapFileLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement
   if (!IsSha256(layer.content_hash)) {
     row.Refuse("content_hash is no SHA-256 in hex");
   }
-  // Those that this program knows, it needs.
+  // This program needs every known layer, so a newer version of one is unsupported, required or not.
   const KnownLayer* known = FindKnown(layer.name);
   layer.known = known != nullptr;
   if (layer.known ? layer.version > known->version : layer.required) {

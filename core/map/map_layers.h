@@ -15,10 +15,10 @@ namespace floorloc {
 /// damaged when one is missing that it needs. Maps of format version 2 have no table, and these layers in version 1.
 std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection);
 
-/// Fills the table for what this program writes; the layers' own tables must be complete.
+/// Fills the table of layers; the tables of the layers must be complete.
 void WriteLayers(const SqliteConnection& connection);
 
-/// SHA-256 over the tables of a layer that this program knows, hex.
+/// SHA-256 over the tables of a known layer, hex.
 std::string ComputeLayerHash(const SqliteConnection& connection, const std::string& name);
 
 }  // namespace floorloc

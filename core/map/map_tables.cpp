@@ -19,7 +19,8 @@ namespace {
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 constexpr double kMaxReal = std::numeric_limits<double>::max();
 
-// From the base frame's origin. Frames are covered and drawn cell by cell: a larger floor in view is an error of units.
+// Largest distance of a region of interest from the base frame's origin. Frames are processed cell by cell; a larger
+// region is an error of units.
 constexpr double kMaxRoiM = 50.0;
 
 constexpr double kMaxResolutionM = 10.0;
@@ -35,7 +36,7 @@ DistortionModel ParseDistortionModel(const std::string& name) {
 }
 
 FloorCamera ReadCamera(const CheckedRow& row) {
-  constexpr int kMaxSidePx = 1 << 20;  // CameraModel::Check() knows better; no overflow until there
+  constexpr int kMaxSidePx = 1 << 20;  // avoids overflow; CameraModel::Check() has the real limits
   FloorCamera c;
   c.camera.name = row.Text(1, "name");
   c.camera.width_px = row.Integer(2, "width_px", 1, kMaxSidePx);
@@ -106,7 +107,7 @@ ExtractorOptions ReadExtractor(const SqliteConnection& connection) {
   }
 }
 
-// SQLite's own check also bounds how deep the JSON nests: what walks through it later may recurse.
+// SQLite's check also bounds the nesting depth, so that later parsers may recurse.
 void CheckJson(const SqliteConnection& connection) {
   SqliteStatement valid(connection, "SELECT json_valid(surveys_json), json_valid(report_json) FROM map");
   valid.Step();
@@ -165,7 +166,7 @@ Eigen::Matrix3d ReadCovariance(const CheckedRow& row, int column) {
   const std::vector<double> c = row.Doubles(column, "covariance", 6);
   Eigen::Matrix3d covariance;
   covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  // Scaled to correlations, metres and radians don't matter.
+  // Scaled to a correlation matrix, so that the units do not matter.
   const Eigen::Vector3d scale = covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseInverse();
   const Eigen::Matrix3d correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
   if (!correlation.allFinite() || correlation.llt().info() != Eigen::Success) {
@@ -189,7 +190,7 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
   info.builder_version = row.Text(0, "builder_version");
   info.id = row.Text(1, "id");
   info.content_version = row.Text(2, "content_version");
-  if (!IsSha256(info.content_version)) {  // it stands in HTTP headers and file names
+  if (!IsSha256(info.content_version)) {  // it is used in HTTP headers and file names
     row.Refuse("content_version is no SHA-256 in hex");
   }
   info.name = row.Text(3, "name");
@@ -212,7 +213,7 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
 
 std::vector<MapFrame> ReadFrameTable(const SqliteConnection& connection, const MapInfo& info) {
   constexpr double kMaxGain = 1e6;
-  // The extent is that of the frames' floor: what lies farther away than any rounding is not of this map.
+  // The extent is that of the frames' floor: a frame beyond rounding errors outside of it does not belong to this map.
   constexpr double kSlackM = 1.0;
   const RectM floor{info.extent.x_min - kSlackM, info.extent.x_max + kSlackM, info.extent.y_min - kSlackM,
                     info.extent.y_max + kSlackM};
@@ -280,7 +281,7 @@ std::vector<TileId> ReadMosaicTileIds(const SqliteConnection& connection, int zo
   if (zoom < 0 || zoom > layout.max_zoom) {
     return tiles;
   }
-  // A tile beside the extent is rounding, one farther away is not of this floor.
+  // A tile next to the extent is a rounding error, one farther away does not belong to this map.
   const double side_m = layout.TileSide(zoom);
   const auto first = [&](double low_m) { return static_cast<std::int64_t>(std::floor(low_m / side_m)) - 1; };
   const auto last = [&](double high_m) { return static_cast<std::int64_t>(std::floor(high_m / side_m)) + 1; };

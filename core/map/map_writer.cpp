@@ -38,7 +38,7 @@ void WriteCamera(const SqliteConnection& connection, int survey, const FloorCame
 struct MapWriter::Impl {
   explicit Impl(const std::filesystem::path& target)
       : file(target), part(target.string() + ".part"), connection(part.path(), SqliteConnection::Mode::kCreate) {
-    // The file has no meaning before the rename, which follows an fsync: no journal flush is needed in between.
+    // The file is not used before the rename, which follows an fsync, so intermediate flushes are not needed.
     connection.Execute("PRAGMA page_size = 8192; PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = OFF;");
     connection.Execute(std::string(MapSql()));
   }

@@ -11,8 +11,8 @@
 
 namespace floorloc {
 
-/// Writes a map beside its final place and renames it when whole: until Commit() the old file stays as it is, and a
-/// writer that is destroyed before removes what it wrote. Throws MapError (disk full, no permission, ...).
+/// Writes a map to a temporary file beside the final one and renames it when complete: the old file is unchanged until
+/// Commit(), and a writer that is destroyed before removes its file. Throws MapError (disk full, no permission, ...).
 class MapWriter {
  public:
   explicit MapWriter(const std::filesystem::path& file);

@@ -12,7 +12,7 @@
 namespace floorloc {
 namespace {
 
-// JPEG leaves traces of the floor's edge where there is none.
+// Darker pixels are not floor: JPEG leaves artefacts beyond the floor's edge.
 constexpr double kMinFloorGray = 6.0;
 constexpr int kEdgePx = 5;
 
@@ -24,7 +24,7 @@ std::uint64_t KeyOf(int x, int y) {
 cv::Mat DecodeGray(const std::vector<std::uint8_t>& bytes) {
   try {
     return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {  // no bytes, or a header that promises too many pixels
+  } catch (const cv::Exception&) {  // no bytes, or too many pixels by the header
     return {};
   }
 }
@@ -58,7 +58,7 @@ cv::Mat MosaicRaster::Load(int x, int y) const {
   return normalized;
 }
 
-// A damaged tile counts as not surveyed: the keypoints there are still used.
+// A damaged tile counts as not surveyed; keypoints there are still used.
 cv::Mat MosaicRaster::ReadGray(const TileId& tile) const {
   try {
     const auto jpeg = source_(tile);
@@ -77,7 +77,7 @@ MosaicRaster::Tile MosaicRaster::Get(int x, int y) const {
       return it->second.tile;
     }
   }
-  // Decoded outside the lock: two threads may do it twice, none waits.
+  // Decoded outside the lock: two threads may decode the same tile, but none waits.
   auto tile = std::make_shared<const cv::Mat>(Load(x, y));
   const std::scoped_lock lock(mutex_);
   if (!cache_.contains(key)) {
@@ -94,13 +94,13 @@ MosaicRaster::Tile MosaicRaster::Get(int x, int y) const {
 RasterPatch MosaicRaster::Cut(const RectM& rect) const {
   const double resolution = layout_.resolution_m;
   const double side = layout_.tile_px;
-  // An extreme pose sees no floor; pixels are counted in ints.
+  // Pixels are counted in ints; beyond this there is no floor.
   constexpr double kMaxPx = 1e9;
   if (!(std::abs(rect.x_min) < kMaxPx * resolution && std::abs(rect.x_max) < kMaxPx * resolution &&
         std::abs(rect.y_min) < kMaxPx * resolution && std::abs(rect.y_max) < kMaxPx * resolution)) {
     return {cv::Mat::zeros(1, 1, CV_8UC1), 0.0, 0.0, resolution};
   }
-  // Pixel columns of the whole level count from the map frame's origin, rows upwards.
+  // Pixel columns of the level are counted from the map frame's origin, rows upwards.
   const auto first_column = static_cast<int>(std::floor(rect.x_min / resolution));
   const auto last_column = static_cast<int>(std::floor(rect.x_max / resolution));
   const auto first_row = static_cast<int>(std::floor(rect.y_min / resolution));

@@ -17,11 +17,11 @@
 
 namespace floorloc {
 
-/// Gives the encoded image of a mosaic tile; empty where the map has none; throws MapError when it is damaged. Must
-/// be callable from many threads.
+/// Returns the encoded image of a mosaic tile, empty where the map has none; throws MapError when it is damaged. Must
+/// be thread-safe.
 using MosaicTileSource = std::function<std::optional<std::vector<std::uint8_t>>(const TileId&)>;
 
-/// A piece of the mosaic's finest level. Row 0 is the upper edge: y falls as rows grow.
+/// A patch of the mosaic's finest level. Row 0 is the upper edge; y decreases with the row.
 struct RasterPatch {
   cv::Mat gray;           ///< CV_8UC1, contrast-normalised to 1..255; 0 where no floor was surveyed
   double x_left_m = 0.0;  ///< map frame, centre of column 0
@@ -34,11 +34,11 @@ struct RasterPatch {
   }
 };
 
-/// The finest level of a map's mosaic as the localizer compares it with frames: decoded and contrast-normalised when
-/// first needed, the most recently used tiles kept. Thread-safe.
+/// The finest level of a map's mosaic as frames are aligned to it: tiles are decoded and contrast-normalised on demand
+/// and kept in an LRU cache. Thread-safe.
 class MosaicRaster {
  public:
-  /// contrast: as for the frames that will be compared. memory_bytes bounds what is kept.
+  /// contrast: as for the frames that will be compared. memory_bytes: limit of the cache.
   MosaicRaster(MosaicTileSource source, const MosaicLayout& layout, const ContrastOptions& contrast,
                std::size_t memory_bytes);
 

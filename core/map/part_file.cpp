@@ -36,7 +36,7 @@ void SyncPath(const std::filesystem::path& path) {
 
 PartFile::PartFile(std::filesystem::path path) : path_(std::move(path)) {
   while (!Lock()) {
-    // Its owner renamed or removed the file between our opening and our locking it: there is a new one to claim.
+    // Its owner renamed or removed the file after we opened and before we locked it: retry with a new file.
   }
   std::error_code ignored;
   std::filesystem::remove(path_.string() + "-journal", ignored);

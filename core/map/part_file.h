@@ -6,7 +6,7 @@
 namespace floorloc {
 
 /// The unfinished file of one build: empty at first, locked against other builds (also those of other processes) and
-/// removed at the end, unless it was renamed to its final name. Remains of a killed build are overwritten.
+/// removed at the end, unless it was renamed to its final name. A leftover of a killed build is overwritten.
 class PartFile {
  public:
   /// Throws MapError when another build holds the file or it can't be made.

@@ -27,7 +27,7 @@ std::string ErrorHint(int code) {
   }
 }
 
-// What is wrong with the file, not with the disk, the permissions or another process.
+// kDamaged for errors of the file itself, not of the disk, the permissions or another process.
 MapError::Kind KindOf(int code) {
   switch (code & 0xFF) {
     case SQLITE_NOTADB:

@@ -14,14 +14,14 @@
 
 namespace floorloc {
 
-/// An SQLite connection. Errors are MapErrors that name the file. Not thread-safe.
+/// An SQLite connection. Throws MapErrors that name the file. Not thread-safe.
 class SqliteConnection {
  public:
   enum class Mode { kReadOnly, kCreate };
   SqliteConnection(const std::filesystem::path& file, Mode mode);
 
   void Execute(const std::string& sql) const;
-  /// Throws the connection's latest error as a MapError that says what to do.
+  /// Throws the latest error of the connection as a MapError that says what to do.
   [[noreturn]] void Fail() const;
   sqlite3* get() const { return handle_.get(); }
   const std::filesystem::path& file() const { return file_; }
@@ -52,7 +52,7 @@ class SqliteStatement {
   bool Step();
   /// Runs a statement without rows, and makes it ready to be bound again.
   void Run();
-  /// Forgets row and bindings.
+  /// Resets the statement and clears its bindings.
   void Reset();
 
   std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
@@ -60,7 +60,7 @@ class SqliteStatement {
   std::string Text(int column) const;
   Blob Bytes(int column) const;
   int columns() const { return sqlite3_column_count(handle_.get()); }
-  /// SQLITE_INTEGER, ...: what the row holds, whatever the column was declared as.
+  /// Actual type of the value (SQLITE_INTEGER, ...), which may differ from the declared one.
   int Type(int column) const { return sqlite3_column_type(handle_.get(), column); }
   bool IsNull(int column) const { return Type(column) == SQLITE_NULL; }
 
