@@ -10,8 +10,8 @@
 namespace floorloc {
 namespace {
 
-// Positions that leave a line by less than about a millionth of its length count as a line: what is left of them
-// is rounding, and would turn the trajectory about the line at random.
+// Positions within about a millionth of their extent of a line count as collinear: the deviation is rounding error and
+// would rotate the trajectory about the line at random.
 constexpr double kFlatness = 1e-12;
 
 template <int kDim>
@@ -42,7 +42,7 @@ SimilarityN<kDim> Umeyama(const std::vector<PosePair>& pairs, bool with_scale) {
     variance_estimate += estimate.squaredNorm() / n;
   }
   const Eigen::JacobiSVD<Matrix> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // One direction may be empty (the plane in space, a line in the plane): a proper rotation fills it in.
+  // One singular value may be zero (a plane in space, a line in the plane): the rotation is still determined.
   const double rounding_m =
       16.0 * std::numeric_limits<double>::epsilon() * (mean_estimate.norm() + mean_reference.norm());
   if (!(svd.singularValues()(kDim - 2) > kFlatness * svd.singularValues()(0) + rounding_m * rounding_m)) {

@@ -10,12 +10,12 @@ namespace floorloc {
 
 /// How the estimate is aligned before it is compared.
 enum class AlignmentMode {
-  kNone,    ///< not at all: both trajectories live in the same frame
-  kSe2,     ///< turned and shifted in the plane
-  kSe3,     ///< turned and shifted in space
-  kSim3,    ///< turned, shifted and scaled in space
-  kScale,   ///< scaled only, by the scale that kSim3 would find: odometry that starts where the reference does
-  kOrigin,  ///< so that the first poses agree
+  kNone,    ///< none: both trajectories are in the same frame
+  kSe2,     ///< rotation and translation in the plane
+  kSe3,     ///< rotation and translation in space
+  kSim3,    ///< rotation, translation and scale in space
+  kScale,   ///< scale only, that of kSim3: for odometry that starts at the reference's first pose
+  kOrigin,  ///< the first poses are made equal
 };
 
 /// x_in_reference = scale * rotation * x_in_estimate + translation, metres.
@@ -27,12 +27,12 @@ struct Similarity3 {
   StampedPose3 operator*(const StampedPose3& pose) const;
 };
 
-/// The motion that brings the estimated positions closest to the reference positions in the least-squares sense
-/// (Umeyama 1991), or the first estimated pose onto its reference (kOrigin). Throws std::invalid_argument when the
-/// positions do not determine it, e.g. when all lie on a line and space, not the plane, is asked for.
+/// The transformation of the estimated positions to the reference positions by least squares (Umeyama 1991), or of the
+/// first estimated pose to its reference (kOrigin). Throws std::invalid_argument when the positions do not determine
+/// it, e.g. when they are collinear in space.
 Similarity3 ComputeAlignment(const std::vector<PosePair>& pairs, AlignmentMode mode);
 
-/// The pairs with their estimates moved.
+/// The pairs with transformed estimates.
 std::vector<PosePair> Align(std::vector<PosePair> pairs, const Similarity3& reference_from_estimate);
 
 }  // namespace floorloc

@@ -14,8 +14,8 @@ struct PosePair {
 };
 
 /// Pairs every pose of the shorter trajectory with the pose of the longer one that is nearest in time (the earlier of
-/// two equally near), if they are at most max_diff_s apart; the reference counts as the longer of two equally long.
-/// The definition of the trajectory tool evo. In order of time.
+/// two equally near), if they are at most max_diff_s apart, as the trajectory tool evo does. Of equal lengths the
+/// reference counts as the longer one. Sorted by time.
 std::vector<PosePair> AssociateByTime(const Trajectory& reference, const Trajectory& estimate, double max_diff_s);
 
 }  // namespace floorloc

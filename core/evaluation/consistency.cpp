@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kNormal975 = 1.959963984540054;  // 97.5 % quantile of the normal distribution
 
-// Wilson and Hilferty: the cube root of a chi-square variable over its degrees of freedom is nearly normal. Within 1 %
-// from ten degrees of freedom on.
+// Wilson and Hilferty: the cube root of a chi-square variable over its degrees of freedom is nearly normal. Accurate to
+// 1 % from ten degrees of freedom on.
 double ChiSquareQuantile(double degrees_of_freedom, double normal_quantile) {
   const double variance = 2.0 / (9.0 * degrees_of_freedom);
   const double root = std::max(0.0, 1.0 - variance + normal_quantile * std::sqrt(variance));

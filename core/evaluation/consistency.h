@@ -9,16 +9,16 @@
 
 namespace floorloc {
 
-/// Normalised estimation error squared of (x, y, yaw): e^T C^-1 e, with the additive error of estimate against truth.
-/// 3 on average when the covariance (m^2, m rad, rad^2) is honest; infinite when it is no covariance.
+/// Normalised estimation error squared of (x, y, yaw): e^T C^-1 e, with the additive error of estimate against truth. 3
+/// on average when the covariance (m^2, m rad, rad^2) is consistent; infinite when it is not positive definite.
 double Nees(const Pose2& truth, const Pose2& estimate, const Eigen::Matrix3d& covariance);
 
-/// Is a covariance honest? The mean NEES of n independent estimates is, times n, chi-square distributed with n times
-/// the degrees of freedom: outside of the bounds it is too large (overconfident) or too small (timid).
+/// Consistency of covariances: n times the mean NEES of n independent estimates is chi-square distributed with n times
+/// the degrees of freedom. A mean above the bounds is overconfident, below them too pessimistic.
 struct NeesSummary {
   std::size_t count = 0;
   double mean = 0.0;
-  double lower = 0.0;  ///< 2.5 % quantile of the mean of an honest estimator
+  double lower = 0.0;  ///< 2.5 % quantile of the mean of a consistent estimator
   double upper = 0.0;  ///< 97.5 % quantile
 
   bool Consistent() const { return mean >= lower && mean <= upper; }
@@ -33,17 +33,17 @@ struct Forecast {
   bool occurred = false;
 };
 
-/// A share with its 95 % interval (Wilson's).
+/// An observed rate with its 95 % Wilson interval.
 struct ObservedRate {
   double rate = 0.0;
   double lower = 0.0;
   double upper = 1.0;
 };
 
-/// of: number of trials; with none, nothing is known.
+/// of: number of trials; without any the interval is [0, 1].
 ObservedRate EstimateRate(std::size_t events, std::size_t of);
 
-/// The forecasts between two powers of ten: lower < probability <= upper; the lowest bin takes all below it.
+/// Forecasts between two powers of ten: lower < probability <= upper; the lowest bin includes all smaller ones.
 struct ReliabilityBin {
   double lower = 0.0;
   double upper = 1.0;

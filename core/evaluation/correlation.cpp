@@ -25,8 +25,8 @@ double BetaCoefficient(double a, double b, double x, int n) {
   return -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
 }
 
-// 1 / (1 + d1 / (1 + d2 / (1 + ...))) by Lentz's method as modified by Thompson and Barnett (1986): the ratio of two
-// successive numerators, and that of two denominators, until a step changes nothing.
+// 1 / (1 + d1 / (1 + d2 / (1 + ...))) by Lentz's method as modified by Thompson and Barnett (1986): iterates the ratios
+// of successive numerators and denominators until convergence.
 double BetaFraction(double a, double b, double x) {
   constexpr int kMaxSteps = 10'000;
   constexpr double kTiny = 1e-300;
@@ -84,7 +84,7 @@ std::optional<Correlation> PearsonCorrelation(const std::vector<double>& x, cons
   Correlation result;
   result.samples = x.size();
   result.r = std::clamp(xy / std::sqrt(xx * yy), -1.0, 1.0);
-  // With t^2 = f r^2 / (1 - r^2) and f degrees of freedom, both tails of t are I_{f / (f + t^2)}(f / 2, 1 / 2).
+  // With t^2 = f r^2 / (1 - r^2) and f degrees of freedom, the two-sided p value is I_{f / (f + t^2)}(f / 2, 1 / 2).
   const double freedom = static_cast<double>(x.size()) - 2.0;
   result.p = IncompleteBeta(0.5 * freedom, 0.5, 1.0 - result.r * result.r);
   return result;

@@ -7,17 +7,17 @@
 
 namespace floorloc {
 
-/// How two quantities go together.
+/// Linear correlation of two quantities.
 struct Correlation {
   double r = 0.0;  ///< Pearson's coefficient, -1 to 1
-  /// Probability of an r at least as far from 0 if the two, normally distributed, had nothing to do with each other
-  /// (two-sided t-test with samples - 2 degrees of freedom).
+  /// Probability of an |r| at least as large if the two were independent and normally distributed (two-sided t-test
+  /// with samples - 2 degrees of freedom).
   double p = 1.0;
   std::size_t samples = 0;
 };
 
-/// Of pairs (x[i], y[i]); x and y are equally long. Empty for fewer than three samples, and when one of the two never
-/// changes.
+/// Correlation of pairs (x[i], y[i]); x and y have equal length. Empty for fewer than three samples and when one of the
+/// two is constant.
 std::optional<Correlation> PearsonCorrelation(const std::vector<double>& x, const std::vector<double>& y);
 
 /// Regularized incomplete beta function I_x(a, b); a, b > 0, 0 <= x <= 1.

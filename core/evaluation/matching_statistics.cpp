@@ -7,7 +7,7 @@
 namespace floorloc {
 namespace {
 
-// Points in the order of x: those within a radius lie in a narrow strip.
+// Points sorted by x, so that only a narrow strip is searched for those within a radius.
 class SortedPoints {
  public:
   explicit SortedPoints(const std::vector<Keypoint>& keypoints) {

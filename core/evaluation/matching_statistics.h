@@ -9,12 +9,12 @@
 
 namespace floorloc {
 
-/// Share of the query's keypoints that have one of the target's within radius_m of where the true pose puts them:
+/// Share of the query's keypoints with a target keypoint within radius_m of their position under the true pose:
 /// repeatability of a detector (Schmid, Mohr & Bauckhage 2000). 0 without keypoints. radius_m > 0.
 double Repeatability(const std::vector<Keypoint>& query, const std::vector<Keypoint>& target,
                      const Pose2& target_from_query, double radius_m);
 
-/// Which matches join keypoints that the true pose puts within radius_m of each other.
+/// For each match, whether its keypoints are within radius_m of each other under the true pose.
 std::vector<bool> FindCorrectMatches(const std::vector<Match>& matches, const std::vector<Keypoint>& query,
                                      const std::vector<Keypoint>& target, const Pose2& target_from_query,
                                      double radius_m);

@@ -42,7 +42,8 @@ std::vector<double> TimesSinceStart(const Trajectory& trajectory) {
   return times;
 }
 
-// The pose after `from` whose progress since it is nearest to delta, the earliest of several. Progress never falls.
+// The pose after `from` whose progress since it is nearest to delta, the earliest of several. Progress does not
+// decrease.
 std::optional<std::size_t> NearestAhead(const std::vector<double>& progress, std::size_t from,
                                         const MotionOptions& options) {
   const auto first = progress.begin() + static_cast<std::ptrdiff_t>(from) + 1;
@@ -72,7 +73,7 @@ std::vector<Motion> MotionsByProgress(const std::vector<double>& progress, const
   return motions;
 }
 
-// Where the steps from pose to pose, summed up since the last such place, reach delta.
+// Poses where the steps summed up since the last such pose reach delta.
 template <typename Step>
 std::vector<std::size_t> Milestones(const Trajectory& trajectory, double delta, Step step) {
   std::vector<std::size_t> milestones;

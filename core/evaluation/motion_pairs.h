@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// What the length of a motion is measured in.
+/// Unit of the length of a motion.
 enum class DeltaUnit {
   kFrames,   ///< rows of the trajectory
   kMetres,   ///< of the path driven
@@ -16,12 +16,12 @@ enum class DeltaUnit {
   kRadians,  ///< of turning
 };
 
-/// Which motions of a trajectory the relative pose error compares.
+/// Selection of the motions that the relative pose error compares.
 struct MotionOptions {
   double delta = 1.0;  ///< length of a motion; a whole number of frames, at most pi radians
   DeltaUnit unit = DeltaUnit::kFrames;
   bool all_pairs = false;  ///< motions may overlap: one (or more) from every pose, instead of one after the other
-  double relative_tolerance = 0.1;  ///< of the length, where a motion must have just this length: see SelectMotions
+  double relative_tolerance = 0.1;  ///< of the length, for motions that must have it: see SelectMotions
 
   /// Throws std::invalid_argument.
   void Check() const;
@@ -35,7 +35,7 @@ struct Motion {
   bool operator==(const Motion&) const = default;
 };
 
-/// The motions of a trajectory, with the definitions of the trajectory tool evo (its seconds are ours):
+/// The motions of a trajectory as defined by the trajectory tool evo, with seconds as an additional unit:
 /// - frames: from every delta-th pose to the next of these; all pairs: from every pose.
 /// - metres: a motion ends where the path since its start reaches delta and the next one starts there; the first one
 ///   starts where the path reaches delta for the first time. All pairs: from every pose to that at the path nearest to

@@ -30,15 +30,15 @@ struct TrajectoryEvaluation {
   std::size_t estimated_poses = 0;
   Similarity3 alignment;
   std::vector<PosePair> pairs;        ///< aligned
-  std::vector<std::size_t> error_at;  ///< of each error, the pair it belongs to: for a motion, that of its end
+  std::vector<std::size_t> error_at;  ///< index of each error's pair; for a motion that of its end
   std::vector<PoseError> errors;
-  ErrorStatistics full;         ///< without unit
+  ErrorStatistics full;         ///< dimensionless
   ErrorStatistics translation;  ///< metres
   ErrorStatistics rotation;     ///< radians
 };
 
-/// Compares an estimated trajectory with the true one, with the definitions of the trajectory tool evo. Throws
-/// std::invalid_argument, with a sentence without its beginning, when they have too little in common.
+/// Compares an estimated trajectory with the true one by the definitions of the trajectory tool evo. Throws
+/// std::invalid_argument when they have too little in common; its message lacks the subject, which the caller prepends.
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& reference, const Trajectory& estimate,
                                         const EvaluationOptions& options);
 
