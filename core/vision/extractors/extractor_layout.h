@@ -6,7 +6,7 @@
 
 namespace floorloc {
 
-/// Of an extractor's descriptors; also known for those that this build does not have.
+/// Layout of an extractor's descriptors; also for extractors that this build does not have.
 DescriptorLayout LayoutOf(ExtractorType type);
 
 }  // namespace floorloc

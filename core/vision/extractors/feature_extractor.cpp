@@ -54,7 +54,7 @@ std::vector<ExtractorType> AllExtractorTypes() {
 }
 
 ExtractorType ParseExtractorType(const std::string& name) {
-  // Also in builds without it: they say why they cannot extract it, and can show maps that were built with it.
+  // Also parsed in builds without SURF, which can show maps built with it and report why they cannot extract it.
   if (name == ToString(ExtractorType::kSurf)) {
     return ExtractorType::kSurf;
   }

@@ -15,17 +15,18 @@ enum class ExtractorType { kHessian, kOrb, kSift, kAkaze, kBrisk, kSurf };
 const char* ToString(ExtractorType type);
 /// Throws std::invalid_argument that lists the known names.
 ExtractorType ParseExtractorType(const std::string& name);
-/// Those that this build has.
+/// The types that this build has.
 std::vector<ExtractorType> AllExtractorTypes();
 
-/// All parameters that determine the features of an image. A map stores all of it and the server uses it from there.
+/// All parameters that determine the features of an image. A map stores all of them; the server takes them from the
+/// map.
 struct ExtractorOptions {
   ExtractorType type = ExtractorType::kHessian;
   int max_keypoints = 700;  ///< strongest kept per image, spread evenly
   int cell_px = 48;         ///< side of the cells that keypoints are spread over
-  int levels = 2;  ///< pyramid levels (octaves for AKAZE and SURF; SIFT has its own): the floor's scale is known
+  int levels = 2;  ///< pyramid levels (octaves for AKAZE and SURF; SIFT has its own): few, as the scale is known
   double scale_factor = 1.4;     ///< between the levels of ORB's pyramid
-  double threshold = 0.0;        ///< detector threshold on the contrast-normalised image; 0: the extractor's own
+  double threshold = 0.0;        ///< detector threshold on the contrast-normalised image; 0: default of the type
   int normalize_radius_px = 15;  ///< half side of the window of the local contrast normalisation; 0: none
   double smooth_sigma_px = 1.0;  ///< Gaussian smoothing before the normalisation; 0: none
 
@@ -37,9 +38,9 @@ struct ExtractorOptions {
 class FeatureExtractor {
  public:
   virtual ~FeatureExtractor() = default;
-  /// Keypoints in the base frame. The same image gives the same features.
+  /// Keypoints in the base frame. Deterministic.
   Features Extract(const GroundImage& image) const { return Extract(image, Prepare(image)); }
-  /// The image that keypoints are detected in, for callers that use it too: contrast-normalised, CV_8UC1.
+  /// The contrast-normalised image that keypoints are detected in, CV_8UC1, for callers that use it too.
   cv::Mat Prepare(const GroundImage& image) const;
   /// prepared: Prepare(image).
   virtual Features Extract(const GroundImage& image, const cv::Mat& prepared) const = 0;

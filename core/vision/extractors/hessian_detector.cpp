@@ -11,7 +11,7 @@ namespace {
 
 // Non-maximum suppression in a square of this half side.
 constexpr int kRadiusPx = 3;
-// Rows of responses that are in use at a time.
+// Rows of responses in use at a time.
 constexpr int kRows = 2 * kRadiusPx + 1;
 
 // Determinant of the Hessian by central differences over one pixel, of a row; upper and lower are its neighbours.
@@ -81,7 +81,7 @@ std::vector<cv::KeyPoint> DetectHessian(const cv::Mat& smooth, int border_px, fl
     const float* at = rows[kRadiusPx];
     const float* below = rows[kRadiusPx + 1];
     for (int u = border; u < smooth.cols - border; ++u) {
-      // Of equal neighbours the first one counts.
+      // Of equal neighbours the first one is the maximum.
       const bool is_maximum = at[u] == maximum[static_cast<std::size_t>(u)] && at[u] > at[u - 1] &&
                               at[u] > above[u - 1] && at[u] > above[u] && at[u] > above[u + 1];
       if (is_maximum && at[u] > min_response) {

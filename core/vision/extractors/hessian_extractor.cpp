@@ -14,11 +14,11 @@
 namespace floorloc {
 namespace {
 
-// Scale of the blobs, on top of what the contrast normalisation smooths: large enough to survive the blur of a moving
-// camera, small enough that blobs are many.
+// Scale of the blobs, in addition to the smoothing of the contrast normalisation: large enough to survive motion blur,
+// small enough for many blobs.
 constexpr double kSigmaPx = 2.5;
 
-// Grey levels of the smoothed image are kept to this fraction.
+// Fixed-point steps per grey level of the smoothed image.
 constexpr double kLevelSteps = 64.0;
 
 constexpr double kDefaultThreshold = 0.05;

@@ -34,7 +34,7 @@ double DefaultThreshold(ExtractorType type) {
 
 cv::Ptr<cv::Feature2D> CreateDetector(const ExtractorOptions& o) {
   const double threshold = o.threshold > 0.0 ? o.threshold : DefaultThreshold(o.type);
-  // Detect more than is kept: the rest is for the choice that spreads them.
+  // Detects more than is kept, so that the kept ones can be spread evenly.
   const int detected = 2 * o.max_keypoints;
   switch (o.type) {
     case ExtractorType::kOrb:
@@ -79,7 +79,7 @@ bool FitsPyramid(const ExtractorOptions& o, const cv::Size& image_size) {
   return std::min(size.width, size.height) >= kMinSidePx;
 }
 
-// How many times smaller OpenCV takes a level to be when it scales its keypoints up.
+// Factor by which OpenCV scales up the keypoints of a level.
 double NominalFactor(const ExtractorOptions& o, int level) {
   if (o.type == ExtractorType::kOrb) {
     return std::pow(o.scale_factor, level);
@@ -91,8 +91,8 @@ double NominalFactor(const ExtractorOptions& o, int level) {
 }
 
 // True position of a keypoint, px. OpenCV 4.6 scales the coordinates of a pyramid's keypoints by the nominal factor of
-// the level, not by the ratio of the sizes, which errs by half a pixel and more; ORB also scales them as if pixels were
-// points. SIFT is off by a constant. Found by matching images with themselves turned by 180 degrees
+// the level, not by the ratio of the sizes, which errs by half a pixel and more; ORB also ignores the half-pixel offset
+// of pixel centres. SIFT is off by a constant. Measured by matching images with themselves rotated by 180 degrees
 // (tests/core/vision).
 Eigen::Vector2d CorrectedPixel(const ExtractorOptions& o, const cv::Size& image_size, const cv::KeyPoint& k) {
   const Eigen::Vector2d reported(k.pt.x, k.pt.y);
@@ -100,7 +100,7 @@ Eigen::Vector2d CorrectedPixel(const ExtractorOptions& o, const cv::Size& image_
     return reported.array() - 0.25;
   }
   if (o.type == ExtractorType::kSurf) {
-    return reported;  // no pyramid: every octave looks at the image itself
+    return reported;  // no pyramid: every octave is computed from the image itself
   }
   const double factor = NominalFactor(o, k.octave);
   const cv::Size level = LevelSize(o, image_size, k.octave);
@@ -109,7 +109,7 @@ Eigen::Vector2d CorrectedPixel(const ExtractorOptions& o, const cv::Size& image_
   return {from_edge.x() * image_size.width / level.width - 0.5, from_edge.y() * image_size.height / level.height - 0.5};
 }
 
-// Radius of the image that orientation and descriptor look at: keypoints nearer to unseen floor are dropped.
+// Radius of the support of orientation and descriptor, px: keypoints nearer to masked pixels are dropped.
 float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
   switch (type) {
     case ExtractorType::kOrb:
@@ -127,7 +127,8 @@ float SupportRadius(ExtractorType type, const cv::KeyPoint& keypoint) {
   return keypoint.size;
 }
 
-// The camera's edge, not the image's: only where the mask ends inside the image do pixels turn from floor to grey.
+// Drops keypoints whose support reaches masked pixels, where floor changes to grey. The edge of the image is not a mask
+// edge.
 std::vector<cv::KeyPoint> DropNearMaskEdge(ExtractorType type, const cv::Mat& mask,
                                            std::vector<cv::KeyPoint> keypoints) {
   if (cv::countNonZero(mask) == mask.rows * mask.cols) {
@@ -207,7 +208,7 @@ class OpenCvExtractor final : public FeatureExtractor {
     }
   }
 
-  cv::Ptr<cv::Feature2D> detector_;  // its detect and compute keep no state between calls
+  cv::Ptr<cv::Feature2D> detector_;  // detect and compute keep no state between calls
 };
 
 }  // namespace

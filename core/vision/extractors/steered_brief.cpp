@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kPairs = 8 * kBriefBytes;
 constexpr int kOrientationRadiusPx = 15;
-constexpr int kRow = 32;  // a row of the orientation's disc, padded
+constexpr int kRow = 32;  // row length of the orientation's disc, padded
 
 // Two pixels, relative to the keypoint, px.
 struct PixelPair {
@@ -27,7 +27,7 @@ std::array<PixelPair, kPairs> MakePattern() {
   constexpr double kSigmaPx = 6.0;  // a fifth of the patch
   constexpr double kMaxRadiusPx = 15.5;
   std::mt19937 random(1);
-  // Sums of twelve uniform numbers: the same on every machine, unlike std::normal_distribution.
+  // Sums of twelve uniform numbers: unlike std::normal_distribution the same on every platform.
   const auto gaussian = [&] {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) {
@@ -99,7 +99,7 @@ FLOORLOC_WIDE_VECTORS
 void TurnPattern(const PixelPair* pattern, float c, float s, int step, int* __restrict a, int* __restrict b) {
   for (int i = 0; i < kPairs; ++i) {
     const PixelPair& p = pattern[i];
-    // Half up by truncation of positive numbers.
+    // Makes numbers positive, so that truncation rounds half up.
     constexpr float kShift = 64.5F;
     const int ax = static_cast<int>(c * p.ax - s * p.ay + kShift) - 64;
     const int ay = static_cast<int>(s * p.ax + c * p.ay + kShift) - 64;

@@ -9,7 +9,7 @@ namespace floorloc {
 
 /// Bytes of a descriptor.
 constexpr int kBriefBytes = 32;
-/// Radius of the support of orientation and descriptor, px: keypoints must lie at least this far from the edge.
+/// Radius of the support of orientation and descriptor, px: keypoints must be at least this far from the edge.
 constexpr int kBriefReachPx = 17;
 
 /// Gives every keypoint the direction, in degrees clockwise from the image's right, from its pixel to the centroid of

@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// What all descriptors of one extractor have in common.
+/// Type and length of the descriptors of one extractor.
 struct DescriptorLayout {
   DescriptorType type = DescriptorType::kBinary;
   int length = 0;  ///< bytes (binary) or numbers (float) per descriptor
@@ -19,11 +19,12 @@ struct DescriptorLayout {
 /// "32 bytes", "128 numbers"
 std::string ToString(const DescriptorLayout& layout);
 
-/// Of a matrix with one descriptor per row. Throws std::invalid_argument when it is neither CV_8UC1 nor CV_32FC1.
+/// Layout of a matrix with one descriptor per row. Throws std::invalid_argument when it is neither CV_8UC1 nor
+/// CV_32FC1.
 DescriptorLayout LayoutOf(const cv::Mat& descriptors);
 
-/// Throws std::invalid_argument when there are queries and they can't be compared with descriptors of the layout:
-/// a shorter one would be read beyond its end. Length 0 stands for no descriptors at all.
+/// Throws std::invalid_argument when there are queries whose layout differs from `train`: shorter ones would be read
+/// beyond their end. train.length 0: there are no train descriptors.
 void CheckComparable(const cv::Mat& queries, const DescriptorLayout& train);
 
 }  // namespace floorloc

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// An oriented point of the floor. In Features the frame is base, in a map it is map. Metres, radians.
+/// An oriented point of the floor in the base frame (Features) or the map frame (MapKeypoints). Metres, radians.
 struct Keypoint {
   float x_m = 0.0F;
   float y_m = 0.0F;

@@ -11,7 +11,7 @@ void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* ke
     std::erase_if(*keypoints,
                   [&](const cv::KeyPoint& k) { return mask.at<std::uint8_t>(cvRound(k.pt.y), cvRound(k.pt.x)) == 0; });
   }
-  // Every field: the order is deterministic for equal responses.
+  // All fields, so that the order is deterministic for equal responses.
   const auto order = [](const cv::KeyPoint& k) { return std::make_tuple(-k.response, k.pt.y, k.pt.x, k.size); };
   std::sort(keypoints->begin(), keypoints->end(),
             [&](const cv::KeyPoint& a, const cv::KeyPoint& b) { return order(a) < order(b); });

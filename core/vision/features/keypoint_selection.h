@@ -8,8 +8,8 @@
 
 namespace floorloc {
 
-/// Drops keypoints where the mask (unless empty; CV_8UC1, of the image's size) is zero, sorts the rest from the
-/// strongest to the weakest and keeps this many (0: all).
+/// Drops keypoints where the mask (unless empty; CV_8UC1, of the image's size) is zero, sorts the rest by decreasing
+/// response and keeps the first `count` (0: all).
 void KeepStrongest(const cv::Mat& mask, int count, std::vector<cv::KeyPoint>* keypoints);
 
 /// Drops keypoints whose reach (px, from the keypoint) leaves the image.

@@ -12,7 +12,7 @@
 namespace floorloc {
 namespace {
 
-// Sets flags[i] where row[i] is above the threshold and its four neighbours: few samples are left for the full test.
+// Sets flags[i] where row[i] is above the threshold and its four neighbours: leaves few samples for the full test.
 FLOORLOC_WIDE_VECTORS void FlagPeaks(const float* __restrict row, std::ptrdiff_t stride, float threshold, int count,
                                      std::uint8_t* __restrict flags) {
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -52,7 +52,7 @@ bool IsMaximum(const Neighbourhood& n) {
   return true;
 }
 
-// Where the parabola through the neighbours peaks: samples in x and y, layers in scale.
+// Peak of the fitted parabola: offset in samples (x, y) and layers (scale).
 cv::Vec3f PeakOffset(const Neighbourhood& n) {
   const float twice = 2.0F * n.at(0, 0, 0);
   const float xx = n.at(0, 0, 1) + n.at(0, 0, -1) - twice;
@@ -69,7 +69,7 @@ cv::Vec3f PeakOffset(const Neighbourhood& n) {
 
 void AddPeak(const Neighbourhood& n, std::vector<ResponsePeak>* found) {
   const cv::Vec3f offset = PeakOffset(n);
-  // Not a peak but a ridge: the parabola runs away.
+  // Larger offsets mean a ridge without a well-defined peak.
   if (std::abs(offset[0]) < 1.0F && std::abs(offset[1]) < 1.0F && std::abs(offset[2]) < 1.0F) {
     found->push_back({n.i, n.j, n.at(0, 0, 0), offset});
   }

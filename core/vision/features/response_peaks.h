@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// A maximum over place and scale.
+/// A maximum over position and scale.
 struct ResponsePeak {
   int i = 0;  ///< column of the sample
   int j = 0;  ///< row of the sample
@@ -16,7 +16,7 @@ struct ResponsePeak {
 };
 
 /// Maxima of the middle one of three layers (CV_32F, one size; neighbours in scale) that are above the threshold and at
-/// least margin + 1 samples from the edges, from top to bottom. Peaks that are too flat to place are left out.
+/// least margin + 1 samples from the edges, from top to bottom. Peaks that are too flat to localize are left out.
 std::vector<ResponsePeak> FindPeaks(const std::array<cv::Mat, 3>& layers, int margin, float threshold);
 
 }  // namespace floorloc

@@ -11,9 +11,9 @@ namespace floorloc {
 
 /// Parameters of the FREAK descriptor.
 struct FreakOptions {
-  bool oriented = true;                ///< turn the pattern with the image; false: keypoints get the angle 0
-  bool scaled = true;                  ///< size the pattern by the keypoint; false: as for a keypoint of 7 px
-  double reach_per_size = 22.0 / 7.0;  ///< pattern's radius, fields included, in keypoint sizes
+  bool oriented = true;                ///< rotate the pattern with the image; false: keypoints get the angle 0
+  bool scaled = true;                  ///< scale the pattern with the keypoint; false: as for a keypoint of 7 px
+  double reach_per_size = 22.0 / 7.0;  ///< radius of the pattern including its fields, in keypoint sizes
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;
@@ -26,8 +26,8 @@ class Freak {
   /// Throws std::invalid_argument when the options do not pass Check().
   explicit Freak(const FreakOptions& options);
 
-  /// One row of 64 bytes (CV_8U, 512 bits) per keypoint, and the keypoint's angle, degrees clockwise from the
-  /// image's right. gray: CV_8UC1. Keypoints nearer to the image's edge than the pattern reaches are dropped.
+  /// Returns one row of 64 bytes (CV_8U, 512 bits) per keypoint and sets the keypoint's angle, degrees clockwise from
+  /// the image's right. gray: CV_8UC1. Keypoints nearer to the image's edge than the pattern reaches are dropped.
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const;
   cv::Mat Describe(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const;
 

@@ -14,8 +14,8 @@ struct FreakPair {
 
 constexpr int kFreakPairCount = 512;
 
-/// Chosen by tests/bench/features/train_freak_pairs.cpp, which says how, on the sample survey's images. Maps hold
-/// descriptors made with these pairs: they must not change.
+/// Selected on the sample survey's images by tests/bench/features/train_freak_pairs.cpp, which documents how. Must not
+/// change: maps hold descriptors made with these pairs.
 extern const std::array<FreakPair, kFreakPairCount> kFreakPairs;
 
 }  // namespace floorloc

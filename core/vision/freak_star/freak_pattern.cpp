@@ -19,7 +19,7 @@ float FieldAngle(int ring, int field) {
   return (static_cast<float>(field) + turned) * (2.0F * std::numbers::pi_v<float> / kFreakRingFields);
 }
 
-// Every ring has one of these two patterns, times its radius.
+// Rings alternate between two patterns, scaled by their radius.
 SamplePattern RingPattern(int ring) {
   SamplePattern pattern;
   for (int field = 0; field < kFreakRingFields; ++field) {
@@ -55,7 +55,7 @@ float FreakOrientation(const FreakFields& fields) {
     const float* const means = fields.data() + ring * kFreakRingFields;
     for (int a = 0; a < kFreakRingFields; ++a) {
       for (int b = a + 2; b <= std::min(a + kFreakRingFields - 2, kFreakRingFields - 1); ++b) {
-        // From one field to another on a circle is at right angles to the direction half way between them.
+        // The direction between two fields on a circle is perpendicular to the direction of their midpoint.
         const float towards = 0.5F * (FieldAngle(ring, a) + FieldAngle(ring, b)) - 0.5F * std::numbers::pi_v<float>;
         const float rise = means[a] - means[b];
         sum += rise * cv::Point2f(std::cos(towards), std::sin(towards));

@@ -12,16 +12,16 @@ constexpr int kFreakRings = 7;
 constexpr int kFreakRingFields = 6;
 constexpr int kFreakFields = kFreakRings * kFreakRingFields + 1;
 
-/// Mean grey levels of the receptive fields: from the outermost ring to the innermost, clockwise in each; last the
-/// middle.
+/// Mean grey levels of the receptive fields: from the outermost ring to the innermost, clockwise in each; the central
+/// field last.
 using FreakFields = std::array<float, kFreakFields>;
 
-/// Where the retina's pattern lies in an image. Its rings shrink by a quarter from one to the next, each turned by 30
-/// degrees against the one outside it. A field is a square (upright in the image) whose side is its ring's radius: it
-/// touches its neighbours on the ring and overlaps the next rings.
+/// Pose of the retinal pattern in an image. Its rings shrink by a quarter from one to the next, each rotated by 30
+/// degrees relative to the next outer one. A field is a square (upright in the image) whose side is its ring's radius:
+/// it touches its neighbours on the ring and overlaps the next rings.
 struct FreakPatternPose {
   cv::Point2f center;      ///< px
-  float reach_px = 0.0F;   ///< from the middle to the outermost fields' far sides
+  float reach_px = 0.0F;   ///< from the centre to the outer side of the outermost fields
   float angle_deg = 0.0F;  ///< clockwise from the image's right
 };
 

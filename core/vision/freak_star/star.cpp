@@ -18,8 +18,8 @@ void Require(bool ok, const char* message) {
   }
 }
 
-// Whether the response changes along one direction only, as on edges and scratches: the blob's position along it is
-// undetermined. From the response's gradients within the inner star.
+// Whether the response changes in one direction only, as on edges and scratches, so that the position along the line is
+// undetermined. Uses the gradients of the response within the inner star.
 bool IsOnLine(const cv::Mat& response, const ResponsePeak& peak, int radius, double max_ratio) {
   double xx = 0.0;
   double yy = 0.0;
@@ -41,7 +41,7 @@ bool IsOnLine(const cv::Mat& response, const ResponsePeak& peak, int radius, dou
   return trace * trace * max_ratio > determinant * (max_ratio + 1.0) * (max_ratio + 1.0);
 }
 
-// Between the neighbouring scales' sizes.
+// Interpolates between the sizes of neighbouring scales.
 float InterpolatedSize(const StarScale* scale, float offset) {
   const auto size = static_cast<float>(scale->size_px());
   const auto other = static_cast<float>((offset < 0.0F ? scale - 1 : scale + 1)->size_px());

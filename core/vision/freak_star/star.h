@@ -9,17 +9,17 @@ namespace floorloc {
 
 /// Which keypoints STAR finds.
 struct StarOptions {
-  double threshold = 8.0;    ///< least difference between the means of a star's inside and outside, grey levels
+  double threshold = 8.0;    ///< least difference between the means inside and outside of a star, grey levels
   int max_size_px = 47;      ///< largest star, tip to tip, px; 17 to 129
-  double line_ratio = 10.0;  ///< keypoints whose ratio of principal curvatures is greater lie on lines: dropped
+  double line_ratio = 10.0;  ///< keypoints with a larger ratio of principal curvatures are on lines and dropped
   int max_keypoints = 0;     ///< the strongest are kept; 0: all
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;
 };
 
-/// Centre-surround extrema with star-shaped filters (an upright square over a tilted one) after Agrawal, Konolige and
-/// Blas (CenSurE, ECCV 2008), every scale at full resolution. Const and thread-safe.
+/// Centre-surround extrema with star-shaped filters (an upright and a tilted square) after Agrawal, Konolige and Blas
+/// (CenSurE, ECCV 2008), every scale at full resolution. Const and thread-safe.
 ///
 /// Keypoints are blobs: pt has (0, 0) in the centre of the top-left pixel; size is the outer star's width, tip to tip,
 /// px; response is the difference of the means, grey levels; class_id is 1 for dark blobs and -1 for bright ones. They

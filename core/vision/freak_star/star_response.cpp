@@ -11,7 +11,7 @@ namespace {
 
 std::uint32_t* MutableRow(cv::Mat* sums, int y) { return reinterpret_cast<std::uint32_t*>(sums->ptr<int>(y + 2)) + 1; }
 
-// A triangle is the two that open from the neighbours above its tip, less what these share, and the tip.
+// A triangle is the union of the two with the neighbours above its tip as tips, minus their intersection, plus the tip.
 FLOORLOC_WIDE_VECTORS void AddRow(const std::uint32_t* __restrict one_up, const std::uint32_t* __restrict two_up,
                                   const std::uint8_t* __restrict tip_a, const std::uint8_t* __restrict tip_b,
                                   std::uint32_t* __restrict sums, int count) {
@@ -76,7 +76,8 @@ TriangleSums::TriangleSums(const cv::Mat& gray)
     const std::uint8_t* const above = y > 0 ? gray.ptr(y - 1) : black.ptr();
     std::uint32_t* const odd_row = MutableRow(&odd_, y);
     AddRow(odd(y - 1), odd(y - 2), pixels, above, odd_row, width);
-    // What of a triangle whose tip lies beside the image is in it opens from a higher pixel of the edge.
+    // The part inside the image of a triangle whose tip is beside it is a triangle with its tip at a higher pixel of
+    // the edge.
     odd_row[-1] = odd(y - 1)[0];
     odd_row[width] = odd(y - 1)[width - 1];
     std::uint32_t* const even_row = MutableRow(&even_, y);

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Sums over triangles of an image, from which those over tilted squares come in four reads.
+/// Sums over triangles of an image, which give the sum over a tilted square in four reads.
 class TriangleSums {
  public:
   /// gray: CV_8UC1, not empty.
@@ -30,7 +30,8 @@ class TriangleSums {
   cv::Mat even_;  // likewise
 };
 
-/// A star: the square of 2 square + 1 px on the square of 2 tip + 1 px from tip to tip that is tilted by 45 degrees.
+/// A star: the sum over an upright square with a side of 2 square + 1 px plus that over a square tilted by 45 degrees,
+/// 2 tip + 1 px from tip to tip; their overlap counts twice.
 struct StarShape {
   int square = 0;
   int tip = 0;
@@ -38,7 +39,7 @@ struct StarShape {
   float area() const { return static_cast<float>((2 * square + 1) * (2 * square + 1) + 2 * tip * (tip + 1) + 1); }
 };
 
-/// One scale: the difference between the means outside and inside of the inner star, within the outer one.
+/// One scale: the mean between inner and outer star minus the mean of the inner star.
 struct StarScale {
   StarShape inner;
   StarShape outer;
@@ -46,7 +47,7 @@ struct StarScale {
   int size_px() const { return 2 * outer.tip + 1; }
 };
 
-/// From 9 px tip to tip, each about 1.4 times the one before, up to the given size.
+/// Scales from 9 px tip to tip up to the given size, each about 1.4 times the previous one.
 std::vector<StarScale> StarScales(int max_size_px);
 
 /// Positive on dark blobs, grey levels; CV_32F, 0 where the outer star does not fit.

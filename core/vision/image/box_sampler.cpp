@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-constexpr float kUnit = 256.0F;  // of the smoothed images: 8 bits before the point and 8 after it
+constexpr float kUnit = 256.0F;  // fixed point of the smoothed images: 8 integer and 8 fractional bits
 
 // Means of the squares whose upper left pixels are x and, in the upper half of the word, x + 1.
 FLOORLOC_WIDE_VECTORS void SmoothRow(const std::uint32_t* __restrict top, const std::uint32_t* __restrict bottom,
@@ -31,12 +31,12 @@ void Smooth(const IntegralImage& integral, int box, cv::Mat* means) {
   }
 }
 
-// Pattern, place and image in one.
+// Pattern, pose and image of one call.
 struct Sampling {
   const float* u;
   const float* v;
   int count;
-  cv::Point2f first;  // the upper left pixel of the square around the pattern's middle
+  cv::Point2f first;  // the upper left pixel of the square at the pattern's origin
   cv::Point2f axis;
   int box;
   const std::uint32_t* data;

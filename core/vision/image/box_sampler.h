@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// Points around a middle, in units of a scale.
+/// Points relative to a centre, in units of a scale.
 struct SamplePattern {
   std::vector<float> u;
   std::vector<float> v;
@@ -19,30 +19,30 @@ struct SamplePattern {
 /// side x side points around (0, 0), one unit apart, row by row.
 SamplePattern SquareGrid(int side);
 
-/// Where a pattern is put in an image.
+/// Pose of a pattern in an image.
 struct SamplePatternPose {
   cv::Point2f center;  ///< px
-  cv::Point2f u_axis;  ///< one unit along u, px; v runs at right angles, clockwise
-  int box_px = 1;      ///< side of the upright square around each point whose mean is asked for
+  cv::Point2f u_axis;  ///< one unit along u, px; v is perpendicular, clockwise
+  int box_px = 1;      ///< side of the upright square around each point over which the mean is taken
 };
 
-/// Means over squares at any points of an image, to a fraction of a pixel. Keeps smoothed images for the next grid:
-/// one sampler per image and thread.
+/// Means over squares at arbitrary subpixel positions of an image. Caches smoothed images: use one sampler per image
+/// and thread.
 class BoxSampler {
  public:
   explicit BoxSampler(const IntegralImage& integral) : integral_(integral) {}
 
-  /// Writes one mean per point, grey levels. Squares that would leave the image are moved into it.
+  /// Writes one mean per point, grey levels. Squares that would leave the image are shifted into it.
   void Sample(const SamplePattern& pattern, const SamplePatternPose& pose, float* means);
 
  private:
-  // Rounding to whole pixels is accurate enough for wider squares.
+  // Wider squares are rounded to whole pixels, which is accurate enough.
   static constexpr int kWidestSmoothed = 8;
 
   cv::Mat SmoothedRows(int box);
 
   const IntegralImage& integral_;
-  cv::Mat block_;  // the smoothed images, one below the other: large blocks would else go back to the system each time
+  cv::Mat block_;  // the smoothed images, stacked: separate large blocks would be returned to the system each time
   std::array<cv::Mat, kWidestSmoothed + 1> smoothed_;  // parts of the block by side of the square; empty until needed
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kMiddle = 128.0F;
 constexpr float kGain = 40.0F;
-// Deviations below the noise of a camera are not amplified to full contrast.
+// Lower bound of the standard deviation, so that camera noise is not amplified to full contrast.
 constexpr float kMinDeviation = 1.0F;
 
 using Row = std::vector<float>;
@@ -60,8 +60,8 @@ void NormalizeRow(const float* __restrict in, const float* __restrict sum, const
   }
 }
 
-// Sums over windows of a row, for every pixel, by doubling: no pixel waits for its neighbour. The row has a margin of
-// the window's length; powers keeps the partial sums.
+// Sums over windows of a row, for every pixel, by doubling, which has no dependency between neighbouring pixels. The
+// row has a margin of the window's length; powers keeps the partial sums.
 class WindowSum {
  public:
   WindowSum(int width, int window) : width_(width), window_(window) {
@@ -122,7 +122,8 @@ cv::Mat NormalizeContrast(const cv::Mat& gray, const cv::Mat& mask, const Contra
     return normalized;
   }
   cv::Mat levels = SmoothGaussian(gray, options.smooth_sigma_px);
-  cv::subtract(levels, cv::mean(levels), levels);  // small numbers: floats can subtract the squares of means
+  // Small numbers, to avoid cancellation in float when squares of means are subtracted.
+  cv::subtract(levels, cv::mean(levels), levels);
   const int height = levels.rows;
   const int width = levels.cols;
   const int radius = options.radius_px;

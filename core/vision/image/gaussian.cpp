@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// weights[k] belongs to the pixels k away on either side.
+// weights[k] is for the pixels at distance k on either side.
 std::vector<float> HalfKernel(double sigma_px) {
   const int radius = static_cast<int>(std::ceil(3.0 * sigma_px));
   std::vector<double> kernel;

@@ -8,8 +8,8 @@
 
 namespace floorloc {
 
-/// The pixel grid of a rectified image: seen from above, the robot's forward (+x) is up, its left (+y) is left.
-/// Pixel (0, 0) is the centre of the top-left pixel.
+/// The pixel grid of a rectified image: seen from above, +x of the base frame (forward) is up, +y (left) is left. Pixel
+/// (0, 0) is the centre of the top-left pixel.
 struct GroundGrid {
   double x_top_m = 0.0;   ///< x of row 0, base frame
   double y_left_m = 0.0;  ///< y of column 0, base frame
@@ -27,11 +27,11 @@ struct GroundGrid {
   }
 };
 
-/// A metric image of the floor in the base frame. Pixels that the camera did not see are 0 in gray and in mask.
+/// A metric image of the floor in the base frame. Pixels outside the camera's view are 0 in gray and mask.
 struct GroundImage {
   GroundGrid grid;
   cv::Mat gray;  ///< CV_8UC1
-  cv::Mat mask;  ///< CV_8UC1, 255 where the floor was seen
+  cv::Mat mask;  ///< CV_8UC1, 255 where the floor is visible
 };
 
 }  // namespace floorloc

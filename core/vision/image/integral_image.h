@@ -6,7 +6,7 @@
 
 namespace floorloc {
 
-/// Sums over rectangles of an image in four reads (summed-area table).
+/// Summed-area table: the sum over a rectangle of an image in four reads.
 class IntegralImage {
  public:
   /// Throws std::invalid_argument unless gray is CV_8UC1 or empty.
@@ -17,7 +17,7 @@ class IntegralImage {
   std::ptrdiff_t stride() const { return width_ + 1; }
 
   /// Row y, 0 to height(): entry x, 0 to width(), is the sum of the pixels above and left of the corner (x, y). Sums
-  /// are modulo 2^32: right for every rectangle of up to 16 million pixels, however large the image.
+  /// are modulo 2^32: exact for every rectangle of up to 16 million pixels, whatever the size of the image.
   const std::uint32_t* row(int y) const { return data() + y * stride(); }
   const std::uint32_t* data() const { return reinterpret_cast<const std::uint32_t*>(sums_.ptr<int>()); }
 

@@ -3,7 +3,7 @@
 
 namespace floorloc {
 
-/// Index of the pixel that stands for i in a row of n: beyond the edges pixels are mirrored, the edge pixel twice.
+/// Index of pixel i in a row of n, mirrored beyond the edges with the edge pixel twice (cv::BORDER_REFLECT).
 inline int Mirror(int i, int n) {
   const int period = 2 * n;
   const int inside = ((i % period) + period) % period;

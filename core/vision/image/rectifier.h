@@ -17,7 +17,7 @@ class Rectifier {
 
   /// raw: CV_8UC1 of the camera's size; throws std::invalid_argument otherwise.
   GroundImage Rectify(const cv::Mat& raw) const;
-  /// The colour twin, for mosaics: CV_8UC1 or CV_8UC3 in, same type out; invalid pixels are 0.
+  /// The same for mosaics, grey or colour: CV_8UC1 or CV_8UC3, returns the same type; invalid pixels are 0.
   cv::Mat RectifyImage(const cv::Mat& raw) const;
 
   const FloorCamera& camera() const { return camera_; }

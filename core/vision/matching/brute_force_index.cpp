@@ -55,7 +55,7 @@ class BruteForceEuclidean final : public DescriptorIndex {
     CheckComparable(descriptors, layout_);
     const RowMatrix queries = ToMatrix(descriptors);
     std::vector<std::vector<Neighbour>> neighbours;
-    // |a - b|^2 = |a|^2 + |b|^2 - 2 a.b, a block of queries at a time: a matrix product is the fastest loop there is.
+    // |a - b|^2 = |a|^2 + |b|^2 - 2 a.b, a block of queries at a time, as a matrix product is fastest.
     constexpr Eigen::Index kBlock = 64;
     for (Eigen::Index first = 0; first < queries.rows(); first += kBlock) {
       const Eigen::Index rows = std::min(kBlock, queries.rows() - first);

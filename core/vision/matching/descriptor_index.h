@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// An indexed descriptor, seen from a query.
+/// An indexed descriptor found for a query.
 struct Neighbour {
   int index = 0;
   float distance = 0.0F;  ///< bits (binary) or Euclidean (float)
@@ -36,7 +36,7 @@ enum class MatcherType {
 const char* ToString(MatcherType type);
 MatcherType ParseMatcherType(const std::string& name);
 
-/// Hashing probes no more buckets than this.
+/// Upper limit of IndexOptions::probes.
 constexpr int kMaxProbes = 4096;
 
 struct IndexOptions {
@@ -49,13 +49,13 @@ struct IndexOptions {
 
 /// Parameters of a search.
 struct NeighbourSearch {
-  int count = 2;                                                ///< the nearest so many
-  float max_distance = std::numeric_limits<float>::infinity();  ///< farther ones are left out
-  int probes = 0;  ///< hashing: buckets probed per query; 0: as many as the index's options say
+  int count = 2;                                                ///< number of nearest neighbours
+  float max_distance = std::numeric_limits<float>::infinity();  ///< farther neighbours are left out
+  int probes = 0;  ///< hashing: buckets probed per query; 0: as in IndexOptions
 };
 
-/// Nearest neighbours among a fixed set of descriptors. Keeps its data alive (binary ones it may share with the matrix
-/// it was made of, which must not be written to afterwards); searches are const and thread-safe.
+/// Nearest neighbours among a fixed set of descriptors. Owns its data; binary descriptors may share memory with the
+/// matrix passed in, which must not be modified afterwards. Searches are const and thread-safe.
 class DescriptorIndex {
  public:
   virtual ~DescriptorIndex() = default;
@@ -63,7 +63,8 @@ class DescriptorIndex {
   DescriptorIndex(const DescriptorIndex&) = delete;
   DescriptorIndex& operator=(const DescriptorIndex&) = delete;
 
-  /// Of every row, nearest first, as many as there are. Throws std::invalid_argument for rows unlike the indexed ones.
+  /// Neighbours of every row, nearest first, at most search.count. Throws std::invalid_argument when the rows differ
+  /// from the indexed ones in type or length.
   virtual std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors,
                                                      const NeighbourSearch& search) const = 0;
   /// The count nearest neighbours of every row.
@@ -75,11 +76,11 @@ class DescriptorIndex {
 
 std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options);
 
-/// The two nearest neighbours of every row as one Match; rows without a neighbour are left out. probes: as of
+/// The two nearest neighbours of every row as one Match; rows without a neighbour are left out. probes: as in
 /// NeighbourSearch.
 std::vector<Match> FindNearest(const DescriptorIndex& index, const cv::Mat& descriptors, int probes = 0);
 
-/// Every neighbour of every row as a Match of its own, for votes; second_distance is infinity.
+/// Every neighbour of every row as a separate Match, for voting; second_distance is infinity.
 std::vector<Match> FindAllNear(const DescriptorIndex& index, const cv::Mat& descriptors, const NeighbourSearch& search);
 
 /// Lowe's ratio test: keeps matches whose nearest neighbour is clearly nearer than the second one.

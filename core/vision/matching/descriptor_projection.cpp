@@ -49,10 +49,10 @@ DescriptorProjection::DescriptorProjection(const PackedDescriptors& descriptors)
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(covariance);
   const Eigen::Index bits = signs.rows();
   const Eigen::MatrixXf directions = solver.eigenvectors().rightCols(std::min<Eigen::Index>(kDimensions, bits));
-  // The largest sum still fits its 16 bits, each of its terms rounded.
+  // The largest sum fits 16 bits, including the rounding of its terms.
   const float scale = 30000.0F / directions.cwiseAbs().colwise().sum().maxCoeff();
   for (Eigen::Index d = 0; d < directions.cols(); ++d) {
-    const Eigen::Index column = directions.cols() - 1 - d;  // the solver sorts upwards
+    const Eigen::Index column = directions.cols() - 1 - d;  // the solver sorts by increasing eigenvalue
     const auto dimension = static_cast<std::size_t>(d);
     variances_[dimension] = std::max(0.0F, solver.eigenvalues()(bits - 1 - d));
     for (std::size_t i = 0; i < sums_.size(); ++i) {
@@ -67,7 +67,7 @@ DescriptorProjection::DescriptorProjection(const PackedDescriptors& descriptors)
 }
 
 DescriptorProjection::Values DescriptorProjection::Project(const std::uint64_t* words) const {
-  // The compiler keeps these in as few registers as the processor has for them.
+  // Maps to as few vector registers as the processor allows.
   using Lanes [[gnu::vector_size(sizeof(Values))]] = std::int16_t;
   Lanes total{};
   const Values* sums = sums_.data();

@@ -10,8 +10,8 @@
 
 namespace floorloc {
 
-/// Linear projection of binary descriptors (bits as +-1) on the directions in which a set of them varies most. Bits of
-/// one descriptor are correlated: a few such sums say more, and flip less between two views, than as many single bits.
+/// Linear projection of binary descriptors (bits as +-1) onto their principal components. Bits of one descriptor are
+/// correlated: a few such sums carry more information than as many single bits and change less between two views.
 class DescriptorProjection {
  public:
   static constexpr int kDimensions = 32;
@@ -20,7 +20,7 @@ class DescriptorProjection {
   /// Learns from a sample of the rows. The same descriptors give the same projection.
   explicit DescriptorProjection(const PackedDescriptors& descriptors);
 
-  /// Most variance first, in units common to all dimensions.
+  /// Largest variance first; the same unit for all dimensions.
   Values Project(const std::uint64_t* words) const;
   /// Variance of each dimension in the sample, decreasing; zero beyond the number of bits.
   const std::array<double, kDimensions>& variances() const { return variances_; }
@@ -28,10 +28,10 @@ class DescriptorProjection {
  private:
   int bytes_ = 0;
   std::array<double, kDimensions> variances_{};
-  std::vector<Values> sums_;  // of each value of each half byte
+  std::vector<Values> sums_;  // partial sums for each value of each half byte
 };
 
-/// Rows spread evenly over all, at most max_rows: what is learned from them is deterministic.
+/// At most max_rows rows, spread evenly, so that learning from them is deterministic.
 std::vector<int> SampleRows(int rows, int max_rows);
 
 }  // namespace floorloc

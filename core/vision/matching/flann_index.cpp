@@ -24,7 +24,7 @@ class SeededGenerator {
   cv::RNG saved_;
 };
 
-// Index: the cvflann index of this distance.
+// Index: cvflann index type for this distance.
 template <typename Distance, typename Index>
 class FlannIndex final : public DescriptorIndex {
  public:
@@ -40,7 +40,7 @@ class FlannIndex final : public DescriptorIndex {
   std::vector<std::vector<Neighbour>> Search(const cv::Mat& descriptors, const NeighbourSearch& search) const override {
     CheckComparable(descriptors, LayoutOf(data_));
     std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(descriptors.rows));
-    const int k = std::min(search.count, size());  // OpenCV throws when it can't find as many as were asked for
+    const int k = std::min(search.count, size());  // OpenCV throws when it finds fewer than requested
     if (k == 0) {
       return neighbours;
     }
@@ -73,7 +73,7 @@ class FlannIndex final : public DescriptorIndex {
     return std::is_same_v<Element, float> ? std::sqrt(static_cast<float>(d)) : static_cast<float>(d);
   }
 
-  cv::Mat data_;         // the index refers to it
+  cv::Mat data_;         // must outlive the index, which refers to it
   mutable Index index_;  // its search keeps no state but is not const
   cvflann::SearchParams search_;
 };

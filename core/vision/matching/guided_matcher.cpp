@@ -25,7 +25,7 @@ float Euclidean(const cv::Mat& a, int row_a, const cv::Mat& b, int row_b) {
   return std::sqrt(sum);
 }
 
-// The nearest and second nearest of float descriptors, among a few.
+// Nearest and second nearest float descriptor among the candidates.
 Match NearestEuclidean(const cv::Mat& query, int row, const cv::Mat& train, const std::vector<int>& candidates) {
   Match best{row, -1, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
   for (const int i : candidates) {
@@ -50,7 +50,7 @@ struct RunFields {
   const float* size_m;
 };
 
-// The window as plain numbers, for the loop over many keypoints.
+// The window as plain numbers, for the vectorized loop over keypoints.
 struct WindowLimits {
   float x_m, y_m, squared_radius, cos_angle, sin_angle, min_cos, min_size_m, max_size_m;
 };
@@ -75,12 +75,12 @@ void TestRun(const RunFields& run, const WindowLimits& w, int count, std::int32_
 
 }  // namespace
 
-// What a keypoint must agree with to be a candidate.
+// Conditions on a candidate keypoint.
 struct GuidedMatcher::Window {
   float x_m, y_m;
   float radius_m;
   float cos_angle, sin_angle;  // of the predicted angle
-  float min_cos;               // of the angle between it and a candidate's
+  float min_cos;               // least cosine of the angle between it and a candidate's
   float size_m;
 };
 
@@ -99,7 +99,7 @@ GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::M
     high = high.cwiseMax(k.Position());
   }
   origin_ = low;
-  // Bounds the grid by the number of keypoints, however far apart those of a damaged map lie.
+  // Bounds the grid by the number of keypoints, whatever the extent of a damaged map.
   const double max_cells = std::max(1e5, 64.0 * static_cast<double>(keypoints.size()));
   const Eigen::Vector2d extent = high - low;
   while ((extent.x() / cell_m_ + 1.0) * (extent.y() / cell_m_ + 1.0) > max_cells) {
@@ -148,7 +148,7 @@ void GuidedMatcher::CollectRun(const Window& window, int begin, int end, std::ve
              &entries_.cos_angle[static_cast<std::size_t>(first)], &entries_.sin_angle[static_cast<std::size_t>(first)],
              &entries_.size_m[static_cast<std::size_t>(first)]},
             limits, count, accepted.data());
-    // Without branches: which keypoints are accepted can't be predicted.
+    // Branch-free: acceptance is unpredictable.
     std::size_t size = candidates->size();
     candidates->resize(size + static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {

@@ -15,31 +15,33 @@ namespace floorloc {
 /// Predicted pose of a query frame in the frame of the matcher's keypoints.
 struct MatchGuide {
   Pose2 target_from_query;
-  double radius_m = 0.1;        ///< how far a keypoint may lie from its predicted place
-  double yaw_radius_rad = 0.3;  ///< how far its angle may be from the predicted one
-  int stride = 1;               ///< every stride-th query keypoint only
+  double radius_m = 0.1;        ///< largest distance of a keypoint from its predicted position
+  double yaw_radius_rad = 0.3;  ///< largest difference of its angle from the predicted one
+  int stride = 1;               ///< only every stride-th query keypoint is matched
 };
 
 /// Largest ratio of sizes between two views of one keypoint: the floor's scale is known.
 constexpr float kMaxSizeRatio = 1.5F;
 
-/// Spread of a keypoint's own angle between two views.
+/// Tolerance of a keypoint's angle between two views.
 constexpr double kKeypointAngleNoiseRad = 0.35;
 
-/// Matches a frame to keypoints near their predicted places only, through a spatial grid. Refers to the float
+/// Matches keypoints of a frame only to keypoints near their predicted positions, by a spatial grid. Refers to float
 /// descriptors, which must outlive it. Const and thread-safe.
 class GuidedMatcher {
  public:
   GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m);
 
-  /// One match per query keypoint that has a candidate. Throws std::invalid_argument for descriptors unlike its own.
+  /// One match per query keypoint that has a candidate. Throws std::invalid_argument when the descriptors differ from
+  /// its own in type or length.
   std::vector<Match> FindNearest(const Features& query, const MatchGuide& guide) const;
 
-  /// Indices of the keypoints of like size within radius_m of a keypoint, whatever their angle; itself among them.
+  /// Indices of the keypoints of similar size (kMaxSizeRatio) within radius_m of a keypoint, at any angle, including
+  /// itself.
   std::vector<int> FindWithin(const Keypoint& keypoint, double radius_m) const;
 
  private:
-  // The keypoints in the order of the grid's cells, one array per field: many are tested at once.
+  // The keypoints sorted by grid cell, one array per field (structure of arrays) for vectorized tests.
   struct Entries {
     std::vector<float> x_m, y_m, cos_angle, sin_angle, size_m;
     std::vector<int> index;  // in the keypoints

@@ -27,7 +27,7 @@ void Consider(int index, int distance, TwoNearest* best) {
   }
 }
 
-// Rows one after the other, in whole words. (OpenCV calls no matrix beyond 2 GiB continuous.)
+// Contiguous rows of whole words. (OpenCV does not call matrices beyond 2 GiB continuous.)
 bool CanShare(const cv::Mat& m) {
   constexpr std::size_t kWord = sizeof(std::uint64_t);
   const auto row_bytes = static_cast<std::size_t>(m.cols);

@@ -12,13 +12,13 @@
 
 namespace floorloc {
 
-/// Binary descriptors as 64-bit words (rows padded with zeros), for fast Hamming distances. Movable, not copyable:
-/// there may be many.
+/// Binary descriptors as 64-bit words (rows padded with zeros), for fast Hamming distances. Movable but not copyable,
+/// as they may be large.
 class PackedDescriptors {
  public:
   PackedDescriptors() = default;
-  /// descriptors: CV_8UC1, one per row. Memory of a matrix that owns it and whose rows are whole words is shared: it
-  /// must not be written to afterwards.
+  /// descriptors: CV_8UC1, one per row. A matrix that owns its memory and whose rows are whole words is shared, not
+  /// copied; it must not be modified afterwards.
   explicit PackedDescriptors(const cv::Mat& descriptors);
   PackedDescriptors(PackedDescriptors&&) = default;
   PackedDescriptors& operator=(PackedDescriptors&&) = default;
@@ -30,13 +30,13 @@ class PackedDescriptors {
  private:
   int rows_ = 0;
   int words_per_row_ = 0;
-  const std::uint64_t* words_ = nullptr;  // in one of the following
+  const std::uint64_t* words_ = nullptr;  // points into one of the following
   cv::Mat shared_;
   std::vector<std::uint64_t> own_;
 };
 
 /// The two smallest Hamming distances of a query among the candidate rows; index -1 when there is none. Of equal
-/// distances the first row considered counts as the nearer.
+/// distances the first row visited is the nearer one.
 struct TwoNearest {
   int index = -1;
   int second_index = -1;
@@ -53,8 +53,8 @@ TwoNearest FindTwoNearest(const PackedDescriptors& train, const std::uint64_t* q
 TwoNearest FindTwoNearest(const PackedDescriptors& train, const std::uint64_t* query, std::span<const int> candidates,
                           const HammingKernels& kernels = BestHammingKernels());
 
-/// Calls visit(row, distance) for every candidate, in order. The rows may lie anywhere: those of the next block are
-/// fetched from memory while this one is compared.
+/// Calls visit(row, distance) for every candidate, in order. Rows may be scattered in memory: those of the next block
+/// are prefetched while this one is compared.
 template <typename Visit>
 void VisitDistances(const PackedDescriptors& train, const std::uint64_t* query, std::span<const int> candidates,
                     const HammingKernels& kernels, const Visit& visit) {

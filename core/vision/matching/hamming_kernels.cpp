@@ -13,12 +13,12 @@ namespace {
 
 constexpr int kWords256 = 4;
 
-// Rows one after the other.
+// Successive rows.
 struct EachRow {
   int operator[](std::size_t i) const { return static_cast<int>(i); }
 };
 
-// Inlined into functions of several instruction sets, each of which makes its own of popcount.
+// Inlined into functions for several instruction sets, each with its own popcount.
 template <int kWords>
 [[gnu::always_inline]] inline int Distance(const std::uint64_t* a, const std::uint64_t* b, int words) {
   int distance = 0;

@@ -7,14 +7,14 @@
 
 namespace floorloc {
 
-/// Descriptors in a row of memory, and one to compare with them.
+/// Contiguous descriptors and a query to compare with them.
 struct HammingTask {
   const std::uint64_t* rows = nullptr;
   int words_per_row = 0;
   const std::uint64_t* query = nullptr;
 };
 
-/// Hamming distances by one instruction set. All sets give the same.
+/// Hamming distances by one instruction set. All give the same result.
 struct HammingKernels {
   const char* name = "";
   /// Of rows 0 to count - 1.
@@ -23,10 +23,10 @@ struct HammingKernels {
   void (*chosen)(const HammingTask& task, std::span<const int> indices, int* distances) = nullptr;
 };
 
-/// What this processor can do: "portable" always; "popcnt"; "avx512". Slowest first.
+/// Kernels that this processor supports, slowest first: "portable" always, "popcnt", "avx512".
 std::vector<HammingKernels> SupportedHammingKernels();
 
-/// The fastest of them, chosen once.
+/// The fastest supported kernels, selected once.
 const HammingKernels& BestHammingKernels();
 
 }  // namespace floorloc

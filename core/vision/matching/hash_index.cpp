@@ -15,18 +15,18 @@
 namespace floorloc {
 namespace {
 
-// Buckets hold 1 to 2 descriptors on the average.
+// Buckets hold 1 to 2 descriptors on average.
 int KeyBits(int rows) { return std::clamp(static_cast<int>(std::bit_width(static_cast<unsigned>(rows))) - 1, 0, 30); }
 
-// On self-similar floors thousands of descriptors are equal: of a larger bucket every n-th is looked at.
+// Of larger buckets only every n-th descriptor is compared: on self-similar floors thousands are equal.
 constexpr std::size_t kMaxPerBucket = 64;
 
-// Rows that are copied from a bucket whether it has them or not.
+// Rows that are always copied from a bucket, even if it has fewer.
 constexpr std::size_t kCopied = 8;
 
 void Prefetch(const void* address) { __builtin_prefetch(address); }
 
-// Rows by the value of their key, in compressed form.
+// Rows by key, in compressed sparse row form.
 class BucketTable {
  public:
   BucketTable(const PackedDescriptors& descriptors, const HashKey& key) {
@@ -41,7 +41,7 @@ class BucketTable {
       sum += start;
       start = sum;
     }
-    // Filled from behind, each bucket's end becomes its start.
+    // Filling backwards turns each bucket's end into its start.
     rows_.resize(keys.size() + kCopied);
     for (std::size_t i = keys.size(); i-- > 0;) {
       rows_[--start_[keys[i]]] = static_cast<int>(i);
@@ -54,7 +54,7 @@ class BucketTable {
   }
   // Writes the bucket's rows to `out`, which has room for kMaxPerBucket + kCopied, and returns how many.
   static std::size_t Copy(std::span<const int> bucket, int* out) {
-    std::copy_n(bucket.data(), kCopied, out);  // few buckets are larger, and no branch asks how large
+    std::copy_n(bucket.data(), kCopied, out);  // avoids a branch on the size; few buckets are larger
     if (bucket.size() <= kCopied) {
       return bucket.size();
     }
@@ -108,7 +108,7 @@ class HashIndex final : public DescriptorIndex {
     return std::span(sequence_.probes()).first(std::clamp<std::size_t>(wanted, 1, sequence_.probes().size()));
   }
 
-  // In passes over some probes at a time, so that the processor waits for many places of memory at once.
+  // In passes over several probes, so that their cache misses overlap.
   std::span<const int> CollectCandidates(const std::uint64_t* query, std::span<const ProbeSequence::Probe> probes,
                                          Scratch* scratch) const {
     constexpr std::size_t kBatchSize = 128;

@@ -34,7 +34,7 @@ void HashKey::AllocateBits(int bits) {
   }
   for (const int count : allocated) {
     if (count == 0) {
-      break;  // variances decrease, so that none follows
+      break;  // variances decrease, so no later dimension has bits
     }
     parts_.push_back({bits_, count, {}});
     bits_ += count;
@@ -86,7 +86,7 @@ HashKey::Uncertain HashKey::UncertainKeyOf(const std::uint64_t* words) const {
     const int cell = part.CellOf(values[i]);
     const int to_middle = std::abs(values[i] - part.thresholds[1]);
     int margin = to_middle;
-    int neighbour = part.bits == 1 ? 1 - cell : 3 - cell;  // across the middle: 1 <-> 2
+    int neighbour = part.bits == 1 ? 1 - cell : 3 - cell;  // across the median: 1 <-> 2
     if (part.bits == 2) {
       const int to_outer = std::abs(values[i] - part.thresholds[cell <= 1 ? 0 : 2]);
       const bool outer = cell == 0 || cell == 3 || to_outer < to_middle;

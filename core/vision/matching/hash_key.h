@@ -13,22 +13,22 @@ namespace floorloc {
 /// cells, gives one or two bits.
 class HashKey {
  public:
-  /// bits: at most 30; fewer when the descriptors do not vary in as many ways.
+  /// bits: at most 30; fewer are used when the descriptors vary in fewer dimensions.
   HashKey(const PackedDescriptors& descriptors, int bits);
 
   int bits() const { return bits_; }
   int parts() const { return static_cast<int>(parts_.size()); }
   std::uint32_t KeyOf(const std::uint64_t* words) const;
 
-  /// The key, and for each of its parts what changes it to the neighbouring cell, nearest cell first.
+  /// The key, and for each of its parts the change of the key to the neighbouring cell, nearest cell first.
   struct Uncertain {
     std::uint32_t key = 0;
-    std::array<std::uint32_t, DescriptorProjection::kDimensions> changes{};  ///< to be XORed; parts() of them
+    std::array<std::uint32_t, DescriptorProjection::kDimensions> changes{};  ///< XORed with the key; parts() of them
   };
   Uncertain UncertainKeyOf(const std::uint64_t* words) const;
 
  private:
-  // One projection, in cells: two bits have three thresholds, one bit has the middle one.
+  // One quantized projection: two bits have three thresholds, one bit has only the middle one.
   struct Part {
     int shift = 0;
     int bits = 0;

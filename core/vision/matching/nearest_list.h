@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// Keeps the smallest distances, nearest first; of equal ones the first considered.
+/// Keeps the smallest distances, nearest first; of equal ones those added first.
 class NearestList {
  public:
   explicit NearestList(const NeighbourSearch& search)
@@ -39,10 +39,10 @@ class NearestList {
   std::vector<Neighbour> list_;
 };
 
-/// The nearest two as a list, when the search asks for one or two.
+/// Converts the two nearest to a list, for searches of one or two neighbours.
 std::vector<Neighbour> ToNeighbours(const TwoNearest& nearest, const NeighbourSearch& search);
 
-/// The nearest of the candidate rows.
+/// The nearest candidate rows.
 std::vector<Neighbour> NearestHamming(const PackedDescriptors& train, const std::uint64_t* query,
                                       std::span<const int> candidates, const NeighbourSearch& search);
 

@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// The margin of rank r of uniformly spread ones grows as r, its square about as this.
+// The r-th smallest of uniformly distributed margins grows linearly with r, its square about as this.
 int CostOf(int rank) { return (rank + 1) * (rank + 2); }
 
 struct Candidate {
@@ -35,7 +35,7 @@ ProbeSequence::ProbeSequence(int ranks, int count) {
     next.pop();
     const auto index = static_cast<int>(probes_.size());
     probes_.push_back({static_cast<std::uint16_t>(c.parent), static_cast<std::uint8_t>(c.rank)});
-    // Every set follows from exactly one: either its largest rank was one less, or that rank is new.
+    // Every set has exactly one parent: its largest rank is increased by one or newly added.
     if (c.rank + 1 < ranks) {
       next.push({c.parent_cost + CostOf(c.rank + 1), c.rank + 1, c.parent, c.parent_cost});
       next.push({c.cost + CostOf(c.rank + 1), c.rank + 1, index, c.cost});

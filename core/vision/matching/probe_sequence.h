@@ -6,11 +6,11 @@
 
 namespace floorloc {
 
-/// Which sets of a query's least certain key parts to change, likeliest first, when parts are ranked by their margins
-/// (query-directed probing, Lv et al. 2007). The sets are the same for every query, only the ranks' meaning differs.
+/// Sets of key parts to change, most likely first, when a query's parts are ranked by increasing margin (query-directed
+/// probing, Lv et al. 2007). The sets are the same for every query; only the ranking of its parts differs.
 class ProbeSequence {
  public:
-  /// A set: that of an earlier probe and one more rank. The first probe is the empty set and its own parent.
+  /// A set of ranks: that of an earlier probe and one more rank. The first probe is the empty set and its own parent.
   struct Probe {
     std::uint16_t parent = 0;
     std::uint8_t rank = 0;

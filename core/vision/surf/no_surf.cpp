@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for surf.cpp in builds without SURF: no Surf can be made, so that its other members are never called.
+// Replaces surf.cpp in builds without SURF: no Surf can be constructed, so its other members are never called.
 #include <cassert>
 #include <stdexcept>
 

@@ -13,14 +13,14 @@ namespace floorloc {
 /// Whether this build has SURF (FLOORLOC_WITH_SURF).
 bool SurfAvailable();
 
-/// Which keypoints SURF finds and how it describes them.
+/// Parameters of the SURF detector and descriptor.
 struct SurfOptions {
   double threshold = 3.0;  ///< least determinant of the Hessian, (grey levels)^2, filters normalised by their area
   int octaves = 2;         ///< each octave doubles the range of scales; 1 to 8
   int layers = 2;          ///< scales per octave at which keypoints are detected; 1 to 8
   int first_step_px = 1;   ///< between the samples of the first octave, 1 or 2; doubled from octave to octave
   int max_keypoints = 0;   ///< the strongest are kept; 0: all
-  bool upright = false;    ///< no orientation (angle 0): faster, for images that all look the same way
+  bool upright = false;    ///< no orientation (angle 0): faster, for images of the same orientation
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;
@@ -28,16 +28,16 @@ struct SurfOptions {
 
 /// Speeded-Up Robust Features after Bay, Ess, Tuytelaars and Van Gool (CVIU 2008). Const and thread-safe.
 ///
-/// Keypoints are blobs: pt has (0, 0) in the centre of the top-left pixel; size is the side of the box filter that
-/// answered most strongly, px (9 px belong to the scale s = 1.2 px); angle is in degrees clockwise from the image's
-/// right; response is the determinant of the Hessian; octave counts from 0; class_id is 1 for dark blobs on bright
-/// ground and -1 for bright ones on dark (the sign of the Laplacian).
+/// Keypoints are blobs: pt has (0, 0) in the centre of the top-left pixel; size is the side of the box filter with the
+/// strongest response, px (9 px belong to the scale s = 1.2 px); angle is in degrees clockwise from the image's right;
+/// response is the determinant of the Hessian; octave counts from 0; class_id is 1 for dark blobs on bright ground and
+/// -1 for bright ones on dark (the sign of the Laplacian).
 class Surf {
  public:
   /// Throws std::invalid_argument when the options do not pass Check(), or when SURF was left out of the build.
   explicit Surf(const SurfOptions& options);
 
-  /// Keypoints with their angles, strongest first. gray: CV_8UC1; mask: empty, or zero where no keypoint may be.
+  /// Keypoints with their angles, strongest first. gray: CV_8UC1; mask: empty, or zero where keypoints are excluded.
   std::vector<cv::KeyPoint> Detect(const cv::Mat& gray, const cv::Mat& mask = cv::Mat()) const;
 
   /// One row of 64 numbers (CV_32F, length 1) per keypoint. Keypoints nearer to the image's edge than the descriptor
@@ -47,8 +47,8 @@ class Surf {
   /// Detect and Describe with one integral image; *keypoints are those that have a descriptor.
   cv::Mat DetectAndDescribe(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>* keypoints) const;
 
-  /// The stages, for callers that choose keypoints in between. Find leaves the angle at -1; Orient gives an angle to
-  /// those without one (upright: 0 to all), as Describe does first.
+  /// The stages, for callers that select keypoints in between. Find leaves the angle at -1; Orient sets the angle of
+  /// keypoints without one (upright: 0 for all), as Describe does first.
   std::vector<cv::KeyPoint> Find(const IntegralImage& integral, const cv::Mat& mask = cv::Mat()) const;
   void Orient(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const;
   cv::Mat Describe(const IntegralImage& integral, std::vector<cv::KeyPoint>* keypoints) const;

@@ -13,17 +13,17 @@ namespace floorloc {
 namespace {
 
 constexpr int kCells = 20;          // wavelets along each side of the window, one scale apart
-constexpr int kNodes = kCells + 1;  // box means at the cells' corners, which the wavelets are differences of
+constexpr int kNodes = kCells + 1;  // box means at the cells' corners; the wavelets are their differences
 constexpr int kFields = 4;          // along each side
 constexpr int kChannels = 4;        // per field
-// The Gaussians that weigh the wavelets around the middle of a field and the fields around the keypoint, in scales.
+// Gaussian weights of the wavelets about the centre of a field and of the fields about the keypoint, in scales.
 constexpr float kFieldSigma = 2.5F;
 constexpr float kWindowSigma = 9.0F;
 
 using Nodes = std::array<float, kNodes * kNodes>;
-// Per field along a side the weights of the cells along it. Fields overlap: a wavelet near the edge between two counts
-// for both, so that a small error of place, angle or scale changes little. The weight of a cell for a field is the
-// product of its row's and its column's.
+// Per field along a side the weights of the cells along it. Fields overlap: a wavelet near the border of two
+// contributes to both, so that small errors of position, angle or scale change little. The weight of a cell for a field
+// is the product of its row's and its column's.
 using Weights = std::array<std::array<float, kCells>, kFields>;
 
 Weights MakeWeights() {
@@ -40,7 +40,7 @@ Weights MakeWeights() {
   return weights;
 }
 
-// What the wavelets of one row of cells measure, cell by cell: along and across the window's rows, and how strongly.
+// Wavelet responses of one row of cells, cell by cell: along and across the window's rows, and their absolute values.
 using WaveletRow = std::array<float, kCells * kChannels>;
 
 FLOORLOC_INLINE void MakeWavelets(const float* __restrict upper, const float* __restrict lower, float* __restrict row) {

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Maxima of the determinant of the Hessian over place and scale (Fast-Hessian), to a fraction of a pixel and of a
+/// Maxima of the determinant of the Hessian over position and scale (Fast-Hessian), to a fraction of a pixel and of a
 /// scale, octave by octave and from top to bottom in each layer; see Surf for the keypoints' fields. Angles are -1.
 std::vector<cv::KeyPoint> DetectFastHessian(const IntegralImage& integral, const SurfOptions& options);
 

@@ -18,7 +18,7 @@ constexpr int kBins = 72;                      // of 5 degrees
 constexpr int kWindow = 12;                    // bins: 60 degrees
 constexpr float kSigma = 2.5F;                 // of the wavelets' weights, in scales
 
-// Where the wavelets stand among the nodes, and their weights.
+// Positions of the wavelets among the nodes, and their weights.
 struct Disc {
   std::array<std::size_t, kWavelets> node;
   std::array<float, kWavelets> weight;
@@ -44,7 +44,7 @@ struct Wavelets {
   std::array<float, kWavelets> y;
 };
 
-// A wavelet of side 4 s is made of the four squares of side 2 s around it.
+// A wavelet of side 4 s is composed of the four squares of side 2 s around it.
 Wavelets MakeWavelets(const std::array<float, kNodes * kNodes>& nodes) {
   static const Disc kDisc = MakeDisc();
   Wavelets wavelets;
@@ -58,7 +58,7 @@ Wavelets MakeWavelets(const std::array<float, kNodes * kNodes>& nodes) {
   return wavelets;
 }
 
-// The direction of the strongest sum of wavelets in a window that slides over their directions.
+// Direction of the largest sum of wavelets in a sliding window over their directions.
 float StrongestDirection(const Wavelets& wavelets) {
   std::array<float, kWavelets> degrees;
   cv::hal::fastAtan32f(wavelets.y.data(), wavelets.x.data(), degrees.data(), kWavelets, true);

@@ -7,8 +7,8 @@
 
 namespace floorloc {
 
-/// The direction in which most Haar wavelets within 6 s of the keypoint point (s its scale), degrees clockwise from the
-/// image's right, 0 to 360. Where wavelets would leave the image, its nearest ones count.
+/// Dominant direction of the Haar wavelets within 6 s of the keypoint (s its scale), degrees clockwise from the image's
+/// right, 0 to 360. Wavelets that would leave the image are shifted into it.
 float SurfOrientation(const cv::KeyPoint& keypoint, BoxSampler* sampler);
 
 }  // namespace floorloc

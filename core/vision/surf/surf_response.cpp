@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// What the box filters of one row of samples need. A filter of side 3 l has three lobes, l by 2 l - 1 pixels each, with
+// Input of the box filters for one row of samples. A filter of side 3 l has three lobes, l by 2 l - 1 pixels each, with
 // the weights 1, -2, 1 for the second derivatives, and four lobes, l by l, for the mixed one.
 struct RowJob {
   const std::uint32_t* corner;  // the integral image at the corner left and above of the row's first pixel
@@ -21,7 +21,7 @@ struct RowJob {
   int count;  // samples
 };
 
-// Combinations of rows of the integral image, so that each derivative needs few columns of one row.
+// Combinations of rows of the integral image, so that each derivative reads few columns of one row.
 struct RowBuffers {
   std::vector<std::uint32_t> xx;
   std::vector<std::uint32_t> yy;
@@ -52,7 +52,7 @@ FLOORLOC_WIDE_VECTORS void CombineRows(const RowJob& job, std::uint32_t* __restr
   }
 }
 
-// kStep 0: the step of the job.
+// kStep 0: the step is that of the job.
 template <int kStep>
 FLOORLOC_INLINE void Respond(const RowJob& job, const std::uint32_t* __restrict xx, const std::uint32_t* __restrict yy,
                              const std::uint32_t* __restrict xy, float* __restrict out) {
@@ -91,7 +91,7 @@ ResponseLayer EmptyLayer(int filter_px, int step_px, const cv::Mat& response) {
   return {filter_px, step_px, (filter_px / 2 + step_px - 1) / step_px, response};
 }
 
-// Samples from the margin to the last where the filter of this half side fits.
+// Number of samples from the margin to the last one where a filter of this half side fits.
 int FittingSamples(int side_px, int half_px, const ResponseLayer& layer) {
   return (side_px - 1 - half_px) / layer.step_px - layer.margin + 1;
 }
@@ -135,7 +135,7 @@ ResponseOctave ComputeOctave(const IntegralImage& integral, int octave, int laye
   ResponseOctave result;
   const int step_px = first_step_px << octave;
   const int rows = std::max(integral.height() - 1, 0) / step_px + 1;
-  // One block for all: memory that is freed in smaller ones goes back to the system and costs time again.
+  // One block for all layers: smaller ones would be returned to the system when freed, which costs time.
   const cv::Mat block(layers * rows, std::max(integral.width() - 1, 0) / step_px + 1, CV_32FC1);
   const int side_px = std::min(integral.width(), integral.height());
   for (int i = 1; i <= layers; ++i) {
