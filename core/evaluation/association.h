@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// A true pose and the estimate of it, at (nearly) the same time.
+/// A reference pose and its estimate at (nearly) the same time.
 struct PosePair {
   StampedPose3 reference;
   StampedPose3 estimate;

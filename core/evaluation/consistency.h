@@ -27,7 +27,7 @@ struct NeesSummary {
 /// All zero when there are no values.
 NeesSummary SummarizeNees(const std::vector<double>& values, int degrees_of_freedom = 3);
 
-/// An event that was predicted with a probability, and whether it came true.
+/// Predicted probability of an event, and whether it occurred.
 struct Forecast {
   double probability = 0.0;
   bool occurred = false;

@@ -14,7 +14,7 @@ struct MotionIncrement {
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;  ///< later than from_ns
   Pose2 motion;            ///< pose of the base at to_ns in the base frame at from_ns
-  /// Of (x, y, yaw), additive, in the frame of the base at from_ns; empty: as in OdometryNoise.
+  /// Of (x, y, yaw), additive, in the base frame at from_ns; m^2, m rad, rad^2. Empty: by OdometryNoise.
   std::optional<Eigen::Matrix3d> covariance;
 };
 
@@ -29,7 +29,7 @@ struct ImuReading {
 struct PoseFix {
   std::int64_t stamp_ns = 0;  ///< when the image was taken, not when it was processed
   Pose2 map_from_base;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), additive, map frame; m^2, m rad, rad^2
   double p_wrong = 0.0;                                  ///< probability that the pose is wrong
 };
 

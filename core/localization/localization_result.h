@@ -42,10 +42,10 @@ struct LocalizationResult {
   int keypoints = 0;
   int matches = 0;
   int inliers = 0;
-  double rms_m = 0.0;
-  double p_wrong = 1.0;
+  double rms_m = 0.0;    ///< residual of the inliers under the pose by keypoints
+  double p_wrong = 1.0;  ///< probability that map_from_base is wrong
   bool used_prior = false;
-  std::vector<PoseHypothesis> alternatives;
+  std::vector<PoseHypothesis> alternatives;  ///< as in PoseDecision
   LocalizationTiming timing;
 };
 

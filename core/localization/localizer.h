@@ -21,8 +21,7 @@
 
 namespace floorloc {
 
-/// Answers "where is this frame?" in one map. Const after construction; Localize may run in many threads and gives the
-/// same answer for the same input.
+/// Localizes frames in one map. Const after construction; Localize is thread-safe and deterministic.
 class Localizer {
  public:
   /// Builds the search structures. tiles: the map's mosaic; without it poses come from keypoints only and are less

@@ -5,7 +5,7 @@
 
 namespace floorloc {
 
-/// Motion of the frame about its middle (x, y: map frame, m; yaw), then the camera's MountingError (rotation, height
+/// Motion of the frame about its centre (x, y: map frame, m; yaw), then the camera's MountingError (rotation, height
 /// share).
 using MountingVector = Eigen::Matrix<double, 7, 1>;
 using MountingMatrix = Eigen::Matrix<double, 7, 7>;

@@ -236,7 +236,7 @@ class Fit {
     const Eigen::Vector2d bent = MountingJacobian(camera_center_, frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
     const MountingEstimate estimate = MarginalizeMounting(problem_, unknowns_);
-    // From the motion about the frame's middle to the base frame's pose.
+    // From the motion about the frame's centre to the pose of the base.
     const double yaw = start_.yaw() + estimate.mean(2);
     const Eigen::Vector2d arm = Pose2(0.0, 0.0, yaw) * frame_.center();
     const Eigen::Vector2d t = start_ * frame_.center() + estimate.mean.head<2>() - arm;

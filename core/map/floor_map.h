@@ -15,7 +15,7 @@
 
 namespace floorloc {
 
-/// A map version that another one was made from.
+/// A map version from which another one was derived.
 struct MapParent {
   std::string relation;  ///< "extends" or "merges"
   std::string id;
@@ -78,7 +78,7 @@ struct MapLink {
 struct MapKeypoints {
   std::vector<Keypoint> keypoints;
   std::vector<std::uint16_t> observations;  ///< number of frames that saw the point
-  cv::Mat descriptors;
+  cv::Mat descriptors;                      ///< CV_8U or CV_32F; row i describes keypoints[i]
   /// Distance to the nearest descriptor at another place in the map: 0 when it is equal, 255 when it is as far as
   /// expected of a random one.
   std::vector<std::uint8_t> distinctiveness;

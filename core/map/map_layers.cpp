@@ -12,8 +12,8 @@
 namespace floorloc {
 namespace {
 
-// A layer as this program reads and writes it, and the rows that its hash covers. Blobs of tiles are covered by the
-// checksums in their rows.
+// A layer that this program reads and writes, with the queries of the rows that its hash covers. Blobs of tiles are
+// covered by the checksums in their rows.
 struct KnownLayer {
   const char* name;
   int version;

@@ -10,14 +10,14 @@
 
 namespace floorloc {
 
-/// A pair of oriented keypoints that may be the same floor point, seen in the source and in the target frame.
+/// A pair of oriented keypoints that may be the same floor point, in the source and in the target frame.
 struct OrientedMatch {
   Eigen::Vector2d source_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d target_m = Eigen::Vector2d::Zero();
   double source_angle_rad = 0.0;
   double target_angle_rad = 0.0;
 
-  /// target_from_source rotation by this match alone.
+  /// Yaw of target_from_source by this match alone.
   double Yaw() const { return WrapAngle(target_angle_rad - source_angle_rad); }
 };
 
@@ -40,7 +40,9 @@ struct RegistrationOptions {
   double inlier_independence = 0.2;
   std::uint32_t seed = 1;
 
+  /// Throws std::invalid_argument with the field's name.
   void Check() const;
+  /// Options for images of another resolution, metres per pixel: lengths scale with it.
   RegistrationOptions ScaledTo(double resolution_m) const;
 };
 
@@ -103,8 +105,8 @@ struct SearchRegion {
 /// within the inlier radius.
 double Log10NfaOfPose(int matches, int inliers, const SearchRegion& region, const RegistrationOptions& options);
 
-/// Robust SE(2) registration of oriented matches of a known scale: every match is a hypothesis; votes over (x, y, yaw);
-/// two-point RANSAC inside the best cells; least squares on all inliers.
+/// Robust SE(2) registration of oriented matches at known scale: every match votes for a pose (x, y, yaw); two-point
+/// RANSAC among the matches of the best cells; least squares on all inliers. Deterministic for a seed.
 RegistrationResult RegisterSe2(const std::vector<OrientedMatch>& matches, const SearchRegion& region,
                                const RegistrationOptions& options);
 

@@ -50,8 +50,8 @@ struct FrameOutcome {
   bool visual_used = false;  ///< false: an image from before the last one, or no visual odometry
 };
 
-/// One vehicle: turns its images, odometry and IMU into a pose. Not thread-safe. The caller localizes images between
-/// Prior() and AddFrame(): that takes long and needs no lock of the vehicle.
+/// Estimates the pose of one vehicle from its images, odometry and IMU. Not thread-safe. The caller localizes images
+/// between Prior() and AddFrame(): that is slow and needs no lock of the vehicle.
 class VehicleTracker {
  public:
   /// resolution_m: of the rectified images. Throws std::invalid_argument on bad options.

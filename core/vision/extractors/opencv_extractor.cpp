@@ -69,7 +69,7 @@ cv::Size LevelSize(const ExtractorOptions& o, const cv::Size& image_size, int le
   return {image_size.width >> level, image_size.height >> level};
 }
 
-// OpenCV throws on images that leave nothing of the smallest level.
+// OpenCV throws on images whose smallest level would be empty.
 bool FitsPyramid(const ExtractorOptions& o, const cv::Size& image_size) {
   constexpr int kMinSidePx = 8;
   const int smallest = o.type == ExtractorType::kOrb     ? o.levels - 1

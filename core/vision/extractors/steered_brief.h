@@ -12,13 +12,13 @@ constexpr int kBriefBytes = 32;
 /// Radius of the support of orientation and descriptor, px: keypoints must be at least this far from the edge.
 constexpr int kBriefReachPx = 17;
 
-/// Gives every keypoint the direction, in degrees clockwise from the image's right, from its pixel to the centroid of
-/// the grey levels about it (Rosin 1999). image: CV_8UC1.
+/// Sets the angle of every keypoint, degrees clockwise from the image's right, to the direction from its pixel to the
+/// intensity centroid of its neighbourhood (Rosin 1999). image: CV_8UC1.
 void OrientByCentroid(const cv::Mat& image, std::vector<cv::KeyPoint>* keypoints);
 
-/// BRIEF (Calonder, Lepetit, Strecha & Fua 2010): 256 comparisons of two pixels about the keypoint, turned by its angle
-/// (Rublee, Rabaud, Konolige & Bradski 2011). smooth: CV_16SC1. Rows of kBriefBytes, CV_8U. The pairs are drawn from
-/// the isotropic Gaussian of BRIEF's test design G II, with a fixed seed.
+/// BRIEF (Calonder, Lepetit, Strecha & Fua 2010): 256 comparisons of two pixels about the keypoint, rotated by its
+/// angle (Rublee, Rabaud, Konolige & Bradski 2011). smooth: CV_16SC1. Rows of kBriefBytes, CV_8U. The pairs are drawn
+/// from the isotropic Gaussian of BRIEF's test design G II, with a fixed seed.
 cv::Mat DescribeBrief(const cv::Mat& smooth, const std::vector<cv::KeyPoint>& keypoints);
 
 }  // namespace floorloc

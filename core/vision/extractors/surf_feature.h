@@ -7,8 +7,8 @@
 
 namespace floorloc {
 
-/// SURF as one of OpenCV's features: detect() gives no angles and only keypoints that compute() can describe. Throws
-/// as Surf does.
+/// SURF as cv::Feature2D: detect() sets no angles and returns only keypoints that compute() can describe.
+/// Throws as Surf does.
 cv::Ptr<cv::Feature2D> CreateSurfFeature(const SurfOptions& options);
 
 }  // namespace floorloc

@@ -22,7 +22,7 @@ std::vector<int> SpreadEvenly(const std::vector<cv::KeyPoint>& keypoints, int ce
     const long cell = static_cast<long>(p.y) / cell_px * 65536L + static_cast<long>(p.x) / cell_px;
     rank_and_index.emplace_back(taken[cell]++, i);
   }
-  // Within one rank the strongest come first: the order above is kept.
+  // The stable sort keeps the strongest first within one rank.
   std::stable_sort(rank_and_index.begin(), rank_and_index.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<int> picked;

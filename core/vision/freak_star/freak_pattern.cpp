@@ -13,7 +13,7 @@ constexpr float kShrink = 0.75F;         // from a ring's radius to the next one
 constexpr float kReachPerRadius = 1.5F;  // the outermost ring's radius and half a field
 constexpr int kOrientationRings = 5;
 
-// Direction of a field from the middle, radians.
+// Direction of a field from the centre, radians.
 float FieldAngle(int ring, int field) {
   const float turned = ring % 2 == 0 ? 0.0F : 0.5F;
   return (static_cast<float>(field) + turned) * (2.0F * std::numbers::pi_v<float> / kFreakRingFields);
