@@ -8,10 +8,10 @@
 namespace floorloc {
 namespace {
 
-// The placed frames of one survey that have odometry, by time.
+// Placed frames of one survey, keyed by stamp; used only where the survey has odometry.
 using OdometryIndex = std::map<std::int64_t, const BuildFrame*>;
 
-// The pose of the placed frame that is nearest in time, propagated by odometry.
+// Pose of the placed frame nearest in time, propagated to the dropped frame by odometry.
 std::optional<Pose2> PoseByOdometry(const OdometryIndex& placed_frames, const PlacedSurvey& placed,
                                     const DroppedFrame& lost) {
   const Trajectory& odometry = placed.surveys[static_cast<std::size_t>(lost.survey)].survey.odometry;
@@ -30,7 +30,7 @@ std::optional<Pose2> PoseByOdometry(const OdometryIndex& placed_frames, const Pl
   return *placed.map_from_base[frame] * placed.frames[frame].odom_from_base->Between(*odom_from_lost);
 }
 
-// More contradicted links than a floor without repetitions gives, as a share of those that agree.
+// Share of contradicted among agreeing links above which the report warns; floors without repetition stay below it.
 constexpr double kManyRejected = 0.05;
 
 void AddLinks(const Placement& placement, BuildReport* report) {
@@ -63,7 +63,8 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
   const Placement& placement = calibrated.placement;
   const std::vector<RectM> floors = set.FloorsInBase();
   const PlacedSurvey survey{set.frames, set.surveys, placement.map_from_base, floors};
-  report->frames = static_cast<int>(set.frames.size() + report->dropped.size());  // with those the screening left out
+  report->frames = static_cast<int>(set.frames.size() + report->dropped.size());  // including those that screening
+                                                                                  // dropped
   AddDropped(survey, placement.drop_reason, &report->dropped);
   report->frames_used = report->frames - static_cast<int>(report->dropped.size());
   report->self_calibration = calibrated.calibration;

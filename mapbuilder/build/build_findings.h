@@ -14,22 +14,22 @@
 
 namespace floorloc {
 
-/// Adds what the screening found. odometry: warnings of CheckOdometry.
+/// Adds the results of screening. odometry: warnings of CheckOdometry.
 void AddScreening(const ScreenedFrames& screened, const std::vector<std::string>& odometry, BuildReport* report);
 
-/// Adds what is known once all frames have their places: frames, links, drift, control points, markers, calibration.
+/// Adds what is known once all frames are placed: frames, links, drift, control points, markers, calibration.
 void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrated, BuildReport* report);
 
 void AddCoverage(const CoverageGrid& coverage, BuildReport* report);
 
-/// Adds the frames without a pose, and says of all dropped frames about where they were taken, by their survey's
-/// odometry, where it has any. reason: per frame.
+/// Appends the frames without a pose, and estimates for every dropped frame where it was taken if its survey has
+/// odometry. reason: one per frame.
 void AddDropped(const PlacedSurvey& placed, const std::vector<std::string>& reason, std::vector<DroppedFrame>* dropped);
 
-/// Every control point of every survey whose frame is in the map.
+/// Error of every control point of every survey whose frame is in the map.
 std::vector<ControlPointError> CompareControlPoints(const PlacedSurvey& placed);
 
-/// The exposure's flat fields, coarsely, 1 in the middle.
+/// Flat fields of the exposure, coarsely sampled; the gain at the image centre is 1.
 std::vector<FlatField> SampleFlatFields(const Exposure& exposure);
 
 }  // namespace floorloc

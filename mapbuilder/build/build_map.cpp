@@ -41,7 +41,7 @@ std::unique_ptr<BaseMap> OpenBaseMap(const std::filesystem::path& file) {
   return file.empty() ? nullptr : std::make_unique<BaseMap>(file);
 }
 
-// A survey's frames with features, and how many of them an earlier run of this build had made.
+// Frames of a survey with their features, and how many of them were restored from the journal of an earlier run.
 struct ExtractedFrames {
   FrameSet set;
   int restored = 0;
@@ -54,7 +54,7 @@ ExtractedFrames ExtractFrames(std::vector<LoadedSurvey> surveys, const BuildOpti
   return {{std::move(surveys), std::move(frames)}, done.restored()};
 }
 
-// Frames at their places, and the floor that they see.
+// Placed frames and the floor that they cover.
 struct SurveyedFloor {
   SurveyedFloor(CalibratedFrames calibrated, const BaseMap* base_map)
       : frames(std::move(calibrated)),
@@ -79,8 +79,8 @@ struct SurveyedFloor {
   CalibratedFrames frames;
   const BaseMap* base;  // nullptr: none
   std::vector<RectM> floor_in_base;
-  CoverageGrid coverage;      // of the frames
-  CoverageGrid map_coverage;  // with that of the base map
+  CoverageGrid coverage;      // of the new frames
+  CoverageGrid map_coverage;  // of the new frames and the base map
 };
 
 void CountKeypoints(const MapKeypoints& keypoints, BuildReport* report) {
@@ -130,7 +130,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   std::vector<LoadedSurvey> surveys =
       LoadSurveys(requested.surveys, BadFramePolicy::kSkip, base ? base->map.info.camera().floor.resolution_m : 0.0);
   const BuildOptions options = WithSharedOptions(requested, surveys, base.get());
-  MapWriter writer(options.out);  // first: an output that can't be written is known before the work
+  MapWriter writer(options.out);  // first, so that an unwritable output fails before the work is done
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.progress.stream);
 
   ExtractedFrames extracted = ExtractFrames(std::move(surveys), options, &journal);

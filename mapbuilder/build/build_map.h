@@ -6,9 +6,9 @@
 
 namespace floorloc {
 
-/// Surveys -> map file. With `extend` the frames and the frame of that map stay as they are; the report's frames and
-/// links are the new ones, its floor and keypoints those of the whole map. Throws InputError or MapError; the old file
-/// stays as it was then.
+/// Builds a map file from surveys. With `extend`, the frames and the coordinate frame of that map are kept; the report
+/// counts frames and links of the new surveys only, but area and keypoints of the whole map. Throws InputError or
+/// MapError, leaving an existing output file untouched.
 BuildReport BuildMap(const BuildOptions& requested);
 
 }  // namespace floorloc

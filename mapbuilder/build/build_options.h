@@ -21,27 +21,27 @@ namespace floorloc {
 struct BuildOptions {
   std::vector<std::filesystem::path> surveys;
   std::filesystem::path out;
-  std::filesystem::path extend;  ///< the map to which the surveys are added, in its frame; may be `out`; empty: none
+  std::filesystem::path extend;  ///< map to which the surveys are added, in its frame; may equal `out`; empty: none
   ExtractorOptions extractor;    ///< not used with `extend`: the map's own
-  Trajectory poses;              ///< map_from_base known from another system; may be empty
+  Trajectory poses;              ///< map_from_base from another system; may be empty
   MarkerOptions markers;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
   KeypointFusionOptions fusion;
-  double max_keypoints_per_m2 = 0.0;  ///< budget of the map; 0: what suits the camera
-  bool hold_out = true;               ///< localize some frames in a map made without them
+  double max_keypoints_per_m2 = 0.0;  ///< keypoint budget of the map; 0: chosen for the camera
+  bool hold_out = true;               ///< localize some frames in a map built without them
   HeldOutOptions held_out;
-  MosaicOptions mosaic;  ///< resolution_m 0: the surveys'
+  MosaicOptions mosaic;  ///< resolution_m 0: that of the surveys
   int threads = 0;       ///< 0: one per core
   std::uint32_t seed = 1;
-  bool resume = false;  ///< use what an earlier run left in the journal beside `out`
-  /// Names all options, as the caller has them: what a journal holds of a build with others is not used.
+  bool resume = false;  ///< reuse what an earlier run left in the journal beside `out`
+  /// Encodes all options; journal entries written under another fingerprint are ignored.
   std::string fingerprint;
   ProgressOutput progress;
 };
 
-/// The stages' options with what all of them share filled in: threads, seed, progress, the surveys' resolution, and
-/// with a base map (nullptr: none) its extractor and mosaic.
+/// Fills in what the stages share: threads, seed, progress, resolution of the surveys and, with a base map (nullptr:
+/// none), its extractor and mosaic options.
 BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const BaseMap* base);
 
 }  // namespace floorloc

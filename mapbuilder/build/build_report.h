@@ -16,44 +16,44 @@
 
 namespace floorloc {
 
-/// A survey frame that was localized in a map made without it.
+/// A survey frame that was localized in a map built without it.
 struct HeldOutFrame {
   std::string filename;
-  Pose2 map_from_base;   ///< where the build put it
+  Pose2 map_from_base;   ///< pose found by the build
   std::string status;    ///< "localized", "wrong", "ambiguous" or "not_localized"
-  std::string reason;    ///< of "not_localized"
-  double error_m = 0.0;  ///< at the middle of its view; of "localized" and "wrong"
+  std::string reason;    ///< only if "not_localized"
+  double error_m = 0.0;  ///< at the centre of its view; only if "localized" or "wrong"
   double error_rad = 0.0;
   int keypoints = 0;
   int inliers = 0;
 };
 
-/// A floor point whose map position was surveyed, as one frame saw it.
+/// A surveyed floor point and where the map puts it according to one frame.
 struct ControlPointError {
   std::string filename;
   Eigen::Vector2d surveyed_m = Eigen::Vector2d::Zero();
-  Eigen::Vector2d observed_m = Eigen::Vector2d::Zero();  ///< where the frame's pose puts it
+  Eigen::Vector2d observed_m = Eigen::Vector2d::Zero();  ///< according to the frame's pose
 };
 
-/// Vignetting: how the brightness falls off towards the corners of a survey's images.
+/// Vignetting: how brightness falls off towards the corners of a survey's images.
 struct FlatField {
   int columns = 0, rows = 0;
-  std::vector<double> gain;  ///< row after row from the top of the rectified image; 1: the image's middle
+  std::vector<double> gain;  ///< row-major from the top of the rectified image; 1 at the centre
 };
 
-/// What a build did.
+/// Result of a build.
 struct BuildReport {
   int frames = 0;
   int frames_used = 0;
   std::vector<DroppedFrame> dropped;
-  std::vector<std::string> warnings;  ///< sentences about what is not as it should be
-  std::vector<MarkerFit> markers;     ///< that were seen
+  std::vector<std::string> warnings;  ///< one sentence each
+  std::vector<MarkerFit> markers;     ///< detected ones
   std::vector<int> part_sizes;        ///< largest first; more than one: the survey has gaps
-  bool kept_all = false;              ///< all parts are in the map
+  bool kept_all = false;              ///< all parts are in the map, also those without links to the largest
   int links = 0;
   int rejected_links = 0;
   int overlapping_pairs = 0;
-  int unmatched_pairs = 0;  ///< of the overlapping ones
+  int unmatched_pairs = 0;  ///< overlapping pairs whose images do not match
   double link_rms_m = 0.0;
   double link_rms_sigma = 0.0;
   double drift_m = 0.0;
@@ -68,24 +68,24 @@ struct BuildReport {
   std::vector<FlatField> flat_fields;  ///< per survey
   std::string content_version;
   std::string extends;                                  ///< file name of the map that was extended; empty: none
-  int frames_found = 0;                                 ///< of the new ones, in that map
-  int resumed_frames = 0;                               ///< whose features an earlier run had found
+  int frames_found = 0;                                 ///< new frames that were localized in that map
+  int resumed_frames = 0;                               ///< frames whose features were restored from the journal
   std::vector<std::pair<std::string, double>> stage_s;  ///< stage, seconds
   double total_s = 0.0;
 };
 
-/// The report as JSON, for `--json` and the map's report_json. Times are left out of the latter, so that equal input
-/// gives equal files.
+/// The report as JSON, for `--json` and the map's report_json. The latter omits times so that equal input gives equal
+/// files.
 std::string ToJson(const BuildReport& report, bool with_times);
 
-/// The inverse, for what ToJson writes without times, the self-calibration excepted; what an older builder did not
-/// write keeps its default. Throws MapError when the text is damaged.
+/// Inverse of ToJson without times, except for the self-calibration. Fields that an older builder did not write keep
+/// their defaults. Throws MapError when the text is damaged.
 BuildReport ParseBuildReport(const std::string& json);
 
-/// What to check before using the map, one sentence each: the report's warnings and what its numbers say.
+/// What to check before using the map, one sentence each: the report's warnings and those derived from its numbers.
 std::vector<std::string> AllWarnings(const BuildReport& report);
 
-/// The summary that people read.
+/// Human-readable summary.
 std::string ToText(const BuildReport& report);
 
 }  // namespace floorloc

@@ -106,7 +106,7 @@ std::vector<T> ListFrom(const Json& json, const char* name, T (*parse)(const Jso
   return items;
 }
 
-// Counts, metres, radians, shares: none is larger, and all fit the types that hold them.
+// Counts, metres, radians and shares never exceed this bound, and below it all of them fit their types.
 void CheckNumbers(const Json& json) {
   constexpr double kMaxNumber = 2147483647.0;
   if (json.is_number() && !(std::abs(json.get<double>()) <= kMaxNumber)) {

@@ -19,7 +19,7 @@ Eigen::Vector2d ViewCenter(const PlacedSurvey& placed, int frame) {
   return *placed.map_from_base[i] * placed.floor_in_base[i].Center();
 }
 
-// Of the frame's view, the share that at least min_others other frames see: tested on a lattice of points.
+// Share of the frame's view that at least min_others other frames cover, sampled on a lattice.
 double CoveredShare(const PlacedSurvey& placed, const CoverageGrid& coverage, int frame, int min_others) {
   constexpr int kLattice = 6;
   const auto i = static_cast<std::size_t>(frame);

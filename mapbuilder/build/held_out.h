@@ -12,17 +12,17 @@ namespace floorloc {
 
 struct HeldOutOptions {
   int max_frames = 100;
-  double max_share = 0.1;          ///< of the frames
-  double min_covered_share = 0.8;  ///< of its view that others must see ...
-  int min_others = 2;              ///< ... so many of them
-  double wrong_m = 0.01;           ///< a localized frame farther off is wrong
-  double wrong_rad = 0.017453;     ///< or turned by more
+  double max_share = 0.1;          ///< of all frames
+  double min_covered_share = 0.8;  ///< share of its view that other frames must cover,
+  int min_others = 2;              ///< at least this many of them
+  double wrong_m = 0.01;           ///< a localized frame with a larger position error is wrong,
+  double wrong_rad = 0.017453;     ///< or with a larger yaw error
   ExtractorOptions extractor;
   KeypointFusionOptions fusion;
   int threads = 0;
 };
 
-/// Frames as they were placed.
+/// Placed frames of a build.
 struct PlacedSurvey {
   const std::vector<BuildFrame>& frames;
   const std::vector<LoadedSurvey>& surveys;
@@ -30,12 +30,13 @@ struct PlacedSurvey {
   const std::vector<RectM>& floor_in_base;
 };
 
-/// Frames spread over the survey whose views do not overlap and whose floor others cover. In the order of the frames.
+/// Chooses frames spread over the survey whose views do not overlap each other and whose floor other frames cover. In
+/// ascending order.
 std::vector<int> ChooseHeldOut(const PlacedSurvey& placed, const HeldOutOptions& options);
 
-/// What a robot would meet: makes the keypoint map without some frames and seeks these in it, each on the whole map and
-/// without the mosaic, and compares with where the build put them. Throws InputError when an image can't be read any
-/// more.
+/// Estimates what a robot will experience: builds the keypoint map without some frames, localizes each of them globally
+/// and without the mosaic, and compares with its pose in the build. Throws InputError when an image can no longer be
+/// read.
 std::vector<HeldOutFrame> LocalizeHeldOut(const PlacedSurvey& placed, const HeldOutOptions& options);
 
 }  // namespace floorloc

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// What the map file keeps of the placed frames: those that were dropped get no number.
+/// Placed frames and their links as stored in the map file; dropped frames get no number.
 struct MapFramesAndLinks {
   std::vector<MapFrame> frames;
   std::vector<MapLink> links;

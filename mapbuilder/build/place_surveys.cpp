@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Gives each frame its pose from --poses, as a prior.
+// Attaches each frame's pose from --poses as a prior.
 FrameSet WithKnownPoses(FrameSet set, const Trajectory& poses, const PlacementOptions& options) {
   if (poses.empty()) {
     return set;
@@ -27,7 +27,7 @@ FrameSet WithKnownPoses(FrameSet set, const Trajectory& poses, const PlacementOp
   return set;
 }
 
-// Finds the markers, if any are asked for. Marker paper is no floor: its keypoints are masked afterwards.
+// Detects markers if a marker file is given. Masks the keypoints on them afterwards, since marker paper is not floor.
 std::optional<MarkerSurvey> FindMarkers(const FrameSet& set, const BuildOptions& options) {
   if (options.markers.file.empty()) {
     return std::nullopt;
@@ -38,12 +38,12 @@ std::optional<MarkerSurvey> FindMarkers(const FrameSet& set, const BuildOptions&
   return MarkerSurvey(with_shared, set);
 }
 
-// The keys of what is done once all features are known.
+// Journal key of a stage that runs after all features are known.
 std::string KeyOf(const char* stage, const BuildOptions& options, const FrameSet& set) {
   return PlacementKey(set.surveys, stage + options.fingerprint, options.poses);
 }
 
-// The frames' poses in the base map, unless an earlier run of this build found them.
+// Poses of the frames in the base map, restored from the journal if an earlier run found them.
 std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const BaseMap& base, const BuildOptions& options,
                                              BuildJournal* journal) {
   const std::string key = KeyOf("fixes", options, set);
@@ -56,7 +56,7 @@ std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const BaseMap&
   return fixes;
 }
 
-// As PlaceFrames, unless an earlier run of this build did it.
+// PlaceFrames, restored from the journal if an earlier run did it.
 Placement PlaceFramesOnce(const FrameSet& set, const BuildOptions& options, BuildJournal* journal) {
   const std::string key = KeyOf("placement", options, set);
   if (std::optional<Placement> done = RestorePlacement(key, set.frames.size(), journal)) {
@@ -67,7 +67,7 @@ Placement PlaceFramesOnce(const FrameSet& set, const BuildOptions& options, Buil
   return placement;
 }
 
-// Places the frames again when a marker turns out to contradict the others.
+// Places the frames again without any marker that contradicts the others.
 PlacedSurveys PlaceWithMarkers(PlacedSurveys placed, const BuildOptions& options, BuildJournal* journal) {
   MarkerSurvey& markers = *placed.markers;
   placed.placement = PlaceFramesOnce(placed.set, options, journal);

@@ -10,18 +10,18 @@
 
 namespace floorloc {
 
-/// Frames with poses, and what was seen on the way to them.
+/// Frames with poses, and what was found on the way.
 struct PlacedSurveys {
   FrameSet set;
   Placement placement;
-  std::optional<MarkerSurvey> markers;     ///< empty: none were sought
+  std::optional<MarkerSurvey> markers;     ///< empty: none were searched for
   std::string base_file = {};              ///< name of the base map; empty: none
-  int found_in_base = 0;                   ///< frames that show its floor
-  std::vector<std::string> warnings = {};  ///< about the base map, sentences
+  int found_in_base = 0;                   ///< frames that were localized in the base map
+  std::vector<std::string> warnings = {};  ///< about the base map, one sentence each
 };
 
-/// Screened frames -> poses, with everything that is known of them from outside: the poses of another system, markers,
-/// the base map (nullptr: none). What an earlier run left in the journal is not done again. Throws InputError.
+/// Computes poses of the screened frames from their images and all external knowledge: poses of another system,
+/// markers, the base map (nullptr: none). Reuses what an earlier run left in the journal. Throws InputError.
 PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const BaseMap* base, BuildJournal* journal);
 
 }  // namespace floorloc

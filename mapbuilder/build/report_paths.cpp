@@ -6,13 +6,13 @@
 namespace floorloc {
 namespace {
 
-// Also of a folder that is given with a slash at its end, or as ".".
+// Last component of the path, also of one that ends with a slash or is ".".
 std::string NameOf(const std::filesystem::path& folder) {
   const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-// Where a path begins: "./" also ends many others.
+// Replaces prefixes only: "./" is also the end of many other paths.
 void ReplaceFolder(const std::filesystem::path& folder, const std::string& name, std::string* text) {
   const std::string from = (folder / "").string();
   for (std::size_t at = text->find(from); at != std::string::npos; at = text->find(from, at + 1)) {

@@ -8,9 +8,9 @@
 
 namespace floorloc {
 
-/// The report without where its files lay on the builder's disk, as a map carries it: the same files elsewhere give the
-/// same map, and whoever gets the map learns no folders. surveys: their folders, which keep their names. file: another
-/// one that its sentences may name; may be empty.
+/// The report without the builder's directories, as stored in a map: the same files in another directory give the same
+/// map, and a published map reveals no paths. surveys: their folders, whose names are kept. file: a further file that
+/// warnings may name; may be empty.
 BuildReport WithoutFolders(BuildReport report, const std::vector<std::filesystem::path>& surveys,
                            const std::filesystem::path& file);
 
