@@ -11,8 +11,8 @@
 namespace floorloc {
 namespace {
 
-// Two links support the same hypothesis when they put a frame this near to the same position; a share of their distance
-// from each other comes on top, for the drift between them.
+// Two links support the same hypothesis when their positions of a frame differ by less than kSameM plus kSameShare of
+// the distance between the links, which allows for drift.
 constexpr double kSameM = 0.05;
 constexpr double kSameShare = 0.03;
 constexpr double kSameRad = 0.06;
@@ -20,17 +20,17 @@ constexpr double kSameRad = 0.06;
 // The best hypothesis must have this many times the evidence of the second best.
 constexpr double kMinLead = 1.5;
 
-// Parts of several frames are only joined by several links, on repetitive floors all parts.
+// Parts of at least this many frames need several links to be joined; on repetitive floors all parts do.
 constexpr std::size_t kSmallPart = 3;
 constexpr std::size_t kMinLinks = 2;
 
-// More links with a rival than this: the floor is repetitive.
+// Share of links with a rival above which the floor is repetitive.
 constexpr double kRepeatingShare = 0.2;
 
-// On repetitive floors, links count from this share of the usual agreement of true ones on.
+// On repetitive floors, links need this share of the typical agreement of true links.
 constexpr double kMinAgreementShare = 0.85;
 
-// The agreement of true links: what the best link of every frame reaches, in the median.
+// Typical agreement of true links: the median over frames of their best link's agreement.
 double TypicalAgreement(const std::vector<Link>& candidates) {
   std::map<int, double> best;
   for (const Link& link : candidates) {
@@ -48,8 +48,8 @@ double TypicalAgreement(const std::vector<Link>& candidates) {
   return *middle;
 }
 
-// What a link's agreement says: its inliers count fully on floors that do not repeat themselves. On those that do,
-// aliased places agree nearly as well as true ones, and what agrees clearly less than typical counts against a join.
+// Evidence of a link. On floors without repetition, its inliers. On repetitive floors, aliased links agree nearly as
+// well as true ones, so agreement clearly below typical counts against a join.
 class LinkEvidence {
  public:
   explicit LinkEvidence(const std::vector<Link>& candidates)
@@ -68,10 +68,10 @@ class LinkEvidence {
   double min_agreement_;
 };
 
-// One way to place two parts to each other, with the links that agree with it.
+// One hypothesis of the relative pose of two parts, with the links that support it.
 struct PoseHypothesis {
   Pose2 first_from_second;     // of the parts' frames
-  Eigen::Vector2d position_m;  // in the first part's frame, of the link that founded it
+  Eigen::Vector2d position_m;  // in the first part's frame, of the hypothesis's first link
   std::vector<const Link*> links;
   double evidence = 0.0;
 };
@@ -119,7 +119,7 @@ class Joiner {
   std::vector<Link> joining_;
 };
 
-// link: from a frame of pair.first to one of pair.second, or the other way round.
+// link: from a frame of pair.first to one of pair.second, or the reverse.
 void Joiner::AddToHypothesis(const PartPair& pair, const Link& link, std::vector<PoseHypothesis>* hypotheses) const {
   const bool forward = PartOf(link.first) == pair.first;
   const Pose2& first = PoseOf(forward ? link.first : link.second);
@@ -150,7 +150,7 @@ std::map<PartPair, std::vector<PoseHypothesis>> Joiner::CollectHypotheses() cons
   return hypotheses;
 }
 
-// The accepted hypothesis about two parts, or none.
+// The accepted hypothesis for two parts, or nullptr.
 const PoseHypothesis* Joiner::AcceptedHypothesis(const PartPair& pair,
                                                  const std::vector<PoseHypothesis>& hypotheses) const {
   const auto best =
@@ -166,7 +166,7 @@ const PoseHypothesis* Joiner::AcceptedHypothesis(const PartPair& pair,
   return enough && best->evidence > 0.0 ? &*best : nullptr;
 }
 
-// The smaller part moves into the frame of the larger one.
+// Moves the smaller part into the frame of the larger one.
 void Joiner::Join(const PartPair& pair, const PoseHypothesis& hypothesis) {
   const bool second_moves = SizeOf(pair.second) <= SizeOf(pair.first);
   const int moving = second_moves ? pair.second : pair.first;
@@ -186,7 +186,7 @@ void Joiner::Join(const PartPair& pair, const PoseHypothesis& hypothesis) {
   }
 }
 
-// Strongest first; a part that has grown in this round waits for the next, since its hypotheses have changed.
+// Joins strongest first. A part that has grown in this round waits for the next one, since its hypotheses have changed.
 bool Joiner::JoinOneRound() {
   const auto hypotheses = CollectHypotheses();
   std::vector<std::pair<PartPair, const PoseHypothesis*>> accepted;

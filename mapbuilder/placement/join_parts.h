@@ -8,17 +8,17 @@
 
 namespace floorloc {
 
-/// True when so many of the links have a rival that perceptual aliasing must be expected.
+/// True when the share of links with a rival is so high that perceptual aliasing must be expected.
 bool IsRepetitiveFloor(const std::vector<Link>& candidates);
 
-/// The agreement from which on links are accepted on a repetitive floor: nearly what the best link of every frame
-/// reaches. There must be candidates.
+/// Minimum agreement of links on a repetitive floor: slightly below what the best link of a typical frame reaches.
+/// candidates must not be empty.
 double MinAgreement(const std::vector<Link>& candidates);
 
-/// Of links found by appearance, those that join separate parts of a survey and are borne out by others: on repeating
-/// floors single links are wrong, but not consistently, and the frames that they join are less similar than those
-/// of true links. Parts grow from the strongest joins on, many at a time (Boruvka's rounds); what is joined counts for
-/// the next round. `links` are trusted already.
+/// Selects, from links found by appearance, those that join separate parts of a survey and are supported by other
+/// links: on repetitive floors false links are rarely consistent with each other, and the frames that they join are
+/// less similar than those of true links. Joins the strongest pairs first, many per round (Boruvka), and each round
+/// uses the joins of the previous ones. `links` are already trusted.
 std::vector<Link> FindJoiningLinks(int frame_count, const std::vector<Link>& links,
                                    const std::vector<Link>& candidates);
 

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// A measured motion between two frames: first_from_second with covariance.
+/// Measured relative pose of two frames: first_from_second with covariance.
 struct Link {
   int first = 0;
   int second = 0;
@@ -15,9 +15,9 @@ struct Link {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive in the first's frame
   int inliers = 0;
   double rms_m = 0.0;
-  /// Mean similarity of the keypoints of the shared floor, 0 ... 1; 0: not measured.
+  /// Mean similarity of the keypoints on the shared floor, 0 ... 1; 0: not measured.
   double agreement = 0.0;
-  /// That of the second best motion that is beyond chance; 0: there was none. Floors that repeat themselves have one.
+  /// Agreement of the second-best significant pose, 0: none. Self-similar floors have one.
   double rival_agreement = 0.0;
 };
 

@@ -17,11 +17,11 @@ namespace {
 
 constexpr double kGridCellPx = 40.0;
 
-// Radius of the search around a keypoint's prediction, in inlier radii.
+// Search radius around a keypoint's prediction, in inlier radii.
 constexpr double kRefineRadii = 1.5;
 
-// Without a prior on two frames' relative pose, repetitive floors offer several plausible ones. The best must lead by
-// this many standard errors.
+// Without a prior on the relative pose, repetitive floors give several plausible ones. The best must lead by this many
+// standard errors.
 constexpr double kMinLead = 2.0;
 
 // Keypoints are similar up to this share of differing bits, or this distance as a share of the descriptors' norm.
@@ -57,7 +57,7 @@ Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, 
   link.first = pair.first;
   link.second = pair.second;
   link.first_from_second = result.target_from_source;
-  // Errors of calibration turn and shift the overlap: about its middle, not about the base frame's origin.
+  // Calibration errors rotate and shift the overlap about its centre, not about the origin of the base frame.
   link.covariance =
       result.covariance + SystematicCovariance(result.target_from_source, MeanTarget(matches, result.inliers),
                                                {options.systematic_m, options.systematic_rad});
@@ -66,13 +66,13 @@ Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, 
   return link;
 }
 
-// A motion that is beyond chance, with the similarity of the frames under it.
+// A significant relative pose, with the similarity of the frames under it.
 struct Hypothesis {
   Pose2 first_from_second;
   PairAgreement agreement;
 };
 
-// Best first.
+// Sorted, best first.
 std::vector<Hypothesis> FindHypotheses(const GuidedMatcher& matcher, const Features& second, const RectM& floor,
                                        const std::vector<OrientedMatch>& matches,
                                        const PairRegistrationOptions& options) {
@@ -93,7 +93,7 @@ std::vector<Hypothesis> FindHypotheses(const GuidedMatcher& matcher, const Featu
   return hypotheses;
 }
 
-// Nothing is known of the motion: all that are beyond chance are compared.
+// No prior on the relative pose: compares all significant ones.
 std::optional<Link> RegisterAnywhere(const Features& first, const Features& second, const RectM& floor,
                                      const FramePair& pair, const PairRegistrationOptions& options) {
   const GuidedMatcher matcher(first.keypoints, first.descriptors, kGridCellPx * options.resolution_m);

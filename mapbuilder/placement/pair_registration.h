@@ -16,24 +16,24 @@ struct PairRegistrationOptions {
   double resolution_m = 7e-4;  ///< of the rectified images
   float max_ratio_binary = 0.9F;
   float max_ratio_float = 0.85F;
-  /// What keypoints alone do not show: calibration and mounting errors, per pair of frames.
+  /// Calibration and mounting errors per pair of frames, which the keypoint residuals do not show.
   double systematic_m = 2e-4;
   double systematic_rad = 4e-4;
-  bool measure_agreement = false;  ///< also where the motion is known beforehand
+  bool measure_agreement = false;  ///< also where the motion is predicted
   int threads = 0;
   ProgressOutput progress;
 
   static RegistrationOptions DefaultRegistration();
 };
 
-/// Similarity of two frames under a motion between them.
+/// Similarity of two frames under a given relative pose.
 struct PairAgreement {
-  double mean = 0.0;            ///< similarity over all keypoints of the shared floor, 0 ... 1
+  double mean = 0.0;            ///< over all keypoints on the shared floor, 0 ... 1
   double standard_error = 1.0;  ///< of the mean
 };
 
-/// Matches every keypoint of the second frame that the motion puts into the first's floor. Unlike the number of inliers
-/// this does not favour the motion with the larger overlap: on a repetitive floor, that is often the wrong one.
+/// Matches every keypoint of the second frame that the motion maps into the first's floor. Unlike the inlier count this
+/// does not favour the motion with the larger overlap, which on a repetitive floor is often the wrong one.
 PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& second, const RectM& floor,
                                const Pose2& first_from_second, const PairRegistrationOptions& options);
 

@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// Odometry error that consecutive frames allow for: a share of the motion and a constant.
+// Odometry error allowed between consecutive frames: a share of the motion plus a constant.
 constexpr double kOdometryShare = 0.3;
 constexpr double kOdometryRadiusM = 0.03;
 constexpr double kOdometryYawRad = 0.1;

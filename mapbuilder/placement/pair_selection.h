@@ -15,18 +15,18 @@ struct FramePair {
   int first = 0;
   int second = 0;
   std::optional<Pose2> first_from_second;  ///< predicted pose of the second in the first
-  double radius_m = 0.0;                   ///< uncertainty of the prediction
+  double radius_m = 0.0;                   ///< of the predicted position
   double yaw_radius_rad = 0.0;
 };
 
-/// Frames that follow each other within a survey, with the motion that odometry saw where there is some.
+/// Consecutive frames of each survey, with the motion from odometry where available.
 std::vector<FramePair> SelectConsecutivePairs(const std::vector<BuildFrame>& frames);
 
 struct NearbyOptions {
-  double min_overlap = 0.25;  ///< of the second frame's floor inside the first's
+  double min_overlap = 0.25;  ///< share of the second frame's floor inside the first's
   double radius_m = 0.1;      ///< uncertainty of the poses
   double yaw_radius_rad = 0.15;
-  int first_new = 0;  ///< only pairs with a frame of this index or later
+  int first_new = 0;  ///< only pairs with a frame of at least this index
 };
 
 /// Pairs of placed frames whose floors overlap, found through a spatial hash: linear in the number of frames.

@@ -18,7 +18,7 @@
 namespace floorloc {
 namespace {
 
-// A wheel's error per step, for the weak factor that only matters where vision gives nothing.
+// Wheel odometry error per step, for a weak factor that matters only where vision gives no link.
 constexpr double kOdometrySigmaM = 0.02;
 constexpr double kOdometrySigmaShare = 0.1;
 constexpr double kOdometrySigmaRad = 0.05;
@@ -72,12 +72,12 @@ class Placer {
   const std::vector<LoadedSurvey>& surveys_;
   const PlacementOptions& options_;
   PairRegistrationOptions registration_ = options_.registration;
-  double min_agreement_ = 0.0;  // of links, on repetitive floors
+  double min_agreement_ = 0.0;  // of links, on repetitive floors only
   int count_;
   std::vector<RectM> floors_;
   std::vector<Pose2> root_pose_;
   PoseGraph graph_;
-  std::vector<Link> candidates_;  // found by appearance, to be accepted when others confirm them
+  std::vector<Link> candidates_;  // found by appearance, accepted only if others confirm them
   std::set<std::pair<int, int>> linked_;
 };
 
@@ -124,7 +124,7 @@ bool Placer::HasSeparateParts() const {
   return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; });
 }
 
-// Parts that neither order nor odometry joins: only appearance can join them.
+// Joins, by appearance, parts that neither frame order nor odometry joins.
 void Placer::JoinSeparateParts() {
   AddSimilarCandidates(kSimilarPairsPerFrame);
   if (IsRepetitiveFloor(candidates_)) {
@@ -180,7 +180,7 @@ void Placer::CloseLoopsInGrowingRounds() {
     CloseLoops(end, wide);
     done = end;
   }
-  // With the drift removed, the places are known to millimetres: overlaps that were missed are found now.
+  // With the drift removed, poses are accurate to millimetres, so that missed overlaps are found now.
   Optimize(count_);
   NearbyOptions narrow;
   narrow.radius_m = 0.02;
@@ -189,7 +189,7 @@ void Placer::CloseLoopsInGrowingRounds() {
   Optimize(count_);
 }
 
-// Links neighbours, and again as long as that moves frames to new neighbours.
+// Links neighbouring frames, and repeats while optimisation brings further frames together.
 void Placer::CloseLoops(int end, const NearbyOptions& options) {
   constexpr int kMaxPasses = 4;
   Optimize(end);

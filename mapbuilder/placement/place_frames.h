@@ -13,34 +13,34 @@ namespace floorloc {
 
 struct PlacementOptions {
   PairRegistrationOptions registration;
-  bool keep_all = false;  ///< keep parts of the survey that no links connect to the largest one
+  bool keep_all = false;  ///< also keep parts of the survey without links to the largest one
   double prior_sigma_m = 0.05;
   double prior_sigma_rad = 0.05;
-  /// A map without odometry or poses of which a larger share of the overlaps does not match is folded onto itself and
-  /// refused. ae7b5b9; the surveys without odometry of the mapbuilder's tests.
+  /// A map without odometry or poses in which a larger share of the overlaps does not match is folded onto itself and
+  /// rejected. Chosen at ae7b5b9 on the mapbuilder tests' surveys without odometry.
   double max_unmatched_share = 0.15;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
 };
 
-/// Where the frames of a build are.
+/// Poses of the frames of a build.
 struct Placement {
   std::vector<std::optional<Pose2>> map_from_base;  ///< empty: dropped
   std::vector<std::string> drop_reason;             ///< per frame; empty when placed
-  std::vector<Link> links;                          ///< that the poses agree with
-  int rejected_links = 0;                           ///< that they contradict
-  std::vector<int> part_sizes;                      ///< frames of each part that links connect, largest first
-  int overlapping_pairs = 0;                        ///< pairs of placed frames that share most of their floor
-  int unmatched_pairs = 0;  ///< those of them whose images do not match: many mean a map folded onto itself
-  double rms_sigma = 0.0;   ///< of the links, standard deviations
+  std::vector<Link> links;                          ///< consistent with the poses
+  int rejected_links = 0;                           ///< contradicted by the poses
+  std::vector<int> part_sizes;                      ///< frames per linked part, largest first
+  int overlapping_pairs = 0;                        ///< placed frames that share most of their floor
+  int unmatched_pairs = 0;  ///< those whose images do not match: many indicate a map folded onto itself
+  double rms_sigma = 0.0;   ///< of the links, in standard deviations
   double rms_m = 0.0;       ///< keypoint residual of the links
-  double drift_m = 0.0;     ///< largest drift of odometry from the result; 0 without odometry
+  double drift_m = 0.0;     ///< largest deviation of odometry from the result; 0 without odometry
   double drift_rad = 0.0;
 };
 
-/// Finds overlaps, registers them and optimises all poses: SelectPairs, RegisterPairs, OptimizePoses in rounds, so that
-/// drift is removed before it grows beyond what the search for overlaps allows.
+/// Finds overlaps, registers them and optimises all poses. Selection, registration and optimisation alternate, so
+/// that drift is removed before it exceeds the search radius for overlaps.
 Placement PlaceFrames(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
                       const PlacementOptions& options);
 

@@ -65,7 +65,7 @@ bool FitsFrames(const Placement& p, std::size_t frames) {
          });
 }
 
-// Everything in the folder itself: camera, odometry, control points, ...
+// Hashes the files directly in the folder: camera, odometry, control points, ...
 void AddFilesOf(const Survey& survey, ContentHash* hash) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(survey.folder)) {

@@ -9,19 +9,19 @@
 
 namespace floorloc {
 
-/// Stands for all that a placement depends on. fingerprint: names the options. poses: known from another system.
+/// Hash of everything that a placement depends on. fingerprint: encodes the options. poses: from another system.
 std::string PlacementKey(const std::vector<LoadedSurvey>& surveys, const std::string& fingerprint,
                          const Trajectory& poses);
 
-/// The placement of so many frames that an earlier run of the build finished under this key. Empty when there is none,
-/// or what there is does not fit the frames.
+/// Restores the placement of `frames` frames that an earlier run stored under this key. Empty when there is none or it
+/// does not fit the frames.
 std::optional<Placement> RestorePlacement(const std::string& key, std::size_t frames, BuildJournal* journal);
-/// The fixes of an earlier run, likewise.
+/// Restores the poses in the base map that an earlier run stored, likewise.
 std::optional<std::vector<PosePriorFactor>> RestoreFixes(const std::string& key, std::size_t frames,
                                                          BuildJournal* journal);
 void StoreFixes(const std::vector<PosePriorFactor>& fixes, const std::string& key, BuildJournal* journal);
 
-/// Synced at once: it is much work in one piece.
+/// Synced to disk at once, since it took long to compute.
 void StorePlacement(const Placement& placement, const std::string& key, BuildJournal* journal);
 
 }  // namespace floorloc

@@ -26,7 +26,7 @@ struct ControlPointError {
   }
 };
 
-// weights: of the links; empty: robust loss.
+// weights: one per link; empty: robust loss instead.
 void AddFactors(const PoseGraph& graph, const std::vector<double>& weights, PoseParameters* p,
                 ceres::Problem* problem) {
   const auto block = [&](int frame) { return (*p)[static_cast<std::size_t>(frame)].data(); };

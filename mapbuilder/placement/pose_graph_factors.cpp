@@ -19,7 +19,7 @@ Eigen::Matrix3d SqrtInformation(const Eigen::Matrix3d& covariance) {
   return Eigen::Matrix3d(covariance.inverse()).llt().matrixU();
 }
 
-// first_from_second as predicted by two poses minus as measured, whitened.
+// Whitened difference between predicted and measured first_from_second.
 struct BetweenError {
   Pose2 measured;
   Eigen::Matrix3d sqrt_information;

@@ -10,16 +10,17 @@
 
 namespace floorloc {
 
-/// Residuals beyond this many standard deviations count less and less: wrong links must not bend the map.
+/// Scale of the Cauchy loss, in standard deviations: residuals beyond it lose influence, so that false links do not
+/// distort the map.
 constexpr double kCauchyScale = 3.0;
 
-/// x, y, yaw of every frame.
+/// (x, y, yaw) of every frame.
 using PoseParameters = std::vector<std::array<double, 3>>;
 
-/// The motion of a link, whitened. Takes the loss.
+/// Adds a link's relative pose, whitened. Takes ownership of the loss.
 void AddBetween(const Link& link, ceres::LossFunction* loss, PoseParameters* poses, ceres::Problem* problem);
 
-/// A pose known from outside, whitened, under a Cauchy loss.
+/// Adds an absolute pose, whitened, under a Cauchy loss.
 void AddPosePrior(const PosePriorFactor& prior, double* pose, ceres::Problem* problem);
 
 }  // namespace floorloc

@@ -8,10 +8,11 @@
 namespace floorloc {
 namespace {
 
-// Links that disagree by more standard deviations than this are false.
+// Links with a larger residual, in standard deviations, are false.
 constexpr double kMaxSigma = 8.0;
 
-// As few as these do not bend a robust optimum: the many solutions of the graduated one are spared.
+// A smaller share of outliers does not bias the Cauchy optimum, and the many solves of graduated non-convexity are
+// skipped.
 constexpr double kFewShare = 0.01;
 
 constexpr double kMuFactor = 1.4;

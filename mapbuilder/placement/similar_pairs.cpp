@@ -13,22 +13,22 @@
 namespace floorloc {
 namespace {
 
-// Keypoints per frame that take part in the search, and neighbours asked for each.
+// Keypoints per frame used in the search, and nearest neighbours retrieved for each.
 constexpr int kKeypoints = 250;
 constexpr int kNeighbours = 8;
 
-// Parts of as many frames get an index of their own.
+// Parts of at least this many frames get an index of their own.
 constexpr std::size_t kLargePart = 50;
 
 constexpr int kSharedIndex = -1;
 
-// Features come spread evenly, strongest first.
+// Features are evenly spread over the image and sorted, strongest first.
 cv::Mat StrongestDescriptors(const BuildFrame& frame) {
   const cv::Mat& descriptors = frame.features.descriptors;
   return descriptors.empty() ? descriptors : descriptors.rowRange(0, std::min(descriptors.rows, kKeypoints));
 }
 
-// Some frames' strongest keypoints.
+// Descriptor index over the strongest keypoints of some frames.
 class FrameIndex {
  public:
   FrameIndex(const std::vector<BuildFrame>& frames, const std::vector<int>& members) {
@@ -44,7 +44,7 @@ class FrameIndex {
     }
   }
 
-  // Adds to the votes for each frame: how many of the descriptors have a near neighbour there.
+  // Adds to each frame's votes the number of descriptors that have a near neighbour in it.
   void Vote(const cv::Mat& descriptors, std::unordered_map<int, int>* votes) const {
     if (!index_) {
       return;
@@ -67,7 +67,7 @@ class FrameIndex {
   std::unique_ptr<DescriptorIndex> index_;
 };
 
-// One index per large part, and one that all small parts share.
+// One index per large part, and one shared by all small parts.
 std::map<int, FrameIndex> BuildIndexes(const std::vector<BuildFrame>& frames, const std::vector<int>& part) {
   std::map<int, std::vector<int>> members;
   for (std::size_t i = 0; i < part.size(); ++i) {
@@ -86,7 +86,7 @@ std::map<int, FrameIndex> BuildIndexes(const std::vector<BuildFrame>& frames, co
   return indexes;
 }
 
-// The frames with most votes, ties by number.
+// Appends the frames with most votes; ties are broken by frame number.
 void KeepBest(const std::unordered_map<int, int>& votes, int count, std::vector<int>* best) {
   std::vector<std::pair<int, int>> ranked;  // votes, frame
   for (const auto& [frame, number] : votes) {

@@ -13,9 +13,9 @@ struct SimilarPairsOptions {
   int threads = 0;          ///< 0: one per core
 };
 
-/// Pairs of frames of different parts, by appearance alone: those whose keypoints have most of each other's nearest
-/// neighbours. part: one number per frame. Near-linear in the number of frames: one index over all of them, and one
-/// over each large part, so that a frame's own part does not hide the others.
+/// Pairs of frames of different parts, by appearance alone: those whose keypoints are most often each other's nearest
+/// neighbours. part: one number per frame. Near-linear in the number of frames: one index over all frames and one over
+/// each large part, so that a frame's own part does not crowd out the others.
 std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, const std::vector<int>& part,
                                           const SimilarPairsOptions& options);
 

@@ -21,7 +21,7 @@ class DisjointSets {
     }
     return i;
   }
-  /// False when they were one already. The smaller number leads.
+  /// Returns false if already joined. The smaller number becomes the root.
   bool Join(int a, int b) {
     a = Find(a);
     b = Find(b);

@@ -9,11 +9,11 @@
 
 namespace floorloc {
 
-/// Component number of every frame under the given links, 0, 1, ... by their smallest frame.
+/// Connected component of every frame under the given links, numbered 0, 1, ... by smallest frame.
 std::vector<int> FindComponents(int frame_count, const std::vector<Link>& links);
 
-/// Chains the links of a maximum spanning forest into start poses: `links` first (most inliers first), then `odometry`
-/// where it joins what they leave separate. The first frame of each tree has its pose in `root_pose`.
+/// Initial poses by chaining the links of a maximum spanning forest: `links` first (most inliers first), then
+/// `odometry` where it joins what they leave separate. The first frame of each tree gets its pose from `root_pose`.
 std::vector<Pose2> ChainPoses(const std::vector<Pose2>& root_pose, const std::vector<Link>& links,
                               const std::vector<Link>& odometry);
 
