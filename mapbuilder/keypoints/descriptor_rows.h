@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// Descriptors of one kind, ready for quick comparisons. Refers to the matrix's memory where it can.
+/// Descriptors of one type, packed for fast comparison. Shares the matrix's memory where possible.
 class DescriptorRows {
  public:
   DescriptorRows() = default;

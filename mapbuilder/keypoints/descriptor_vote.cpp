@@ -11,7 +11,7 @@ namespace {
 
 using ByteVotes = std::array<std::int32_t, 8>;
 
-// +1 for each bit that a byte has, -1 for the others: eight bits are counted at once.
+// Per byte: +1 for each set bit, -1 for each other one, so that eight bits are counted at once.
 constexpr std::array<ByteVotes, 256> MakeVotes() {
   std::array<ByteVotes, 256> votes{};
   for (std::size_t byte = 0; byte < votes.size(); ++byte) {

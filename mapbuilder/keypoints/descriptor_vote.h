@@ -6,14 +6,14 @@
 
 namespace floorloc {
 
-/// Several views' descriptors of one point become one: each bit by the majority of votes, a tie by the first view
-/// (binary); the weighted mean (float).
+/// Combines the descriptors of several views of one point: bitwise majority, ties decided by the first view (binary);
+/// weighted mean (float).
 class DescriptorVote {
  public:
-  explicit DescriptorVote(const cv::Mat& like);  ///< a matrix of such descriptors
+  explicit DescriptorVote(const cv::Mat& like);  ///< any matrix of the same descriptor type and length
 
   void Add(const cv::Mat& descriptors, int row, int votes = 1);
-  /// Writes the result to a row of a matrix of such descriptors, and starts again.
+  /// Writes the result to a row of such a matrix and resets the vote.
   void Finish(cv::Mat* descriptors, int row);
 
  private:
@@ -22,7 +22,7 @@ class DescriptorVote {
   bool binary_;
   int added_ = 0;                    // votes
   std::vector<std::int32_t> ones_;   // per bit: votes for 1 minus votes for 0
-  std::vector<std::uint8_t> first_;  // the first view's bytes
+  std::vector<std::uint8_t> first_;  // descriptor of the first view
   std::vector<float> sum_;
 };
 

@@ -13,13 +13,13 @@
 namespace floorloc {
 namespace {
 
-// Neighbours examined; more than there are at one place, in most cases.
+// Neighbours retrieved; usually more than the keypoints at one place.
 constexpr int kNeighbours = 6;
-// Buckets of the hash index, of which the nearest neighbours need few.
+// Buckets of the hash index to visit; the nearest neighbours need few.
 constexpr int kProbes = 48;
 constexpr int kChunk = 2048;
 
-// Mean distance of two random descriptors, of at least two.
+// Mean distance of two random descriptors; there must be at least two.
 double MeanPairDistance(const cv::Mat& descriptors, std::uint32_t seed) {
   constexpr int kPairs = 2000;
   const int norm = descriptors.depth() == CV_8U ? cv::NORM_HAMMING : cv::NORM_L2;
@@ -28,14 +28,14 @@ double MeanPairDistance(const cv::Mat& descriptors, std::uint32_t seed) {
   double sum = 0.0;
   for (int i = 0; i < kPairs; ++i) {
     const std::uint_fast32_t a = random() % rows;
-    const std::uint_fast32_t b = (a + 1 + random() % (rows - 1)) % rows;  // another one
+    const std::uint_fast32_t b = (a + 1 + random() % (rows - 1)) % rows;  // differs from a
     sum += cv::norm(descriptors.row(static_cast<int>(a)), descriptors.row(static_cast<int>(b)), norm);
   }
   return std::max(sum / kPairs, 1e-9);
 }
 
-// Distance of the nearest neighbour of another place. When all that were found are of this place, the others are
-// farther than the last one.
+// Distance to the nearest neighbour at another place. If all retrieved neighbours are at this place, the distance of
+// the last one is a lower bound.
 double RivalDistance(const std::vector<Keypoint>& keypoints, std::size_t self, const std::vector<Neighbour>& found,
                      const DistinctivenessOptions& options, double mean_distance) {
   for (const Neighbour& n : found) {

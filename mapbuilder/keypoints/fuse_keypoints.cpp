@@ -16,11 +16,11 @@ namespace {
 
 constexpr int kNone = -1;
 
-// A track on its way to become a map point.
+// A track that may become a map point.
 struct Candidate {
   KeypointTrack track;
-  int base_index = kNone;     // of the base map's point that it is
-  int visible = 0;            // new frames in whose view it is
+  int base_index = kNone;     // index of the same point in the base map
+  int visible = 0;            // new frames that cover it
   int base_observations = 0;  // in the base map
   int base_visible = 0;
   float response = 0.0F;
@@ -29,7 +29,7 @@ struct Candidate {
   int views() const { return static_cast<int>(track.views.size()); }
 };
 
-// Where keypoints can be: extractors keep off the edges of the image, and of what is masked there.
+// Floor on which keypoints were detected, per frame: extractors skip the image border and the border of the mask.
 std::vector<RectM> DetectableFloor(const std::vector<BuildFrame>& frames) {
   std::vector<Eigen::AlignedBox2d> of_survey;
   for (const BuildFrame& frame : frames) {
@@ -81,7 +81,7 @@ std::vector<Candidate> FindCandidates(const KeypointFusionInput& input, const Co
   return candidates;
 }
 
-// How often the new frames see what is there.
+// Repeat rates, estimated from the points that the new frames observed.
 RepeatRates EstimateRepeatRates(const std::vector<Candidate>& candidates) {
   std::vector<PointHistory> histories;
   for (const Candidate& c : candidates) {
@@ -103,7 +103,7 @@ bool HasDisappeared(const Candidate& c, const RepeatRates& rates, const Keypoint
   return std::pow(1.0 - rate, c.visible) < options.gone_probability;
 }
 
-// The whole history, where the base map's part is not known as it would usually be.
+// History in base map and new frames; an unknown number of covering base frames is estimated from the repeat rate.
 PointHistory HistoryOf(const Candidate& c, const RepeatRates& rates) {
   int base_visible = c.base_visible;
   if (c.base_index != kNone && base_visible == 0) {
@@ -125,7 +125,7 @@ std::uint16_t LastSurvey(const Candidate& c, const KeypointFusionInput& input) {
   return ClampToUint16(input.first_survey + newest);
 }
 
-// An empty row per point, of the descriptors' kind.
+// A matrix of the descriptors' type with one uninitialised row per point.
 cv::Mat MakeDescriptors(const KeypointFusionInput& input, std::size_t rows) {
   cv::Mat like = input.base_map != nullptr ? input.base_map->descriptors : cv::Mat();
   for (std::size_t i = 0; i < input.frames.size() && like.empty(); ++i) {
@@ -134,7 +134,7 @@ cv::Mat MakeDescriptors(const KeypointFusionInput& input, std::size_t rows) {
   return {static_cast<int>(rows), like.cols, like.type()};
 }
 
-// Distinctiveness is left open.
+// Distinctiveness is not filled in.
 MapKeypoints FusePoints(const KeypointFusionInput& input, const std::vector<Candidate>& candidates,
                         const KeypointFusionOptions& options) {
   constexpr std::size_t kChunk = 4096;
@@ -167,7 +167,8 @@ MapKeypoints FusePoints(const KeypointFusionInput& input, const std::vector<Cand
   return map;
 }
 
-// Of the points in the new frames' view those that the budget allows, and all others. Ascending.
+// The useful points within the budget among those that the new frames cover, and all points outside their view.
+// Ascending.
 std::vector<int> SelectUseful(const MapKeypoints& map, const std::vector<Candidate>& candidates,
                               const RepeatRates& rates, const CoverageGrid& coverage, const PruningOptions& options) {
   std::vector<int> chosen;

@@ -15,39 +15,41 @@ namespace floorloc {
 struct KeypointFusionOptions {
   TrackOptions tracks;
   PruningOptions pruning;
-  int min_coverage = 3;            ///< where as many frames cover it, a point that only one observed is dropped
-  int min_frames_gone = 3;         ///< frames that must cover a point of the base map in vain before it is removed,
-  double gone_probability = 0.05;  ///< and this must be less likely by chance
+  int min_coverage = 3;            ///< where at least this many frames cover a point, it is dropped if only one
+                                   ///< observed it
+  int min_frames_gone = 3;         ///< frames that must cover a point of the base map without observing it before it is
+                                   ///< removed,
+  double gone_probability = 0.05;  ///< if the probability of that for an existing point is below this
   int threads = 0;                 ///< 0: one per core
   std::uint32_t seed = 1;
 
   KeypointFusionOptions ForCamera(const FloorPlane& floor, int keypoints_per_frame) const;
 };
 
-/// What is fused. Frame i is at map_from_base[i] (empty: left out) and sees floor_in_base[i].
+/// Input of the fusion. Frame i is at map_from_base[i] (empty: not used) and covers floor_in_base[i].
 struct KeypointFusionInput {
   const std::vector<BuildFrame>& frames;
   const std::vector<std::optional<Pose2>>& map_from_base;
   const std::vector<RectM>& floor_in_base;
-  /// Keypoints of the map that the frames extend: by the same extractor, in its frame (to within the tracks' radius).
+  /// Keypoints of the map being extended: from the same extractor, in the map frame (to within the tracks' radius).
   const MapKeypoints* base_map = nullptr;
-  /// Floor that the base map's frames cover, for its points' repeat rates; without it all are taken to repeat like new
-  /// points of their response.
+  /// Floor covered by the base map's frames, for the repeat rates of its points; without it they are assumed to repeat
+  /// like new points of the same response.
   const CoverageGrid* base_coverage = nullptr;
-  /// Index in the map of the frames' survey 0: the number of surveys in the base map.
+  /// Index in the map of the frames' survey 0, i.e. the number of surveys in the base map.
   int first_survey = 0;
 };
 
-/// Keypoints of overlapping frames become map points: positions averaged against outliers, angles averaged, descriptors
-/// by majority (binary) or mean (float), the number of observations counted. Points that are unlikely to exist are
-/// dropped, and of the others the most useful ones kept within the budget, evenly over the floor.
+/// Fuses the keypoints of overlapping frames into map points: robust mean of positions, mean of angles, majority
+/// (binary) or mean (float) of descriptors, number of observations. Drops points that are unlikely to exist and keeps
+/// the most useful of the others within the budget, evenly spread over the floor.
 ///
 /// With a base map, the result is the whole new one:
 /// - A re-observed point is updated: observations added, position and angle averaged by their numbers,
 ///   last_survey set. The old descriptor has two votes against one of each new view, so that it follows wear.
-/// - One that enough frames cover and none observed, though its repeat rate makes that unlikely, is removed.
-/// - One that no frame covers stays as it is, and takes nothing of the budget.
-/// - New points compete with the old ones in view for the budget of the floor that the frames cover.
+/// - A point that enough frames cover and none observes, against its repeat rate, is removed.
+/// - A point that no frame covers is unchanged and does not count against the budget.
+/// - New points compete with old ones in view for the budget of the floor that the frames cover.
 /// Distinctiveness is recomputed for all points.
 MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options);
 

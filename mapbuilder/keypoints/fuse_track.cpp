@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Votes of a base map's descriptor, against one of each new view: a single view doesn't change it, several do.
+// Votes of a base map's descriptor, against one of each new view: one view does not change it, several do.
 constexpr int kBaseVotes = 2;
 
 }  // namespace
@@ -27,7 +27,7 @@ Eigen::Vector2d RobustMean(const std::vector<WeightedPosition>& positions, doubl
     }
     mean = sum / weights;
     if (positions.size() < 3) {
-      break;  // two can't say which of them is wrong
+      break;  // with two views the outlier is undetermined
     }
   }
   return mean;
@@ -48,7 +48,7 @@ FusedPoint TrackFuser::Update(const MapKeypoints& base_map, int index, const Key
                               int row) {
   Start();
   const auto i = static_cast<std::size_t>(index);
-  AddViews(track);  // first: they decide ties
+  AddViews(track);  // first, because the first descriptor decides ties
   vote_.Add(base_map.descriptors, index, kBaseVotes);
   AddKeypoint(base_map.keypoints[i], std::max<int>(1, base_map.observations[i]));
   return Finish(descriptors, row);

@@ -19,24 +19,25 @@ struct FusedPoint {
   int observations = 0;
 };
 
-/// An observed place, and how much it counts.
+/// An observed position with its weight.
 struct WeightedPosition {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double weight = 1.0;
 };
 
-/// Weighted mean with outliers held back: places farther than `huber_m` from it count less the farther they are
-/// (Huber's estimate, by reweighting).
+/// Weighted mean with Huber weights (iteratively reweighted least squares): positions farther than `huber_m` from the
+/// mean are weighted down in proportion to their distance.
 Eigen::Vector2d RobustMean(const std::vector<WeightedPosition>& positions, double huber_m);
 
-/// Makes one map point of a track's views and, when the track is that of a point of the base map, of the old one.
+/// Fuses the views of a track into one map point, together with the old point if the track belongs to one of the base
+/// map.
 class TrackFuser {
  public:
-  /// like: any matrix of the descriptors' kind. huber_m: a view's usual distance from its point.
+  /// like: any matrix of the descriptors' type. huber_m: typical distance of a view from its point.
   TrackFuser(const std::vector<BuildFrame>& frames, const std::vector<std::optional<Pose2>>& map_from_base,
              const cv::Mat& like, double huber_m);
 
-  /// Writes the fused descriptor to the row. The track has at least one view.
+  /// Writes the fused descriptor to the row. The track must have at least one view.
   FusedPoint Fuse(const KeypointTrack& track, cv::Mat* descriptors, int row);
   /// The same, updating a point of the base map.
   FusedPoint Update(const MapKeypoints& base_map, int index, const KeypointTrack& track, cv::Mat* descriptors, int row);

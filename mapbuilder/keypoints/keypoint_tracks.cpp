@@ -22,13 +22,13 @@ struct View {
   double size = 0.0;
 };
 
-// A track in the making. Its angle and size are those of its first view.
+// A track under construction. Its angle and size are those of its first view.
 struct Growing {
   Eigen::Vector2d position_sum = Eigen::Vector2d::Zero();
   float weight = 0.0F;
   float angle = 0.0F;
   float size = 0.0F;
-  int first_frame = kNone;  // of the descriptor; kNone: the seeds
+  int first_frame = kNone;  // frame of the descriptor; kNone: a seed
   int first_keypoint = 0;
   int last_frame = kNone;
   int next_in_cell = kNone;
@@ -36,8 +36,8 @@ struct Growing {
   Eigen::Vector2d Position() const { return position_sum / weight; }
 };
 
-// Tracks by the place of their first view: chains from a hash table. Cells that share a chain do no harm, places are
-// compared anyway.
+// Hash grid of tracks by the position of their first view, with chaining. Hash collisions are harmless, since positions
+// are compared anyway.
 class TrackGrid {
  public:
   TrackGrid(std::size_t expected, double reach_m)
@@ -49,7 +49,7 @@ class TrackGrid {
     head = track;
   }
 
-  // Calls visit(track) for all tracks that started within reach of the place, and some more.
+  // Calls visit(track) for all tracks whose first view is within reach of the position, and for some others.
   template <typename Visit>
   void VisitNear(const Eigen::Vector2d& place, const std::vector<Growing>& tracks, const Visit& visit) const {
     for (const double dx : {-0.5, 0.5}) {
@@ -122,7 +122,7 @@ class TrackFinder {
     for (Proposal& p : proposals) {
       const View& view = views[static_cast<std::size_t>(p.keypoint)];
       if (p.track != kNone && tracks_[static_cast<std::size_t>(p.track)].last_frame == frame) {
-        p = FindBest(view, frame, p.keypoint);  // another keypoint of the frame was more like it
+        p = FindBest(view, frame, p.keypoint);  // lost it to a more similar keypoint of the frame
       }
       if (p.track == kNone) {
         starting.push_back(p.keypoint);
@@ -157,13 +157,13 @@ class TrackFinder {
   }
 
  private:
-  // The track's mean may have left the place of the first view, by which it is found.
+  // Search radius factor: a track's mean may have drifted away from its first view, by which it is indexed.
   static constexpr double kDriftedRadius = 1.5;
 
   struct Proposal {
     int keypoint = 0;
     int track = kNone;
-    double difference = 1.0;  // relative to what is allowed
+    double difference = 1.0;  // as a share of the allowed one
   };
 
   bool MayBeSame(const Growing& track, const View& view, int frame) const {

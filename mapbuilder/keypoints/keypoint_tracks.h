@@ -11,33 +11,35 @@
 
 namespace floorloc {
 
-/// When views in different frames are of one floor point. Lengths are for the sample camera (0.7 mm per pixel).
+/// Criteria for views in different frames to be of one floor point. Lengths are for the sample camera (0.7 mm per
+/// pixel).
 struct TrackOptions {
-  double radius_m = 1.2e-3;        ///< they lie this close to their mean
-  double angle_rad = 0.35;         ///< their angles differ by no more
-  double max_binary_share = 0.22;  ///< differing bits, share of all
-  double max_float_share = 0.55;   ///< distance of descriptors, share of their norm
-  int min_views = 1;               ///< tracks with fewer are left out
+  double radius_m = 1.2e-3;        ///< maximum distance of a view from the mean
+  double angle_rad = 0.35;         ///< maximum difference of angles
+  double max_binary_share = 0.22;  ///< maximum share of differing bits
+  double max_float_share = 0.55;   ///< maximum distance of descriptors, share of their norm
+  int min_views = 1;               ///< shorter tracks are dropped
 
   TrackOptions ForCamera(const FloorPlane& floor) const;
 };
 
-/// One floor point as the frames saw it.
+/// Views of one floor point.
 struct KeypointTrack {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< mean of the views, map frame
-  std::vector<std::pair<int, int>> views;                ///< frame, keypoint; in the order of the frames, each once
+  std::vector<std::pair<int, int>> views;                ///< (frame, keypoint), ascending by frame, at most one per
+                                                         ///< frame
 };
 
-/// Finds which keypoints of the placed frames are views of one floor point. Greedy: frame after frame, each keypoint
-/// joins the track nearby whose first view is most similar, most similar pairs first, or starts one. Every keypoint of
-/// a placed frame is in exactly one track (of any number of views). Time is linear in the views (0.3 microseconds
-/// each), and so is memory (some 60 bytes each, the tracks included). The same input gives the same tracks.
+/// Finds keypoints of the placed frames that are views of one floor point. Greedy: frame by frame, each keypoint joins
+/// the nearby track whose first view is most similar, most similar pairs first, or starts a new one. Every keypoint of
+/// a placed frame is in exactly one track before min_views applies. Time (0.3 microseconds per view) and memory (about
+/// 60 bytes per view, tracks included) are linear in the views. Deterministic.
 std::vector<KeypointTrack> FindTracks(const std::vector<BuildFrame>& frames,
                                       const std::vector<std::optional<Pose2>>& map_from_base,
                                       const TrackOptions& options);
 
-/// The same, with the keypoints of an existing map as tracks to join: the first seeds.size() tracks returned are
-/// theirs, in order, some without views; min_views does not apply to them.
+/// The same, with the keypoints of an existing map as initial tracks: the first seeds.size() tracks returned are
+/// theirs, in order, possibly without views; min_views does not apply to them.
 std::vector<KeypointTrack> FindTracks(const std::vector<BuildFrame>& frames,
                                       const std::vector<std::optional<Pose2>>& map_from_base,
                                       const TrackOptions& options, const MapKeypoints& seeds);

@@ -11,18 +11,18 @@ namespace {
 
 constexpr std::size_t kBins = 16;
 
-// The rate among like points counts as so many frames.
+// Weight of the prior rate of a point's response bin, in frames.
 constexpr double kPriorFrames = 2.0;
 
-// Before anything is known; bins of few points stay near it.
+// Prior of the bins' rates and its weight in frames; bins with few points stay near it.
 constexpr double kUnknownRate = 0.5;
 constexpr double kUnknownFrames = 4.0;
 
-// Nearer than most views of one point are to each other.
+// Below this distinctiveness two points are nearer than most views of one point are to each other.
 constexpr std::uint8_t kDuplicateDistinctiveness = 32;
 constexpr double kManyDuplicates = 0.2;
 
-// A point exists by its first view, which therefore does not count in its repeat rate.
+// The first view is what makes a point exist and is not counted in its repeat rate.
 double OtherViews(const PointHistory& point) { return point.found - 1; }
 double OtherFrames(const PointHistory& point) { return std::max(point.visible, point.found) - 1; }
 

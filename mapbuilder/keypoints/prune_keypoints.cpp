@@ -15,7 +15,7 @@ struct Cell {
   std::vector<int> points;
 };
 
-// Of the square cell around the point: the share of a grid of samples that frames cover.
+// Covered area of the square cell that contains the point, by sampling.
 double CoveredM2(const Eigen::Vector2d& point, double cell_m, const CoverageGrid& coverage) {
   constexpr int kSamples = 5;  // per side
   const Eigen::Vector2d corner = (point / cell_m).array().floor() * cell_m;
@@ -27,7 +27,7 @@ double CoveredM2(const Eigen::Vector2d& point, double cell_m, const CoverageGrid
   return cell_m * cell_m * std::max(covered, 1) / (kSamples * kSamples);
 }
 
-// In the order of their keys: the result must not depend on that of a hash table.
+// Sorted by key, since the order of a hash table is not deterministic.
 std::vector<Cell> SortIntoCells(const std::vector<Eigen::Vector2d>& points, double cell_m,
                                 const CoverageGrid& coverage) {
   std::map<std::int64_t, Cell> by_key;
@@ -45,13 +45,13 @@ std::vector<Cell> SortIntoCells(const std::vector<Eigen::Vector2d>& points, doub
   return cells;
 }
 
-// Points per square metre that a cell holds when full.
+// Points per square metre of the whole cell.
 double Density(const Cell& cell) { return static_cast<double>(cell.points.size()) / cell.covered_m2; }
 
-// The density to which every cell may be filled so that all together hold so many points.
+// Density limit at which all cells together hold this many points.
 double WaterLevel(const std::vector<Cell>& cells, double points) {
   std::vector<const Cell*> by_density;
-  double area = 0.0;  // of the cells that the level leaves full
+  double area = 0.0;  // of the cells above the limit
   for (const Cell& cell : cells) {
     by_density.push_back(&cell);
     area += cell.covered_m2;
@@ -86,7 +86,7 @@ std::vector<int> ChooseEvenly(const std::vector<Eigen::Vector2d>& points, const 
   const double budget = options.max_per_m2 * coverage.AreaM2();
   const double level = static_cast<double>(points.size()) <= budget ? HUGE_VAL : WaterLevel(cells, budget);
   std::vector<int> chosen;
-  double share = 0.0;  // of a point, propagated from cell to cell
+  double share = 0.0;  // fraction of a point carried over to the next cell
   for (Cell& cell : cells) {
     const auto size = static_cast<double>(cell.points.size());
     share += std::min(size, level * cell.covered_m2);
