@@ -26,7 +26,7 @@ double LogGray(const cv::Vec3b& color) { return std::log((color[0] + color[1] + 
 
 bool IsValid(const cv::Vec3b& color) { return color[1] > 0; }
 
-// Log brightness of every cell relative to its frame's middle: the median over the survey's frames.
+// Log brightness of every cell relative to its frame's median: the median over the survey's frames.
 cv::Mat LogFlatField(const std::vector<cv::Mat>& cell_colors, const cv::Size& cells) {
   constexpr std::size_t kMaxFrames = 500;
   const std::size_t step = cell_colors.size() / kMaxFrames + 1;
@@ -53,7 +53,7 @@ cv::Mat LogFlatField(const std::vector<cv::Mat>& cell_colors, const cv::Size& ce
   cv::Mat field = cv::Mat::zeros(cells, CV_32F);
   for (std::size_t c = 0; c < relative.size(); ++c) {
     if (!relative[c].empty()) {
-      // Few frames say little: what they have in common may be the floor.
+      // Shrinks cells with few samples towards 0: what few frames have in common may be the floor.
       constexpr double kDoubt = 4.0;
       const double n = static_cast<double>(relative[c].size());
       field.at<float>(static_cast<int>(c) / cells.width, static_cast<int>(c) % cells.width) =
@@ -63,9 +63,9 @@ cv::Mat LogFlatField(const std::vector<cv::Mat>& cell_colors, const cv::Size& ce
   return field;
 }
 
-// Per pixel of the rectified image.
+// Resamples to one gain per pixel of the rectified image.
 cv::Mat GainField(const cv::Mat& log_field, const ExposureGrid& grid) {
-  // Cell (0, 0) has its middle half a cell from the corner.
+  // The centre of cell (0, 0) is half a cell from the image corner.
   constexpr double kCell = ExposureGrid::kCellPx;
   const cv::Mat cell_from_pixel =
       (cv::Mat_<double>(2, 3) << 1.0 / kCell, 0.0, 0.5 / kCell - 0.5, 0.0, 1.0 / kCell, 0.5 / kCell - 0.5);
@@ -77,7 +77,7 @@ cv::Mat GainField(const cv::Mat& log_field, const ExposureGrid& grid) {
   return cv::max(cv::min(gain, kMaxGain), 1.0 / kMaxGain);
 }
 
-// One equation: log gain of `first` minus that of `second`; a second frame of -1 is a known exposure.
+// One equation: log gain of `first` minus that of `second`; second = -1 stands for a known exposure.
 struct GainDifference {
   int first = 0;
   int second = 0;
@@ -90,7 +90,7 @@ class GainSolver {
              const std::vector<ExposureGrid>& grids, const std::vector<cv::Mat>& log_fields)
       : input_(input), cell_colors_(cell_colors), grids_(grids), log_fields_(log_fields) {}
 
-  // Rows of log gains.
+  // Log gains, one row per frame.
   Eigen::MatrixX3d Solve() const {
     std::vector<std::optional<GainDifference>> found(input_.links.size() + cell_colors_.size());
     ParallelFor(static_cast<int>(found.size()), input_.threads, [&](int index) {
@@ -108,7 +108,7 @@ class GainSolver {
   }
 
  private:
-  // Log of what a cell shows without the camera's own light.
+  // Log colour of a cell corrected by the flat field.
   Eigen::Vector3d LogColor(int frame, int u, int v) const {
     const auto i = static_cast<std::size_t>(frame);
     const auto& color = cell_colors_[i].at<cv::Vec3b>(v, u);
@@ -120,7 +120,7 @@ class GainSolver {
     return grids_[static_cast<std::size_t>(input_.frames[static_cast<std::size_t>(frame)].survey)];
   }
 
-  // Calls visit(u, v, point in base) for the cells that a frame sees.
+  // Calls visit(u, v, point in base) for the valid cells of a frame.
   template <typename Visit>
   void ForEachCell(int frame, const Visit& visit) const {
     const cv::Mat& cell_colors = cell_colors_[static_cast<std::size_t>(frame)];
@@ -133,7 +133,7 @@ class GainSolver {
     }
   }
 
-  // Medians: shadows on less than half of the shared floor don't matter. Empty when too little is shared.
+  // Median ratios, robust against shadows on less than half of the shared floor. Empty when too few cells are shared.
   static std::optional<Eigen::Vector3d> MedianOf(std::array<std::vector<double>, 3>* ratios) {
     constexpr std::size_t kMinCells = 8;
     if (ratios->front().size() < kMinCells) {
@@ -194,8 +194,8 @@ class GainSolver {
     return median ? std::optional(GainDifference{frame, -1, *median}) : std::nullopt;
   }
 
-  // Minimises the sum of rho(g_first - g_second - log ratio) + small * g^2 over the log gains g; rho is Geman and
-  // McClure's, by reweighting.
+  // Minimises the sum of rho(g_first - g_second - log ratio) + small * g^2 over the log gains g by iterative
+  // reweighting; rho is that of Geman and McClure.
   Eigen::MatrixX3d RobustLeastSquares(const std::vector<GainDifference>& differences) const {
     const auto n = static_cast<Eigen::Index>(cell_colors_.size());
     Eigen::MatrixX3d gains = Eigen::MatrixX3d::Zero(n, 3);

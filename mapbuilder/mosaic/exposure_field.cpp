@@ -12,14 +12,14 @@ namespace {
 
 constexpr float kMaxLog = 1.1F;  // a factor of three
 
-// Most frames that are sampled: more do not change the result.
+// Maximum number of frames sampled; more do not change the result.
 constexpr std::size_t kMaxSamples = 24;
 
 float Mean(const cv::Vec3f& v) { return (v[0] + v[1] + v[2]) / 3.0F; }
 
 cv::Vec3f Log(const cv::Vec3f& v) { return {std::log(v[0]), std::log(v[1]), std::log(v[2])}; }
 
-// Bilinear; empty where any of the four cells is not seen.
+// Bilinear; empty if any of the four cells is invalid.
 std::optional<cv::Vec3f> Interpolate(const cv::Mat& cell_colors, const Eigen::Vector2d& cell) {
   const double u = std::floor(cell.x());
   const double v = std::floor(cell.y());
@@ -37,7 +37,7 @@ std::optional<cv::Vec3f> Interpolate(const cv::Mat& cell_colors, const Eigen::Ve
          b * ((1.0F - a) * cv::Vec3f(lower[0]) + a * cv::Vec3f(lower[1]));
 }
 
-// Fills cells without a value from their neighbours, and smooths all a little.
+// Fills invalid cells from their neighbours and smooths slightly.
 cv::Mat FillAndSmooth(const cv::Mat& log_gain, const cv::Mat& valid) {
   cv::Mat weight;
   valid.convertTo(weight, CV_32F, 1.0 / 255.0);
@@ -93,9 +93,9 @@ std::optional<ExposureField::ColorSample> ExposureField::SampleFrame(int frame, 
 }
 
 cv::Vec3f ExposureField::RobustMean(const std::vector<ColorSample>& samples) {
-  // Shadows are commoner than moving lamps: of equal samples the brighter ones weigh more.
+  // Shadows are more frequent than moving lamps, so brighter samples get more weight.
   constexpr float kBrightness = 2.0F;
-  // From a mean of all to one of those that agree best (graduated non-convexity).
+  // Scales of the robust kernel, from a plain mean to the mode (graduated non-convexity).
   constexpr std::array<float, 6> kScales{1.0F, 0.3F, 0.15F, 0.08F, 0.08F, 0.08F};
   cv::Vec3f mean = cv::Vec3f::all(0.0F);
   const float any = samples.empty() ? 0.0F : Mean(samples.front().log_color);

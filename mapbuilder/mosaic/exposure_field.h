@@ -11,23 +11,23 @@
 
 namespace floorloc {
 
-/// Gain of a frame's image, position by position.
+/// Position-dependent gain of a frame's image.
 struct FrameGain {
-  cv::Vec3f uniform;  ///< of the whole frame: blue, green, red
-  cv::Mat local_log;  ///< CV_32FC3 per cell of the exposure grid, logarithms; may be empty
+  cv::Vec3f uniform;  ///< (B, G, R) of the whole frame
+  cv::Mat local_log;  ///< CV_32FC3 per cell of the exposure grid, log gain; may be empty
   const ExposureGrid* grid = nullptr;
 
-  /// The flat field included.
+  /// (B, G, R) including the flat field.
   cv::Vec3f At(const FrameView& view, const Eigen::Vector2d& point_in_map) const;
 };
 
-/// Frames of one floor show it under different illumination: shadows and lamps that the robot passed. Where several
-/// frames see a place, most of them agree on its brightness; this gives what each frame has to be multiplied with to
-/// agree too. The brightness is a robust mean (Geman & McClure), weighted by how deep the place lies in each frame's
-/// view, so that it is independent of the frame and continuous over the floor.
+/// Local gain correction of overlapping frames. Shadows and lamps that the robot passed make frames of one floor differ
+/// in brightness; where several frames overlap, most agree. GainOf() gives the factors that bring each frame to the
+/// common brightness, a robust mean (Geman & McClure) weighted by the depth of the point inside each frame's view. It
+/// is the same for all frames and continuous over the floor.
 class ExposureField {
  public:
-  /// All must outlive it.
+  /// All arguments must outlive it.
   ExposureField(const MosaicInput& input, const FrameIndex& index, const std::vector<SurveyView>& surveys);
 
   FrameGain GainOf(int frame) const;

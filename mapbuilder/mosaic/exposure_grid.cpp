@@ -10,10 +10,10 @@
 namespace floorloc {
 namespace {
 
-// Of the images that light is measured in.
+// Downscaling of the raw images before colours are measured.
 constexpr double kShrink = 8.0;
 
-// Where the middle of each cell lies in a shrunken raw image.
+// Positions of the cell centres in the downscaled raw image.
 cv::Mat SmallPixels(const ExposureGrid& grid, const FloorCamera& camera) {
   cv::Mat pixels(grid.valid.size(), CV_32FC2);
   for (int v = 0; v < pixels.rows; ++v) {
@@ -67,7 +67,7 @@ std::vector<cv::Mat> MeasureCellColors(const CellColorInput& input) {
     cv::Mat small = ReadSmallColorImage(survey.ImagePath(input.frames[i].info), camera.width_px, camera.height_px);
     cv::blur(small, small, cv::Size(3, 3));
     cv::remap(small, cell_colors[i], pixels[s], cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-    cell_colors[i] = cv::max(cell_colors[i], 1);  // zero says unseen
+    cell_colors[i] = cv::max(cell_colors[i], 1);  // zero means invalid
     cell_colors[i].setTo(cv::Scalar::all(0), grids[s].valid == 0);
   });
   return cell_colors;

@@ -9,16 +9,17 @@
 
 namespace floorloc {
 
-/// The coarse cells that the colour of a survey's frames is measured in, kCellPx pixels of the rectified image a side.
+/// Coarse grid on which the colours of a survey's frames are measured; a cell has kCellPx pixels of the rectified image
+/// a side.
 struct ExposureGrid {
   static constexpr int kCellPx = 24;
 
   GroundGrid ground;
-  cv::Mat valid;  ///< CV_8UC1 per cell, 255 where all of it shows floor
+  cv::Mat valid;  ///< CV_8UC1 per cell, 255 where the whole cell shows floor
 
   explicit ExposureGrid(const LoadedSurvey& survey);
 
-  /// Middle of a cell, base frame.
+  /// Centre of a cell, base frame.
   Eigen::Vector2d BaseFromCell(double u, double v) const {
     return ground.BaseFromPixel((u + 0.5) * kCellPx - 0.5, (v + 0.5) * kCellPx - 0.5);
   }
@@ -27,7 +28,7 @@ struct ExposureGrid {
   }
 };
 
-/// Per survey.
+/// One grid per survey.
 std::vector<ExposureGrid> MakeExposureGrids(const std::vector<LoadedSurvey>& surveys);
 
 struct CellColorInput {
@@ -37,8 +38,8 @@ struct CellColorInput {
   int threads = 0;
 };
 
-/// Colour of every cell of every frame: CV_8UC3 of its survey's grid, zero where a cell is not seen; empty for frames
-/// that were not placed. Throws InputError for an image that can't be read.
+/// Colour of every cell of every frame: CV_8UC3 of its survey's grid, zero where invalid; empty for frames that were
+/// not placed. Throws InputError for an unreadable image.
 std::vector<cv::Mat> MeasureCellColors(const CellColorInput& input);
 
 }  // namespace floorloc

@@ -7,7 +7,7 @@
 namespace floorloc {
 namespace {
 
-// Best first, with the runner-up that was not chosen in the last place.
+// Sorted best first; the last entry is the best candidate that is not chosen.
 struct Ranking {
   struct Entry {
     int candidate = -1;
@@ -25,7 +25,7 @@ struct Ranking {
   }
 };
 
-// A frame's border cells are seen in part only: there it counts next to nothing where another frame sees the floor.
+// Border cells are only partly in view: their weight is almost zero wherever another frame covers the floor.
 float WeightOf(float depth_px, float border_px) {
   return std::max(0.0F, depth_px - border_px) + 0.01F * std::min(depth_px, border_px);
 }
@@ -33,7 +33,7 @@ float WeightOf(float depth_px, float border_px) {
 NodeChoice Share(const Ranking& ranking) {
   NodeChoice choice;
   choice.depth_px = ranking.depth_px;
-  // What the best frame that was left out weighs is taken off all: frames appear and vanish with weight zero.
+  // Subtracts the weight of the best frame not chosen, so that frames enter and leave the choice with weight zero.
   const float left_out = ranking.entries.back().weight;
   float detail_sum = 0.0F;
   float light_sum = 0.0F;

@@ -10,28 +10,28 @@
 
 namespace floorloc {
 
-/// The frames that show the floor best at a node of the mosaic; their shares add up to 1.
+/// The frames chosen for a node of the mosaic; their weights add up to 1 in each band.
 struct NodeChoice {
-  static constexpr int kFrames = 3;  ///< more only blur the mosaic by what their poses are off
+  static constexpr int kFrames = 3;  ///< more would blur the mosaic by their pose errors
 
   struct Chosen {
     int candidate = -1;             ///< -1: none
-    float high_band_weight = 0.0F;  ///< of the high band, changes over short distances
-    float low_band_weight = 0.0F;   ///< of the low band, changes over long distances
+    float high_band_weight = 0.0F;  ///< high spatial frequencies
+    float low_band_weight = 0.0F;   ///< low spatial frequencies
   };
   std::array<Chosen, kFrames> chosen;
-  float depth_px = 0.0F;  ///< of the deepest frame's view
+  float depth_px = 0.0F;  ///< largest depth of the node inside any frame's view
 
   bool empty() const { return chosen.front().candidate < 0; }
-  /// Empty share for a frame that was not chosen.
+  /// Zero weights for a frame that was not chosen.
   Chosen Of(int candidate) const;
 };
 
-/// Row-major, grid.nodes() a side.
+/// Row-major, grid.nodes() per side.
 using NodeChoices = std::vector<NodeChoice>;
 
-/// Chooses at every node among the candidates, by how deep inside their view it lies. All shares are continuous over
-/// the floor, and no seam is hard.
+/// Chooses frames at every node by the depth of the node inside their views. All weights are continuous over the floor,
+/// so that there are no hard seams.
 NodeChoices ChooseFrames(const MosaicGrid& grid, const std::vector<FrameView>& candidates);
 
 }  // namespace floorloc

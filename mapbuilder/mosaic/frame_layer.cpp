@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCellPx = MosaicGrid::kCellPx;
 
-// Two numbers that change linearly along a row of a cell.
+// Raw image position, interpolated linearly along a row of a cell.
 struct PixelPosition {
   float u, v;
 };
@@ -25,7 +25,7 @@ cv::v_float32x4 Mix(const cv::v_float32x4& a, const cv::v_float32x4& b, float sh
   return cv::v_muladd(b - a, cv::v_setall_f32(share), a);
 }
 
-// px: inside the image, not on its last column or row.
+// px: inside the image, not in its last column or row.
 cv::v_float32x4 Sample(const cv::Mat& bgra, const PixelPosition& px) {
   const int column = static_cast<int>(px.u);
   const int row = static_cast<int>(px.v);
@@ -40,7 +40,7 @@ PixelPosition Between(const cv::Vec2f& a, const cv::Vec2f& b, float share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
 }
 
-// Which nodes the frame was chosen at, and their neighbours: cells there need all four.
+// Mask of the nodes at which the frame was chosen and their neighbours: a cell needs all four nodes.
 cv::Mat NeededNodes(int candidate, const NodeChoices& choices, const MosaicGrid& grid, const cv::Rect& footprint) {
   cv::Mat needed(footprint.size(), CV_8UC1);
   for (int row = 0; row < footprint.height; ++row) {

@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Represents every position outside of the image.
+// Stands for all positions outside the image.
 constexpr float kFarOutsidePx = -1e6F;
 
 cv::Mat DepthOf(const cv::Mat& mask) {

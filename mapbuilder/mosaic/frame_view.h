@@ -12,31 +12,31 @@
 
 namespace floorloc {
 
-/// What all frames of a survey have in common.
+/// What all frames of a survey share.
 struct SurveyView {
   std::shared_ptr<const Rectifier> rectifier;
-  cv::Mat depth;      ///< CV_32F, of the rectified image: pixels to the border of what is seen; 0 outside
+  cv::Mat depth;      ///< CV_32F, of the rectified image: distance in pixels to the border of the valid area; 0 outside
   cv::Mat flat_gain;  ///< CV_32F, of the rectified image
 
   SurveyView(const LoadedSurvey& survey, cv::Mat flat_gain);
 };
 
-/// A placed frame, seen from the mosaic.
+/// Geometry of a placed frame for resampling into the mosaic.
 class FrameView {
  public:
   FrameView(const SurveyView& survey, const Pose2& map_from_base);
 
   Eigen::Vector2d BaseFromMap(const Eigen::Vector2d& p) const { return base_from_map_ * p; }
   Eigen::Vector2d MapFromBase(const Eigen::Vector2d& p) const { return map_from_base_ * p; }
-  /// The nodes that the frame can touch, one more at each side; may be empty.
+  /// Nodes that the frame can affect, with a margin of one on each side; may be empty.
   cv::Rect Footprint(const MosaicGrid& grid) const;
-  /// Cells that come nearer to the view's border than this reach across it, pixels of the rectified image.
+  /// Width of the view's border, in pixels of the rectified image, within which a cell may extend beyond the view.
   float BorderPx(const MosaicGrid& grid) const;
-  /// How far inside the frame's view a map point lies, pixels of the rectified image; 0 outside.
+  /// Depth of a map point inside the frame's view: distance to its border, pixels of the rectified image; 0 outside.
   float Depth(const Eigen::Vector2d& point_in_map) const;
-  /// Gain of the flat field there; 1 outside.
+  /// Flat-field gain at the point; 1 outside the view.
   float FlatGain(const Eigen::Vector2d& point_in_map) const;
-  /// Outside the image where the camera does not see the point.
+  /// Raw pixel of a map point; a position far outside the image when the camera does not see it.
   cv::Vec2f RawPixel(const Eigen::Vector2d& point_in_map) const;
 
  private:

@@ -11,7 +11,8 @@
 namespace floorloc {
 namespace {
 
-// Blocks this many levels deep are blended at once: few enough to bound memory, enough that frames fill them.
+// Blocks of 2^kBlockLevels tiles a side are blended at once: small enough to bound memory, large enough that frames
+// fill them.
 constexpr int kBlockLevels = 2;
 
 std::vector<std::uint8_t> EncodeJpeg(const cv::Mat& bgr, int quality) {
@@ -61,7 +62,7 @@ class Composer {
     return columns * rows;
   }
 
-  // Depth first: only one patch per level is in memory.
+  // Depth-first, so that only one patch per level is in memory.
   MosaicPatch Compose(const TileId& tile) {
     if (!Overlaps(SquareOf(tile))) {
       return MosaicPatch::Empty(layout_.tile_px);
@@ -78,7 +79,7 @@ class Composer {
     return patch;
   }
 
-  // Blends the whole block at the finest level, then cuts and shrinks it into its tiles.
+  // Blends the whole block at the finest level, then cuts it into tiles and downscales them.
   MosaicPatch ComposeBlock(const TileId& block) {
     progress_.Advance();
     const int tiles_per_side = 1 << (layout_.max_zoom - block_zoom_);

@@ -18,16 +18,15 @@ struct MosaicOptions {
   ProgressOutput progress;
 };
 
-/// The pyramid that covers the extent, its coarsest level at most two tiles wide.
+/// Layout of the pyramid that covers the extent; its coarsest level is at most two tiles wide.
 MosaicLayout MakeMosaicLayout(const RectM& extent, const MosaicOptions& options);
 
-/// Composes the mosaic block by block, depth first. At every place it shows the few frames that see it best. Tiles
-/// without floor are left out. `sink` gets the finished tiles, from one thread, in a fixed order; the tiles are the
+/// Composes the mosaic block by block, depth first, blending at every point the few frames that show it best. Tiles
+/// without floor are left out. `sink` receives the finished tiles from one thread in a fixed order; the tiles are the
 /// same for any number of threads.
 ///
-/// Time is linear in the floor's area and in the frames. Memory: 256 MiB of images, one
-/// block of 4 x 4 tiles (20 bytes per pixel; 21 MB with tiles of 256 px), one tile per level of the
-/// pyramid, and about 1.5 kB per frame.
+/// Time is linear in the floor's area and the number of frames. Memory: 256 MiB of images, one block of 4 x 4 tiles (20
+/// bytes per pixel; 21 MB with tiles of 256 px), one tile per level of the pyramid, and about 1.5 kB per frame.
 void ComposeMosaic(const MosaicInput& input, const MosaicLayout& layout, const MosaicOptions& options,
                    const std::function<void(const std::vector<MosaicTile>&)>& sink);
 

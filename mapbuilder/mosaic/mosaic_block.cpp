@@ -16,10 +16,10 @@ constexpr std::size_t kKeptBytes = 192U << 20;
 constexpr std::size_t kBatchBytes = 64U << 20;
 constexpr int kStripeRows = 8;  // of cells
 
-// A frame's last pixels, where its share has faded to almost nothing and no other frame sees the floor.
+// Pixels with a smaller weight are dropped: the outermost ones of a frame, where no other frame covers the floor.
 constexpr float kMinShare = 0.02F;
 
-// New images reach full strength this deep inside their view.
+// Depth inside their view at which new images fully replace the background.
 constexpr float kBackgroundFadePx = 32.0F;
 
 std::vector<RectM> FloorsInBase(const MosaicInput& input) {
@@ -38,7 +38,7 @@ std::vector<SurveyView> ViewsOf(const MosaicInput& input) {
   return views;
 }
 
-// How many pixels of the survey's own resolution become one of the mosaic.
+// Pixels of the survey's resolution per mosaic pixel.
 int ShrinkFor(const MosaicInput& input, double resolution_m) {
   if (input.surveys.empty()) {
     return 1;  // background only
@@ -56,7 +56,7 @@ std::size_t BatchFor(const MosaicInput& input, int shrink) {
   return std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), 1, 64);
 }
 
-// The candidates that were chosen anywhere.
+// Candidates chosen at any node.
 std::vector<int> ChosenCandidates(const NodeChoices& choices, std::size_t candidates) {
   std::vector<bool> chosen(candidates, false);
   for (const NodeChoice& choice : choices) {
@@ -79,7 +79,7 @@ RectM Grown(const RectM& rect, double by_m) {
   return {rect.x_min - by_m, rect.x_max + by_m, rect.y_min - by_m, rect.y_max + by_m};
 }
 
-// How much new images count against older ones, per pixel.
+// Weight of the new images against the background, CV_32F per pixel.
 cv::Mat ShareOfNew(const MosaicGrid& grid, const NodeChoices& choices) {
   cv::Mat at_nodes(grid.nodes(), grid.nodes(), CV_32F);
   std::transform(choices.begin(), choices.end(), at_nodes.begin<float>(),
@@ -134,7 +134,7 @@ NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<in
   NodeChoices choices = ChooseFrames(grid, views);
   const std::vector<int> chosen = ChosenCandidates(choices, views.size());
   const int stripes = (grid.nodes() + kStripeRows - 1) / kStripeRows;
-  // A few frames at a time. Every stripe adds them in their order: float sums depend on it.
+  // Loads a few frames at a time. Every stripe adds them in the same order, since float sums depend on it.
   for (std::size_t first = 0; first < chosen.size(); first += batch_) {
     std::vector<std::optional<FrameLayer>> layers(std::min(batch_, chosen.size() - first));
     ParallelFor(static_cast<int>(layers.size()), threads_, [&](int i) {

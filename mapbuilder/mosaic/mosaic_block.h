@@ -12,13 +12,13 @@
 
 namespace floorloc {
 
-/// Blends frames into square blocks of the mosaic. Keeps the images it read last for the blocks that follow.
+/// Blends frames into square blocks of the mosaic. Caches the most recently read images for subsequent blocks.
 class BlockBlender {
  public:
-  /// The input must outlive it. resolution_m: of the mosaic.
+  /// The input must outlive it. resolution_m: metres per mosaic pixel.
   BlockBlender(const MosaicInput& input, double resolution_m, int threads);
 
-  /// side_px pixels a side. Throws InputError for an image that can't be read.
+  /// Patch of side_px x side_px pixels. Throws InputError for an unreadable image.
   MosaicPatch Blend(const RectM& square, int side_px);
 
  private:
@@ -30,12 +30,12 @@ class BlockBlender {
   const MosaicInput& input_;
   int threads_;
   int shrink_;
-  std::size_t batch_;  // images in memory at once, beside those kept
+  std::size_t batch_;  // images in memory at once, besides the cached ones
   FrameIndex index_;
   std::vector<SurveyView> surveys_;
   ExposureField exposure_field_;
   SourceImageCache images_;
-  PatchSums sums_;  // of the present block
+  PatchSums sums_;  // of the current block
 };
 
 }  // namespace floorloc

@@ -8,8 +8,8 @@
 
 namespace floorloc {
 
-/// The pixels of a square patch of the mosaic, and the nodes at every kCellPx-th of them: what varies slowly is
-/// computed at the nodes and interpolated between. Neighbouring patches share the nodes of their border.
+/// Pixels of a square patch of the mosaic, and nodes at every kCellPx-th of them: slowly varying quantities are
+/// computed at the nodes and interpolated between them. Adjacent patches share their border nodes.
 struct MosaicGrid {
   static constexpr int kCellPx = 8;
 

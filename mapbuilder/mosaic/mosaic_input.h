@@ -10,17 +10,16 @@
 
 namespace floorloc {
 
-/// Everything the mosaic is made of.
+/// Input of the mosaic.
 struct MosaicInput {
   const std::vector<BuildFrame>& frames;
   const std::vector<LoadedSurvey>& surveys;
   const std::vector<std::optional<Pose2>>& map_from_base;
   const Exposure& exposure;
-  RectM extent;  ///< of the surveyed floor, map frame
-  /// What the mosaic shows where no frame sees the floor (a map that is extended); the edges of the frames' floor fade
-  /// into it. May be empty. `extent` is that of all floor then.
+  RectM extent;  ///< of the covered floor, map frame
+  /// What the mosaic shows where no frame covers the floor (the map being extended); frames fade into it at their
+  /// edges. May be empty; if not, `extent` includes its floor.
   MosaicBackground background = nullptr;
 };
-
 
 }  // namespace floorloc

@@ -11,18 +11,18 @@ bool IsFullyValid(const MosaicPatch& patch) {
   return cv::countNonZero(patch.valid) == patch.valid.rows * patch.valid.cols;
 }
 
-// Where the i-th of four patches lies in their square.
+// Rectangle of the i-th of four patches in their common square.
 cv::Rect RectOf(std::size_t i, int side_px) {
   const bool right = i % 2 == 1;
   const bool upper = i >= 2;  // y runs up, rows run down
   return {right ? side_px : 0, upper ? 0 : side_px, side_px, side_px};
 }
 
-// Means over the seen pixels only.
+// Averages over valid pixels only.
 MosaicPatch ShrinkPartlyValid(const MosaicPatch& whole, const cv::Size& size) {
   cv::Mat color;
   cv::Mat weight;
-  whole.bgr.convertTo(color, CV_32F);  // unseen pixels are zero
+  whole.bgr.convertTo(color, CV_32F);  // invalid pixels are zero
   whole.valid.convertTo(weight, CV_32F, 1.0 / 255.0);
   cv::resize(color, color, size, 0, 0, cv::INTER_AREA);
   cv::resize(weight, weight, size, 0, 0, cv::INTER_AREA);

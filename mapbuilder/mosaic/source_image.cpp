@@ -8,14 +8,14 @@
 namespace floorloc {
 namespace {
 
-// Cut-off of the low band, in its own pixels.
+// Gaussian sigma of the low band, in its own pixels.
 constexpr double kLowBandSigma = 2.0;
 
 cv::Size ShrunkSize(const cv::Size& size, int shrink) {
   return {std::max(1, size.width / shrink), std::max(1, size.height / shrink)};
 }
 
-// Blurred with its alpha: what is masked does not darken its neighbours.
+// Blurs colour times alpha, so that masked pixels do not darken their neighbours.
 cv::Mat MakeLowBand(const cv::Mat& bgra) {
   cv::Mat small;
   cv::resize(bgra, small, ShrunkSize(bgra.size(), kLowBandShrink), 0, 0, cv::INTER_AREA);
@@ -73,7 +73,7 @@ SourceImageCache::ImagePtr SourceImageCache::Get(int frame) {
       return it->second.image;
     }
   }
-  // Loaded outside the lock: no thread waits for another's image.
+  // Loaded outside the lock, so that no thread waits for another's image.
   auto image = std::make_shared<const SourceImage>(load_(frame));
   const std::scoped_lock lock(mutex_);
   if (!entries_.contains(frame)) {

@@ -11,29 +11,29 @@
 
 namespace floorloc {
 
-/// A raw camera image as the mosaic is made from it.
+/// A raw camera image prepared for the mosaic.
 struct SourceImage {
-  cv::Mat bgra;         ///< CV_8UC4; alpha 255 where it shows floor; else all four are 0
-  cv::Mat low_band;     ///< CV_32FC4, the image's low spatial frequencies, kLowBandShrink times smaller; alpha is 1
+  cv::Mat bgra;         ///< CV_8UC4; alpha 255 where it shows floor, elsewhere all channels are 0
+  cv::Mat low_band;     ///< CV_32FC4, low spatial frequencies, downscaled by kLowBandShrink; alpha is 1
   double shrink = 1.0;  ///< raw pixels per pixel of bgra
 
   std::size_t bytes() const;
-  /// The low band at a position of bgra; outside the image that of its border.
+  /// Low band at a position in bgra; positions outside the image are clamped to its border.
   cv::Vec4f LowBandAt(const cv::Vec2f& px) const;
 };
 
 constexpr int kLowBandShrink = 8;
 
-/// raw: CV_8UC3. mask: CV_8UC1 of its size, 0 where it does not show floor; may be empty. shrink: a whole number, for
-/// mosaics coarser than the images.
+/// raw: CV_8UC3. mask: CV_8UC1 of its size, 0 where it does not show floor; may be empty. shrink: integer downscaling
+/// factor, for mosaics coarser than the images.
 SourceImage MakeSourceImage(const cv::Mat& raw, const cv::Mat& mask, int shrink);
 
-/// Keeps the most recently used images of a survey in memory. Thread-safe.
+/// LRU cache of images. Thread-safe.
 class SourceImageCache {
  public:
   using ImagePtr = std::shared_ptr<const SourceImage>;
 
-  /// load: the image of a frame; called from many threads.
+  /// load: reads the image of a frame; called from many threads.
   SourceImageCache(std::function<SourceImage(int)> load, std::size_t max_bytes)
       : load_(std::move(load)), max_bytes_(max_bytes) {}
 
