@@ -13,7 +13,7 @@ namespace floorloc {
 struct DroppedFrame {
   std::string filename;
   std::string reason;
-  std::optional<Pose2> near = {};  ///< map_from_base about where it was taken, by odometry; empty: unknown
+  std::optional<Pose2> near = {};  ///< approximate map_from_base, by odometry; empty: unknown
   int survey = 0;
   std::optional<std::int64_t> stamp_ns = {};
 };

@@ -23,7 +23,7 @@ void AddCamera(const FloorCamera& c, ContentHash* hash) {
   hash->Add(c.floor.resolution_m);
 }
 
-// What extraction makes: a descriptor for each keypoint, bytes or numbers.
+// Checks the extractor's invariant: one descriptor per keypoint, of bytes or floats.
 bool IsWhole(const Features& features, const cv::Mat& brightness) {
   const cv::Mat& descriptors = features.descriptors;
   return static_cast<std::size_t>(descriptors.rows) == features.keypoints.size() &&

@@ -11,18 +11,18 @@
 
 namespace floorloc {
 
-/// Adds what identifies this program: pieces made by another build of it are not used.
+/// Adds an identification of this executable: entries written by another build of it are not used.
 ContentHash& AddProgram(ContentHash* hash);
-/// Adds a file's path, size and time of change.
+/// Adds a file's path, size and modification time.
 ContentHash& AddFile(const std::filesystem::path& file, ContentHash* hash);
 
-/// What was found in the images, kept in the journal of a build. Thread-safe.
+/// Extraction results of frames in the journal of a build. Thread-safe.
 class FrameJournal {
  public:
-  /// Refers to the journal and the surveys.
+  /// Keeps references to the journal and the surveys.
   FrameJournal(BuildJournal* journal, const std::vector<LoadedSurvey>& surveys, const ExtractorOptions& extractor);
 
-  /// Fills in what extraction would; false when the journal does not have it.
+  /// Fills in the results of extraction; false when the journal has none for this frame.
   bool Restore(BuildFrame* frame);
   void Store(const BuildFrame& frame);
   int restored() const { return restored_; }

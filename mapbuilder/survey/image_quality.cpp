@@ -14,7 +14,7 @@ namespace {
 constexpr int kClippedGray = 250;
 constexpr double kBrightShare = 0.1;
 
-// Squared difference to the mean of the 3x3 neighbourhood at half resolution, where sensor noise counts less.
+// Squared difference from the 3x3 mean at half resolution, where sensor noise has less influence.
 cv::Mat FineEnergy(const cv::Mat& gray) {
   cv::Mat half;
   cv::resize(gray, half, {std::max(1, gray.cols / 2), std::max(1, gray.rows / 2)}, 0, 0, cv::INTER_AREA);

@@ -21,7 +21,7 @@ cv::Mat MeasureBrightness(const GroundImage& image) {
   cv::resize(image.mask, cell_mask, cells, 0, 0, cv::INTER_AREA);
   cv::Mat brightness;
   mean.convertTo(brightness, CV_32F);
-  brightness.setTo(0.0F, cell_mask < 255);  // cells that are partly unseen say nothing
+  brightness.setTo(0.0F, cell_mask < 255);  // partly masked cells are not used
   return brightness;
 }
 
@@ -56,7 +56,7 @@ cv::Mat LoadedSurvey::FloorMask() const {
   if (raw_mask.empty()) {
     return rectifier->mask();
   }
-  // Pixels that mix with what is masked do not count.
+  // Interpolated pixels next to masked ones are masked too.
   return (rectifier->RectifyImage(raw_mask) == 255) & rectifier->mask();
 }
 

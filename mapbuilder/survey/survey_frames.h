@@ -20,33 +20,33 @@ namespace floorloc {
 struct LoadedSurvey {
   Survey survey;
   std::shared_ptr<const Rectifier> rectifier;
-  /// mask.png of the folder: CV_8UC1 of the camera's images, 0 where they show no floor (the robot's body); may be
-  /// empty.
+  /// mask.png of the folder: CV_8UC1 of raw image size, 0 where the image does not show floor (the robot's body); may
+  /// be empty.
   cv::Mat raw_mask = {};
 
-  /// CV_8UC1 of the rectified image, 255 where it shows floor.
+  /// CV_8UC1 of rectified image size, 255 where it shows floor.
   cv::Mat FloorMask() const;
 };
 
-/// A pose known from outside.
+/// External pose measurement of a frame.
 struct AbsolutePosePrior {
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), additive
 };
 
-/// One frame of a survey, as far as the builder keeps it in memory: its image is not kept.
+/// One frame of a survey as kept in memory by the builder, without its image.
 struct BuildFrame {
   int survey = 0;  ///< index of its survey
   SurveyFrame info;
   Features features;   ///< base frame
-  cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified image; 0: unseen
+  cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified image; 0: invalid
   ImageQuality quality;
-  std::string unreadable;                  ///< why the image can't be used; empty: it can
-  std::optional<Pose2> odom_from_base;     ///< when the survey has odometry at the frame's time
-  std::optional<AbsolutePosePrior> prior;  ///< a pose known from another system, or from the map to be extended
+  std::string unreadable;                  ///< reason if the image can't be used; else empty
+  std::optional<Pose2> odom_from_base;     ///< if the survey has odometry at the frame's stamp
+  std::optional<AbsolutePosePrior> prior;  ///< from another system or from localization in the map being extended
 };
 
-/// Frames with the surveys they are of: what the stages of a build hand on.
+/// Frames with their surveys, passed between the stages of a build.
 struct FrameSet {
   std::vector<LoadedSurvey> surveys;
   std::vector<BuildFrame> frames;
@@ -58,8 +58,8 @@ struct FrameSet {
 /// Side of a cell of BuildFrame::brightness, pixels of the rectified image.
 constexpr int kBrightnessCellPx = 24;
 
-/// Reads the surveys and builds their rectifiers: all at resolution_m, or, if that is 0, at that of the first survey's
-/// floor.yaml. Throws InputError.
+/// Reads the surveys and builds their rectifiers, all at resolution_m or, if it is 0, at the resolution in the first
+/// survey's floor.yaml. Throws InputError.
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders,
                                       BadFramePolicy bad_frames = BadFramePolicy::kThrow, double resolution_m = 0.0);
 
@@ -69,12 +69,12 @@ struct ExtractionOptions {
   ExtractorOptions extractor;
   int threads = 0;  ///< 0: one per core
   ProgressOutput progress;
-  FrameJournal* journal = nullptr;  ///< what an earlier run of the build did, and where this one notes what it does
-  BadFramePolicy bad_frames = BadFramePolicy::kThrow;  ///< kSkip: BuildFrame::unreadable instead of an error
+  FrameJournal* journal = nullptr;  ///< results of an earlier run of the build, extended by this one; nullptr: none
+  BadFramePolicy bad_frames = BadFramePolicy::kThrow;  ///< kSkip: sets BuildFrame::unreadable instead of throwing
 };
 
-/// Rectifies every frame of every survey and extracts its features. Throws InputError for an image that can't be
-/// used, unless the options say otherwise.
+/// Rectifies every frame of every survey and extracts its features. Throws InputError for an unusable image unless
+/// bad_frames is kSkip.
 std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& surveys, const ExtractionOptions& options);
 
 }  // namespace floorloc

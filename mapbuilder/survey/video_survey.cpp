@@ -21,19 +21,19 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 95;
 
-// Images are compared at this fraction of their size, where sensor noise hardly counts.
+// Images are compared downscaled by this factor, which suppresses sensor noise.
 constexpr int kThumbnailShare = 8;
 constexpr int kThumbnailMeanPx = 7;
 
-// Two images are the same when they differ by less than this share of their own contrast.
+// Two images are taken to show the same place when they differ by less than this share of their contrast.
 constexpr double kMaxStationaryDifference = 0.25;
 
-// Containers say only roughly how many images they hold.
+// The number of frames in a container's header is only approximate.
 constexpr double kMinReadShare = 0.95;
 
 struct VideoFrame {
   cv::Mat bgr;
-  cv::Mat thumbnail;  // CV_32F, local contrast: without the light's distribution
+  cv::Mat thumbnail;  // CV_32F, local contrast, independent of illumination
   double time_s = 0.0;
   double sharpness = 0.0;
 };
@@ -60,7 +60,7 @@ VideoFrame Describe(const cv::Mat& bgr, double time_s) {
   return frame;
 }
 
-// Median, so that a part of the robot that is always in view does not count.
+// The median ignores a part of the robot that is always in view.
 double MedianMagnitude(const cv::Mat& values) {
   std::vector<float> magnitudes(values.begin<float>(), values.end<float>());
   std::for_each(magnitudes.begin(), magnitudes.end(), [](float& v) { v = std::abs(v); });
@@ -73,7 +73,7 @@ bool ShowSameFloor(const VideoFrame& a, const VideoFrame& b) {
   return MedianMagnitude(a.thumbnail - b.thumbnail) < kMaxStationaryDifference * MedianMagnitude(a.thumbnail);
 }
 
-// The images of a video, one after the other, with seconds since the first.
+// Reads the frames of a video in order, with seconds since the first.
 class VideoReader {
  public:
   explicit VideoReader(const fs::path& file) : file_(file) {
@@ -81,7 +81,7 @@ class VideoReader {
     if (!fs::is_regular_file(file, ignored)) {
       throw InputError(file, "is not a file; name a video");
     }
-    // Not whatever OpenCV might try: its other readers take names for patterns or addresses.
+    // Fixed backends: OpenCV's others interpret file names as patterns or URLs.
     for (const int reader : {cv::CAP_FFMPEG, cv::CAP_OPENCV_MJPEG}) {
       if (!capture_.isOpened()) {
         capture_.open(file.string(), reader);
@@ -90,11 +90,11 @@ class VideoReader {
     if (!capture_.isOpened()) {
       throw InputError(file, "is no video that can be read; convert it, for example to MP4 with H.264");
     }
-    capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0.0);  // the camera was calibrated as it is
+    capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0.0);  // the calibration is for unrotated images
     fps_ = capture_.get(cv::CAP_PROP_FPS);
   }
 
-  // False at the end.
+  // Returns false at the end.
   bool Read(cv::Mat* bgr, double* time_s) {
     bool more = false;
     try {
@@ -116,7 +116,7 @@ class VideoReader {
   }
 
  private:
-  // The container's times where it has them: rates vary. Else the images are evenly spaced.
+  // Time stamp from the container if it has any, since frame rates vary; otherwise evenly spaced.
   double NextTime() {
     const double at_s = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
     if (count_ == 0) {
@@ -141,7 +141,7 @@ class VideoReader {
   int count_ = 0;
 };
 
-// Writes the frames that are worth it.
+// Writes the chosen frames to a survey folder.
 class SurveyWriter {
  public:
   SurveyWriter(const fs::path& folder, double start_s) : folder_(folder), start_s_(start_s) {
@@ -153,7 +153,7 @@ class SurveyWriter {
     }
   }
 
-  // A folder that did not get its name is of no use.
+  // Removes an unfinished folder, which was not renamed to its final name.
   ~SurveyWriter() {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
@@ -205,7 +205,7 @@ void CheckSize(const cv::Mat& frame, const CameraModel& camera, const VideoSurve
   }
 }
 
-// The sharpest image of every span goes to the writer.
+// Writes the sharpest image of every time step.
 void PickFrames(const VideoSurveyOptions& options, const CameraModel& camera, VideoReader* reader,
                 SurveyWriter* writer) {
   ProgressBar progress("video", reader->expected(), options.progress);

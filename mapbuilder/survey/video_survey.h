@@ -9,34 +9,34 @@
 
 namespace floorloc {
 
-/// A video of the floor instead of single images.
+/// A survey recorded as a video instead of single images.
 struct VideoSurveyOptions {
-  std::filesystem::path video;        ///< whatever OpenCV can read
-  std::filesystem::path camera_yaml;  ///< of the camera that took it
+  std::filesystem::path video;        ///< any format that OpenCV reads
+  std::filesystem::path camera_yaml;  ///< of the camera that recorded it
   std::filesystem::path floor_yaml;
   std::filesystem::path odometry;  ///< TUM; empty: none
-  std::filesystem::path out;       ///< survey folder to write; replaced when it is there
-  double start_s = 0.0;            ///< time of the video's first image, on the clock of the odometry
-  double step_s = 0.2;             ///< one image is taken from each such span of time
+  std::filesystem::path out;       ///< survey folder to write; an existing one is replaced
+  double start_s = 0.0;            ///< time of the first image on the clock of the odometry
+  double step_s = 0.2;             ///< one image is used per time step
   ProgressOutput progress;
 
-  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  /// Throws std::invalid_argument when a field is out of range.
   void Check() const;
 };
 
 struct VideoSurveyResult {
   int frames_read = 0;
   int frames_written = 0;
-  std::vector<std::string> warnings;  ///< sentences
+  std::vector<std::string> warnings;  ///< one sentence each
 };
 
-/// Video -> survey folder: the sharpest image of each span of time, without those that show the same as the one
-/// before. The folder appears when it is complete. Throws InputError: video unreadable, of another size than
-/// camera.yaml says, or empty; folder not writable.
+/// Converts a video to a survey folder: the sharpest image of each time step, without those that show the same as their
+/// predecessor. The folder appears only when complete. Throws InputError when the video is unreadable, empty or of
+/// another size than in camera.yaml, or the folder is not writable.
 VideoSurveyResult WriteVideoSurvey(const VideoSurveyOptions& options);
 
-/// The video of a folder that holds one beside camera.yaml and floor.yaml, instead of frames.csv and images; empty when
-/// it is no such folder.
+/// The video in a folder that has one next to camera.yaml and floor.yaml instead of frames.csv and images; empty for
+/// any other folder.
 std::filesystem::path FindVideo(const std::filesystem::path& folder);
 
 }  // namespace floorloc
