@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kTiltUnknowns = 3;
 
-// Where an observation lies in the map.
+// Predicted map position of an observation.
 template <typename T>
 Eigen::Matrix<T, 2, 1> InMap(const Observation& observation, const T* pose, const T* camera, const T* tilt) {
   const Eigen::Map<const Eigen::Matrix<T, kCameraUnknowns, 1>> c(camera);
@@ -36,7 +36,8 @@ struct ObservationError {
   template <typename T>
   bool operator()(const T* pose, const T* camera, const T* tilt, const T* point, T* residual) const {
     const Eigen::Matrix<T, 2, 1> p = InMap(observation, pose, camera, tilt);
-    // Errors arise in the image: measured on the floor alone, a smaller floor would seem a better one.
+    // Errors arise in the image, so they scale with the floor's scale; with a constant sigma, shrinking the floor would
+    // reduce the cost.
     const T scale = T(1.0) + camera[static_cast<int>(CameraUnknown::kHeight)] -
                     camera[static_cast<int>(CameraUnknown::kFocal)] + tilt[2];
     residual[0] = (p[0] - point[0]) / (T(sigma_m) * scale);
@@ -66,7 +67,7 @@ struct DistanceError {
     return Measure(InMap(distance.first, pose_a, camera_a, tilt_a), InMap(distance.second, pose_b, camera_b, tilt_b),
                    residual);
   }
-  // Both frames of one camera: Ceres takes a block once only.
+  // For two frames of one camera: a Ceres residual must not use a parameter block twice.
   template <typename T>
   bool operator()(const T* pose_a, const T* tilt_a, const T* pose_b, const T* tilt_b, const T* camera,
                   T* residual) const {
@@ -94,7 +95,7 @@ struct DistanceWithinFrame {
   }
 };
 
-// A value near zero with a standard deviation, for each of N unknowns.
+// Zero-mean Gaussian prior on N unknowns.
 template <int N>
 struct ZeroPrior {
   Eigen::Matrix<double, N, 1> sigma;
@@ -183,7 +184,7 @@ void Adjuster::AddAbsoluteConstraints() {
   }
 }
 
-// A distance within one frame says something of its camera alone.
+// If both points are in one frame, its pose cancels out.
 void Adjuster::AddDistance(const ObservedDistance& distance) {
   const int a = distance.first.frame;
   const int b = distance.second.frame;
@@ -204,7 +205,7 @@ void Adjuster::AddDistance(const ObservedDistance& distance) {
   }
 }
 
-// What is known exactly is held; what is not gets its prior.
+// Holds exactly known parameters constant and adds priors to the others.
 void Adjuster::AddPriors() {
   CameraAdjustment sigma;
   std::vector<int> known;
@@ -259,7 +260,7 @@ bool Adjuster::Solve() {
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 30;
   options.function_tolerance = 1e-5;
-  options.initial_trust_region_radius = 1e10;  // damping would hold the scale, which few factors determine
+  options.initial_trust_region_radius = 1e10;  // damping would hold back the scale, which few factors determine
   options.logging_type = ceres::SILENT;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (ObservedTrack& track : bundle_.tracks) {
@@ -296,7 +297,8 @@ double Adjuster::ObservationRms() {
   return count > 0 ? std::sqrt(sum / count) : 0.0;
 }
 
-// From the inverse of the normal matrix of everything (floor points fall out first: their blocks are diagonal).
+// From the inverse of the full normal matrix; floor points are eliminated first (Schur complement), since their blocks
+// are diagonal.
 std::vector<CameraAdjustment> Adjuster::CameraSigmas() {
   std::vector<CameraAdjustment> sigmas(bundle_.cameras.size(), CameraAdjustment::Zero());
   std::vector<std::pair<std::size_t, int>> columns;  // camera, unknown: the first columns of the Jacobian

@@ -11,12 +11,12 @@
 
 namespace floorloc {
 
-/// A floor point as a frame saw it, and how that changes with the camera and with the frame's own tilt.
+/// Observation of a floor point in a frame, with its Jacobians with respect to the camera and to the frame's own tilt.
 struct Observation {
   int frame = 0;
   Eigen::Vector2d point_in_base_m = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, kCameraUnknowns> by_camera = Eigen::Matrix<double, 2, kCameraUnknowns>::Zero();
-  Eigen::Matrix<double, 2, 3> by_tilt = Eigen::Matrix<double, 2, 3>::Zero();  ///< roll, pitch, height share
+  Eigen::Matrix<double, 2, 3> by_tilt = Eigen::Matrix<double, 2, 3>::Zero();  ///< roll and pitch (rad), relative height
 };
 
 /// Observations of one unknown floor point.
@@ -25,14 +25,14 @@ struct ObservedTrack {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< map frame
 };
 
-/// A floor point whose map position was surveyed.
+/// Observation of a floor point whose map position was surveyed.
 struct ObservedControlPoint {
   Observation observation;
   Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
   double sigma_m = 1e-3;
 };
 
-/// Two floor points whose distance was measured.
+/// Observations of two floor points whose distance was measured.
 struct ObservedDistance {
   Observation first;
   Observation second;
@@ -40,14 +40,14 @@ struct ObservedDistance {
   double sigma_m = 1e-3;
 };
 
-/// Standard deviations of what is not known exactly; 0: known exactly.
+/// Standard deviations of the priors; 0: known exactly.
 struct BundlePriors {
-  std::array<double, kCameraUnknowns> camera{};  ///< of each camera's unknowns
+  std::array<double, kCameraUnknowns> camera{};  ///< of each camera's unknowns, as in CameraAdjustment
   double tilt_rad = 0.0;                         ///< of a frame's own roll and pitch: vibration
-  double tilt_height = 0.0;                      ///< and of its height, as a share
+  double tilt_height = 0.0;                      ///< of a frame's own relative height
 };
 
-/// Everything the adjustment moves or holds on to.
+/// Unknowns and measurements of the adjustment.
 struct Bundle {
   std::vector<Pose2> map_from_base;
   std::vector<int> camera_of_frame;
@@ -58,21 +58,22 @@ struct Bundle {
   std::vector<ObservedDistance> distances;
   std::vector<PosePriorFactor> priors;
   std::vector<Link> odometry;
-  std::vector<int> fixed;               ///< frames that do not move
+  std::vector<int> fixed;               ///< frames held constant
   double observation_sigma_m = 2.5e-4;  ///< of a keypoint's coordinates
   BundlePriors prior;
 };
 
 struct BundleSummary {
   bool converged = false;
-  double rms_before_m = 0.0;  ///< of an observation's distance from its track's point
+  double rms_before_m = 0.0;  ///< of the distances of observations from the mean of their track
   double rms_after_m = 0.0;
-  std::vector<CameraAdjustment> camera_sigma;  ///< standard deviations of `cameras`; the prior's where nothing is seen
+  std::vector<CameraAdjustment> camera_sigma;  ///< standard deviations of `cameras`; the prior's where there is no
+                                               ///< observation
 };
 
-/// Adjusts poses, floor points, cameras and tilts at once (bundle adjustment; Triggs et al. 2000) under a Cauchy loss,
-/// floor points eliminated first. To first order in cameras and tilts: rebuild the observations and iterate for large
-/// ones.
+/// Adjusts poses, floor points, cameras and tilts jointly (bundle adjustment; Triggs et al. 2000) under a Cauchy loss,
+/// eliminating floor points first. Linearised in cameras and tilts: for large changes, rebuild the observations and
+/// iterate.
 BundleSummary AdjustBundle(Bundle* bundle);
 
 }  // namespace floorloc

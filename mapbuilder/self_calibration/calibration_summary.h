@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// One line per survey: what its camera's calibration was off by. Empty without self-calibration.
+/// One line per survey with the correction of its camera's calibration. Empty without self-calibration.
 std::string ToText(const SelfCalibration& calibration);
 
 /// {"tracks", "rms_before_m", "rms_after_m", "cameras": [{unknown: {"change", "sigma"}}]}; null without

@@ -18,12 +18,12 @@ FloorCamera Adjusted(const FloorCamera& camera, const CameraAdjustment& adjustme
   lens.fy *= focal;
   lens.distortion[0] += adjustment[static_cast<int>(CameraUnknown::kK1)];
   lens.distortion[1] += adjustment[static_cast<int>(CameraUnknown::kK2)];
-  // The ray of an undistorted pixel belongs to another pixel of the old homography.
+  // With the new focal length, an undistorted pixel has the ray of another pixel of the old homography.
   Eigen::Matrix3d old_pixel_from_pixel = Eigen::Matrix3d::Identity();
   old_pixel_from_pixel(0, 0) = old_pixel_from_pixel(1, 1) = 1.0 / focal;
   old_pixel_from_pixel(0, 2) = lens.cx * (1.0 - 1.0 / focal);
   old_pixel_from_pixel(1, 2) = lens.cy * (1.0 - 1.0 / focal);
-  // Floor point -> ray from the camera's centre -> turned ray -> floor under the risen centre.
+  // Floor point -> ray from the camera centre -> rotated ray -> floor point below the raised centre.
   const Eigen::Vector3d center = camera.CameraCenter();
   Eigen::Matrix3d ray_from_floor;
   ray_from_floor << 1.0, 0.0, -center.x(), 0.0, 1.0, -center.y(), 0.0, 0.0, -center.z();

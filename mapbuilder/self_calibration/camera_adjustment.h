@@ -10,21 +10,21 @@
 
 namespace floorloc {
 
-/// What can be wrong with a camera's calibration, in the order of CameraAdjustment. The rotation about the plumb line
-/// is left out: it only turns the base frame.
+/// Calibration parameters that can be wrong, in the order of CameraAdjustment. Rotation about the vertical is left out,
+/// since it only rotates the base frame.
 enum class CameraUnknown { kRoll, kPitch, kHeight, kFocal, kK1, kK2 };
 
 constexpr int kCameraUnknowns = 6;
 
-/// roll and pitch: rotation of the camera about the base's x and y axis, radians; height and focal length: change as a
-/// share; k1, k2: change of the first two distortion coefficients.
+/// roll and pitch: rotation of the camera about the base's x and y axes, radians; height and focal length: relative
+/// change; k1, k2: change of the first two radial distortion coefficients.
 using CameraAdjustment = Eigen::Matrix<double, kCameraUnknowns, 1>;
 
-/// The camera with other mounting and lens: the rays that its pixels see turn about the camera's centre, the centre
-/// rises. Exact, not to first order.
+/// The camera with changed mounting and lens: rays are rotated about the camera centre, which is raised. Exact, not
+/// linearised.
 FloorCamera Adjusted(const FloorCamera& camera, const CameraAdjustment& adjustment);
 
-/// Derivatives of where raw pixels see the floor with respect to a camera's unknowns, by central differences.
+/// Jacobian of the floor point seen by a raw pixel with respect to the camera's unknowns, by central differences.
 class AdjustmentDerivative {
  public:
   explicit AdjustmentDerivative(const FloorCamera& camera);

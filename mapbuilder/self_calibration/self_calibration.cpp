@@ -14,15 +14,15 @@
 namespace floorloc {
 namespace {
 
-// What a calibration can be off by, standard deviations: roll, pitch, height, focal length, k1, k2.
+// Prior standard deviations of calibration errors: roll, pitch, height, focal length, k1, k2.
 constexpr std::array<double, kCameraUnknowns> kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1};
 
-// Until the camera is known, views of one floor point scatter more.
+// Track radius per round: before the camera is calibrated, views of one floor point scatter more.
 constexpr std::array<double, 4> kTrackRadiusFactors = {2.5, 1.5, 1.0, 1.0};
 
 constexpr double kDistanceSigmaM = 1e-3;
 
-// Observations of one survey's camera.
+// Builds the observations of one survey's camera.
 class ObservationBuilder {
  public:
   explicit ObservationBuilder(const FloorCamera& camera)
@@ -47,7 +47,7 @@ class ObservationBuilder {
 
 class Calibrator {
  public:
-  // What the result holds is calibrated in place.
+  // Calibrates the result's frames, surveys and placement in place.
   Calibrator(CalibratedFrames* result, const SelfCalibrationOptions& options)
       : frames_(result->set.frames), surveys_(result->set.surveys), placement_(result->placement), options_(options) {}
 
@@ -136,7 +136,7 @@ Bundle Calibrator::MakeBundle(double radius_factor) {
   return bundle;
 }
 
-// The tracks of most views first, as long as one of their frames still needs some.
+// Chooses the longest tracks first, as long as one of their frames has too few observations.
 void Calibrator::ChooseTracks(double radius_factor, const std::vector<ObservationBuilder>& builders,
                               Bundle* bundle) const {
   TrackOptions track_options = TrackOptions().ForCamera(surveys_.front().survey.camera.floor);
@@ -222,7 +222,7 @@ void Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfC
   }
 }
 
-// Links that were measured with the old camera do not fit the images any more.
+// Registers linked frames again, since links measured with the old camera are inconsistent with the new one.
 void Calibrator::RemeasureLinks() {
   constexpr double kRadiusM = 0.01;
   constexpr double kYawRadiusRad = 0.02;

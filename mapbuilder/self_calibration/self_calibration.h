@@ -13,17 +13,17 @@ namespace floorloc {
 
 struct SelfCalibrationOptions {
   std::vector<CameraUnknown> unknowns;   ///< of every survey's camera; empty: no self-calibration
-  int observations_per_frame = 80;       ///< keypoints of a frame that take part
-  double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
-  double tilt_height = 5e-4;             ///< and of its height, as a share
-  PairRegistrationOptions registration;  ///< for the links, which are measured again
+  int observations_per_frame = 80;       ///< keypoints used per frame
+  double tilt_rad = 5e-4;                ///< of a frame's own roll and pitch due to vibration, standard deviation
+  double tilt_height = 5e-4;             ///< of a frame's own relative height, standard deviation
+  PairRegistrationOptions registration;  ///< for measuring the links again
 };
 
-/// Names on the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2). Throws
+/// Parses names from the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2). Throws
 /// std::invalid_argument.
 std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& names);
 
-/// What was found of one survey's camera.
+/// Calibration result of one survey's camera.
 struct CalibratedCamera {
   FloorCamera camera;
   CameraAdjustment change = CameraAdjustment::Zero();
@@ -31,23 +31,23 @@ struct CalibratedCamera {
 };
 
 struct SelfCalibration {
-  std::vector<CalibratedCamera> cameras;  ///< one per survey; empty: none was asked for
+  std::vector<CalibratedCamera> cameras;  ///< one per survey; empty: not requested
   int tracks = 0;
-  double rms_before_m = 0.0;  ///< spread of the views of a floor point
+  double rms_before_m = 0.0;  ///< spread of the views of a floor point, map frame
   double rms_after_m = 0.0;
 };
 
-/// A placed survey seen through the calibrated cameras.
+/// Placed frames with calibrated cameras.
 struct CalibratedFrames {
-  FrameSet set;         ///< keypoints moved with their camera; cameras and rectifiers are the calibrated ones
+  FrameSet set;         ///< with calibrated cameras and rectifiers, and keypoints recomputed accordingly
   Placement placement;  ///< poses and links
   SelfCalibration calibration;
 };
 
-/// Bundle adjustment over the keypoint tracks of placed frames, with the given unknowns of every survey's camera and
-/// each frame's own tilt among the unknowns. Height and focal length are observable only where something fixes the
-/// scale: control points, known distances, outer poses. Throws InputError when they are asked for without. Without
-/// unknowns everything is returned as it came.
+/// Bundle adjustment over the keypoint tracks of placed frames, estimating the given unknowns of every survey's camera
+/// and each frame's own tilt. Height and focal length are observable only where something fixes the scale: control
+/// points, known distances, external poses. Throws InputError when they are requested without these. Without unknowns,
+/// returns the input unchanged.
 CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options);
 
 }  // namespace floorloc
