@@ -15,7 +15,7 @@ namespace {
 
 using MarkerInImage = std::vector<cv::Point2f>;  // four corners
 
-// Sub-pixel corners; the window stays within the marker's black border and the white around it.
+// Refines corners to sub-pixel accuracy; the window stays within the marker's black border and the surrounding white.
 void Refine(const cv::Mat& smooth, int modules, MarkerInImage* corners) {
   double shortest = cv::norm((*corners)[3] - (*corners)[0]);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -36,7 +36,7 @@ std::vector<MarkerDetection> DetectIn(const cv::Mat& raw, const FloorCamera& cam
     return detections;
   }
   cv::Mat smooth;
-  cv::GaussianBlur(raw, smooth, {}, 0.7);  // edges of sharp images are staircases
+  cv::GaussianBlur(raw, smooth, {}, 0.7);  // sharp edges are aliased, which biases the corners
   for (std::size_t i = 0; i < found.size(); ++i) {
     Refine(smooth, dictionary->markerSize + 2, &found[i]);
     MarkerDetection detection;
@@ -70,7 +70,7 @@ bool MarkerDetection::IsSquare(double tolerance) const {
       return false;
     }
   }
-  // A rhombus has equal sides, too.
+  // A rhombus also has equal sides.
   const double diagonals = (corners_m[2] - corners_m[0]).norm() - (corners_m[3] - corners_m[1]).norm();
   return std::abs(diagonals) < 2.0 * tolerance * side;
 }
@@ -89,7 +89,7 @@ std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames
       const cv::Mat raw = ReadGrayImage(survey.ImagePath(frames[index].info), camera.width_px, camera.height_px);
       per_frame[index] = DetectIn(raw, survey.camera, dictionary);
     } catch (const InputError&) {
-      // The stage before this one has said so.
+      // The stage before this one has reported it.
     }
     progress.Advance();
   });

@@ -12,26 +12,26 @@ namespace floorloc {
 
 struct MarkerDetectionOptions {
   std::string dictionary = "DICT_4X4_50";  ///< a name of ArucoDictionaryNames()
-  double size_m = 0.0;                     ///< side of the black square
+  double size_m = 0.0;                     ///< side of the black square, metres
   int threads = 0;                         ///< 0: one per core
   ProgressOutput progress;
 };
 
-/// A marker on the floor, seen by one frame.
+/// Detection of a marker in one frame.
 struct MarkerDetection {
   int frame = 0;
   int id = 0;
-  /// Base frame, metres: from the corner that is the upper left one when the marker is upright, clockwise.
+  /// Base frame, metres: clockwise, starting at the upper left corner of the upright marker.
   std::array<Eigen::Vector2d, 4> corners_m;
 
   Eigen::Vector2d Center() const { return 0.25 * (corners_m[0] + corners_m[1] + corners_m[2] + corners_m[3]); }
   double MeanSideM() const;
-  /// True when all sides are of one length within `tolerance`, a share of it.
+  /// True when all sides have equal length within the relative `tolerance`.
   bool IsSquare(double tolerance) const;
 };
 
-/// Finds the markers in the frames' images, which are read again, so that builds without markers have no cost. In the
-/// order of the frames; images that cannot be read have none.
+/// Detects markers in the frames' images, which are read again so that builds without markers have no cost. Ordered by
+/// frame; unreadable images give no detections.
 std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames,
                                            const std::vector<LoadedSurvey>& surveys,
                                            const MarkerDetectionOptions& options);

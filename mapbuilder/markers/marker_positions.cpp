@@ -11,14 +11,14 @@
 namespace floorloc {
 namespace {
 
-// A coordinate that is off by less than this may be the survey's own inaccuracy.
+// Smaller residuals may come from inaccurate surveying of the markers.
 constexpr double kMinContradictionM = 0.01;
 constexpr double kMaxMedians = 5.0;
 
-// Each place is paired with this many after it, so that hundreds of them are no burden.
+// Each position is paired with this many following ones, which bounds the time for hundreds of markers.
 constexpr std::size_t kPartners = 25;
 
-// The motion that puts the middle and the direction of a pair of found places onto those expected.
+// The motion that maps midpoint and direction of a pair of found positions to those of the expected ones.
 Pose2 MotionOfPair(const MarkerPosition& a, const MarkerPosition& b) {
   const Eigen::Vector2d found = b.found_m - a.found_m;
   const Eigen::Vector2d expected = b.expected_m - a.expected_m;
@@ -37,7 +37,7 @@ std::vector<double> ResidualsUnder(const Pose2& motion, const std::vector<Marker
   return residuals;
 }
 
-// The middle one, or the better of the two middle ones.
+// Median; the lower of the two middle values for an even number.
 double LowMedian(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -6,18 +6,18 @@
 
 namespace floorloc {
 
-/// Where a marker is in the map, and where it should be.
+/// Position of a marker in the map, and the surveyed one.
 struct MarkerPosition {
   Eigen::Vector2d found_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d expected_m = Eigen::Vector2d::Zero();
 };
 
-/// Distances between expected and found places after the rigid motion that suits most of them (least median of squares
-/// over pairs of them), metres: a few wrong coordinates do not hide behind the others. At least two places.
+/// Distances in metres between expected and found positions after the best rigid motion (least median of squares over
+/// pairs of positions), so that a few wrong coordinates stand out. positions: at least two.
 std::vector<double> RobustResiduals(const std::vector<MarkerPosition>& positions);
 
-/// Indices of the places that contradict the others. Empty for fewer than three places: two that disagree do not say
-/// which of them is wrong.
+/// Indices of positions that contradict the others. Empty for fewer than three: of two that disagree, the wrong one is
+/// unknown.
 std::vector<std::size_t> FindContradicting(const std::vector<MarkerPosition>& positions);
 
 }  // namespace floorloc

@@ -15,14 +15,14 @@
 namespace floorloc {
 namespace {
 
-// A square seen as anything else is no marker on the floor; of another size, it is none of these.
+// Detections that are less square are not markers on the floor; those of another size are other markers.
 constexpr double kSquareTolerance = 0.06;
 constexpr double kSizeTolerance = 0.1;
-// All markers too large or too small by these shares: the scale is wrong.
+// Deviation of all markers' size from which on the scale is wrong or doubtful, relative.
 constexpr double kWrongScale = 0.05;
 constexpr double kDoubtfulScale = 0.015;
 
-// Two markers that disagree by more than twice this are worth a warning.
+// Two markers that disagree by more than twice this cause a warning.
 constexpr double kMaxPairErrorM = 0.005;
 
 constexpr double kWrongYawRad = 5.0 * std::numbers::pi / 180.0;
@@ -39,7 +39,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Distance of a point from a convex polygon whose corners run clockwise; 0 inside.
+// Distance of a point from a convex polygon with clockwise corners; 0 inside.
 double DistanceFrom(const std::array<Eigen::Vector2d, 4>& corners, const Eigen::Vector2d& p) {
   double nearest = std::numeric_limits<double>::infinity();
   bool inside = true;
@@ -69,7 +69,7 @@ void RemoveKeypointsOn(const std::array<Eigen::Vector2d, 4>& corners, double mar
   }
 }
 
-// A marker's corners, as MarkerDetection has them, from its place in the map.
+// Corners of a marker from its map pose, in the order of MarkerDetection.
 std::array<Eigen::Vector2d, 4> CornersInMap(const KnownMarker& marker, double size_m) {
   const Pose2 map_from_marker(marker.center_in_map_m.x(), marker.center_in_map_m.y(), *marker.yaw_rad);
   const double half = 0.5 * size_m;
@@ -77,7 +77,7 @@ std::array<Eigen::Vector2d, 4> CornersInMap(const KnownMarker& marker, double si
           map_from_marker * Eigen::Vector2d(half, -half), map_from_marker * Eigen::Vector2d(-half, -half)};
 }
 
-// A marker as all placed frames of one survey see it: the mean of its corners in the map. Between surveys it may move.
+// Mean corners of a marker in the map over all placed frames of one survey; it may have been moved between surveys.
 struct MarkerInMap {
   int id = 0;
   int frames = 0;
@@ -92,7 +92,7 @@ struct MarkerInMap {
 
 std::vector<MarkerInMap> CollectInMap(const std::vector<MarkerDetection>& detections,
                                       const std::vector<BuildFrame>& frames, const Placement& placement) {
-  std::map<std::pair<int, int>, MarkerInMap> located;  // by id and survey
+  std::map<std::pair<int, int>, MarkerInMap> located;  // key: id, survey
   for (const MarkerDetection& detection : detections) {
     const auto frame = static_cast<std::size_t>(detection.frame);
     if (!placement.map_from_base[frame]) {

@@ -15,41 +15,41 @@ namespace floorloc {
 struct MarkerOptions {
   std::filesystem::path file;  ///< CSV of known markers; empty: no markers are detected
   MarkerDetectionOptions detection;
-  double margin_m = -1.0;  ///< printed paper around a marker's black square; negative: a quarter of its size
+  double margin_m = -1.0;  ///< white paper around a marker's black square; negative: a quarter of its size
 };
 
-/// A marker in a finished map.
+/// Fit of a detected marker to the finished map.
 struct MarkerFit {
   int id = 0;
   bool known = false;    ///< listed in the file
-  bool used = false;     ///< known, and not in contradiction to the others
-  int frames = 0;        ///< that saw it
-  double error_m = 0.0;  ///< of its place in the map, for a known one
+  bool used = false;     ///< known and consistent with the others
+  int frames = 0;        ///< frames that detected it
+  double error_m = 0.0;  ///< distance from its surveyed position; 0 when unknown
 };
 
-/// The markers of one build: the constraints they give to the map, and the parts of the images they cover.
+/// Detected markers of a build: the constraints they give to the map, and the image areas that they cover.
 class MarkerSurvey {
  public:
-  /// Reads the file and finds the markers in all frames. Throws InputError when the file is wrong, when none of its
-  /// markers is seen, when they do not fix the map's place and heading, or when they are of another size.
+  /// Reads the file and detects markers in all frames. Throws InputError when the file is invalid, when none of its
+  /// markers is detected, when they do not determine position and heading of the map, or when their size differs.
   MarkerSurvey(const MarkerOptions& options, const FrameSet& set);
 
-  /// The frames without the keypoints on markers that a frame sees whole.
+  /// Removes keypoints on markers that were detected in the frame.
   FrameSet MaskDetected(FrameSet set) const;
 
-  /// The surveys with the known markers among their control points: their centres, or all corners where the yaw is
-  /// known. Those of an earlier call are replaced.
+  /// Adds the known markers to the surveys' control points: their centres, or all corners where the yaw is known.
+  /// Replaces those of an earlier call.
   FrameSet AddControlPoints(FrameSet set) const;
 
-  /// Compares the markers' places in the map with the file (least median of squares over all pairs of markers, then
-  /// residuals). A marker that contradicts the others is named in a warning, and not used any more: true when there is
-  /// one; the control points have to be added and the frames placed again.
+  /// Compares the markers' map positions with the file (least median of squares over pairs of markers, then residuals).
+  /// Markers that contradict the others are excluded with a warning. Returns true when there is one: then add the
+  /// control points and place the frames again.
   bool ExcludeContradicting(const std::vector<BuildFrame>& frames, const Placement& placement);
 
-  /// The frames without the keypoints on markers, those that see a marker in part included.
+  /// Removes keypoints on all markers in the map, also in frames that show a marker only partly.
   FrameSet MaskInMap(const Placement& placement, FrameSet set) const;
 
-  /// How well each marker that was seen fits the finished map.
+  /// Fit of each detected marker to the finished map.
   std::vector<MarkerFit> Fits(const std::vector<BuildFrame>& frames, const Placement& placement) const;
 
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -62,7 +62,7 @@ class MarkerSurvey {
   MarkerOptions options_;
   std::vector<KnownMarker> known_;
   std::vector<MarkerDetection> detections_;
-  std::vector<std::size_t> survey_control_points_;  // number of control points of each survey that came with it
+  std::vector<std::size_t> survey_control_points_;  // control points of each survey that are not from markers
   std::set<int> excluded_;
   std::vector<std::string> warnings_;
 };
