@@ -15,16 +15,16 @@
 namespace floorloc {
 namespace {
 
-// Frames that are localized in the whole first map.
+// Frames of the second map that are searched for in the whole first map.
 constexpr std::size_t kProbes = 400;
 
-// Found frames that must agree, and how well: maps drift.
+// Minimum number of consistent fixes, and the tolerances, which allow for drift of the maps.
 constexpr int kMinAgreeing = 3;
 constexpr double kAgreeM = 0.05;
-constexpr double kAgreeShare = 0.01;  // of the way between two frames
+constexpr double kAgreeShare = 0.01;  // of the distance between two frames
 constexpr double kAgreeRad = 0.05;
 
-// Around the predicted place, once the motion is known.
+// Search radius around the predicted pose once the rigid motion is known.
 constexpr double kRadiusM = 0.08;
 constexpr double kRadiusRad = 0.06;
 
@@ -55,7 +55,7 @@ class MapAligner {
           {link.first, link.second, link.first_from_second, link.covariance, link.inliers, link.rms_m});
     }
     MapAlignment alignment;
-    // Twice: after the first deformation, more frames lie within the search's radius.
+    // Two rounds: after the first deformation, more frames are within the search radius.
     for (int round = 0; round < 2; ++round) {
       graph.priors = LocateNear(graph.map_from_base);
       if (graph.priors.size() >= kMinAgreeing) {
@@ -83,7 +83,7 @@ class MapAligner {
                    "; survey the floor between them, or give --same-frame when both maps have one frame");
   }
 
-  // A frame of the second map in the first, found by matches of its view.
+  // Pose in the first map of a frame of the second, from the matches of its keypoints.
   std::optional<PosePriorFactor> Register(int frame, const Features& view, const std::vector<Match>& matches,
                                           double searched_m2) const {
     const std::vector<OrientedMatch> oriented =
@@ -92,7 +92,7 @@ class MapAligner {
     if (!result.ok()) {
       return std::nullopt;
     }
-    // Errors of the maps turn and shift a view as a whole, about its middle.
+    // Map errors rotate and shift a view as a whole, about its centre.
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const int i : result.inliers) {
       middle += oriented[static_cast<std::size_t>(i)].target_m / static_cast<double>(result.inliers.size());
@@ -129,7 +129,7 @@ class MapAligner {
     return fixes;
   }
 
-  // In the whole first map; the motion that most fixes agree on.
+  // Global search in the first map; returns the rigid motion that most fixes agree on.
   Pose2 FindMotion() {
     IndexOptions index_options;
     index_options.seed = options_.seed;
@@ -174,7 +174,7 @@ class MapAligner {
     return error.translation().norm() < kAgreeM + kAgreeShare * way_m && std::abs(error.yaw()) < kAgreeRad;
   }
 
-  // Near the frames' predicted poses.
+  // Localizes frames near their predicted poses.
   std::vector<PosePriorFactor> LocateNear(const std::vector<Pose2>& first_from_base) {
     std::vector<int> all;
     for (std::size_t i = 0; i < second_.frames.size(); ++i) {

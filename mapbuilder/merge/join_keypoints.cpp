@@ -16,7 +16,7 @@ void Append(const MapKeypoints& from, std::size_t i, int survey_shift, MapKeypoi
   to->last_survey.push_back(static_cast<std::uint16_t>(from.last_survey[i] + survey_shift));
 }
 
-// Moves a keypoint towards another view of its floor point.
+// Moves a keypoint towards another observation of its floor point by a share of the difference.
 void MoveTowards(const Keypoint& other, double share, Keypoint* k) {
   k->x_m = static_cast<float>(k->x_m + share * (other.x_m - k->x_m));
   k->y_m = static_cast<float>(k->y_m + share * (other.y_m - k->y_m));

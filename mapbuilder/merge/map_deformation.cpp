@@ -23,7 +23,7 @@ MapDeformation::MapDeformation(const BaseMap& map, const std::vector<Pose2>& new
   }
 }
 
-// The weights fall to zero at the search's edge, so that the motion is smooth.
+// The weights fall to zero at the search radius, so that the motion is continuous.
 Pose2 MapDeformation::InterpolateNear(const Eigen::Vector2d& point, const Cells& cells, bool in_new) const {
   const LocalMotion* nearest = nullptr;
   double total = 0.0;

@@ -8,14 +8,14 @@
 
 namespace floorloc {
 
-/// Deformation of a map whose frames get new poses: the motion of the frames around, weighted by distance.
+/// Deformation of a map whose frames get new poses: the motions of nearby frames, weighted by distance.
 class MapDeformation {
  public:
   MapDeformation(const BaseMap& map, const std::vector<Pose2>& new_from_base);
 
   /// new_from_old at a point of the old frame.
   Pose2 At(const Eigen::Vector2d& point_in_old) const;
-  /// Where a point of the new frame was in the old one.
+  /// Inverse: position in the old frame of a point in the new one.
   Eigen::Vector2d OldFromNew(const Eigen::Vector2d& point_in_new) const;
 
  private:

@@ -30,7 +30,7 @@ void CheckCompatible(const BaseMap& first, const BaseMap& second) {
   }
 }
 
-// The second map's keypoints go with the frames that saw them.
+// Moves the second map's keypoints with the frames around them.
 MapKeypoints Deformed(const MapKeypoints& keypoints, const MapDeformation& deformation) {
   MapKeypoints deformed = keypoints;
   for (Keypoint& k : deformed.keypoints) {
@@ -67,7 +67,7 @@ void WriteFramesAndLinks(const BaseMap& first, const BaseMap& second, const MapA
   writer->WriteLinks(links);
 }
 
-// The first map's mosaic over the second's, which is deformed like its frames.
+// Writes the first map's mosaic over the second's, which is deformed like its frames.
 void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformation& deformation, const RectM& extent,
                  const MosaicLayout& layout, const MosaicOptions& options, MapWriter* writer) {
   const MapMosaic upper(first.database);
