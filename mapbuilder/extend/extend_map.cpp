@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Fewer could be wrong fixes.
+// Fewer fixes could all be wrong.
 constexpr std::size_t kMinFixes = 3;
 
 }  // namespace

@@ -9,11 +9,11 @@
 
 namespace floorloc {
 
-/// The frames with, for those that were found in the base map, their fix as prior. Throws InputError when there are too
-/// few to align the surveys with it, and no control points either.
+/// Attaches the fixes in the base map to their frames as priors. Throws InputError when there are too few to align the
+/// surveys with it and no control points either.
 FrameSet AlignToMap(const BaseMap& base_map, const std::vector<PosePriorFactor>& fixes, FrameSet set);
 
-/// The mosaic of a map that is extended: new images over the old mosaic. Refers to its parts.
+/// Mosaic of an extended map: new images over the old mosaic. Keeps references to its arguments.
 class ExtendedMosaic {
  public:
   /// coverage: of the new frames.
@@ -21,10 +21,10 @@ class ExtendedMosaic {
       : base_mosaic_(base_map.database), base_map_(base_map), new_(coverage) {}
 
   MosaicBackground Background() const;
-  /// Tiles of the finest level where no new frame covers them are the old ones, byte by byte: they do not degrade by
-  /// being encoded again with every extension.
+  /// Replaces tiles of the finest level that no new frame covers by the old ones, byte for byte, so that repeated
+  /// extension does not degrade them by re-encoding.
   void KeepBaseTiles(const MosaicLayout& layout, std::vector<MosaicTile>* tiles) const;
-  /// Of the old mosaic: the new one must have its tiles and resolution.
+  /// Layout of the old mosaic; the new one must have the same tiles and resolution.
   const MosaicLayout& layout() const { return base_mosaic_.layout(); }
 
  private:
@@ -35,7 +35,7 @@ class ExtendedMosaic {
   const CoverageGrid& new_;
 };
 
-/// The smallest rectangle around both; one that is empty (all zero) does not count.
+/// Smallest rectangle around both; an empty one (all zero) is ignored.
 RectM Union(const RectM& a, const RectM& b);
 
 }  // namespace floorloc

@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// What odometry may be off by: a start, and a share of the way from the frame that was found.
+// Search radius of a prior by odometry: a constant and a share of the distance from the localized frame.
 constexpr double kStartRadiusM = 0.05;
 constexpr double kRadiusShare = 0.1;
 constexpr double kStartYawRadius = 0.05;
@@ -76,7 +76,7 @@ class Locator {
     Locate(which, priors);
   }
 
-  // From the frame nearest in time that was found, before or after, when the frame may cover the base map's floor.
+  // Prior from the localized frame nearest in time, before or after, if the frame may show floor of the base map.
   std::optional<PosePrior> PriorOf(std::size_t frame) const {
     constexpr std::ptrdiff_t kMaxSteps = 200;
     const auto length = static_cast<std::ptrdiff_t>(frames_.size());

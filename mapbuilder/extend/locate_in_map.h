@@ -15,9 +15,8 @@ struct LocateOptions {
   ProgressOutput progress;
 };
 
-/// Localizes the frames of new surveys in a map: first each on its own on the whole map, then, where odometry links
-/// them to a frame that was found, those that were not, near the place where they must be. The result holds the
-/// accepted fixes, in the order of the frames. Throws InputError.
+/// Localizes frames of new surveys in a map: first each frame globally, then those that failed near the pose predicted
+/// by odometry from a localized frame. Returns the accepted fixes in the order of the frames. Throws InputError.
 std::vector<PosePriorFactor> LocateInMap(const BaseMap& base_map, const std::vector<LoadedSurvey>& surveys,
                                          const std::vector<BuildFrame>& frames, const LocateOptions& options);
 
