@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// A finished map that another one is built on: all of it but the mosaic, which stays in the file.
+/// A finished map on which another one is based: all of it but the mosaic, which stays in the file.
 struct BaseMap {
   /// Throws MapError.
   explicit BaseMap(const std::filesystem::path& path);
@@ -21,17 +21,17 @@ struct BaseMap {
   FloorMap map;
   std::vector<MapFrame> frames;
   std::vector<MapLink> links;
-  CoverageGrid coverage;  ///< by its frames
+  CoverageGrid coverage;  ///< of its frames
 
   int survey_count() const { return static_cast<int>(map.info.cameras.size()); }
-  /// Of each frame.
+  /// One per frame.
   std::vector<std::optional<Pose2>> Poses() const;
   std::vector<RectM> Floors() const;
-  /// One sentence per layer that this program does not know: a map that is made from this one will not have it.
+  /// One sentence per layer unknown to this program, which a map made from this one will not have.
   std::vector<std::string> LayersLeftBehind() const;
 };
 
-/// Of a map's frames and of further ones.
+/// Coverage by the map's frames and further ones.
 CoverageGrid CoverageOfAll(const BaseMap& base_map, const std::vector<std::optional<Pose2>>& map_from_base,
                            const std::vector<RectM>& floor_in_base);
 

@@ -9,12 +9,12 @@
 
 namespace floorloc {
 
-/// A number or name that two maps have differently.
+/// A number or name that differs between two maps.
 struct Difference {
   std::string name, before, after;
 };
 
-/// How the frames that both maps have moved.
+/// Motion of the frames that are in both maps.
 struct FrameMoves {
   double rms_m = 0.0;
   double max_m = 0.0;
@@ -23,20 +23,20 @@ struct FrameMoves {
   Pose2 farthest_pose;   ///< in the first map
 };
 
-/// What changed from one map to another. Both are taken to be in one frame, as versions of one map are.
+/// Differences between two maps, which are assumed to share one frame, as versions of one map do.
 struct MapDiff {
   /// "same content", "extends", "merges" (the second was made from the first), "is extended by", "is merged into" (the
-  /// other way round), "another version" (one id) or "another map".
+  /// reverse), "another version" (same id) or "another map".
   std::string relation;
   double before_m2 = 0.0;
   double after_m2 = 0.0;
-  double gained_m2 = 0.0;  ///< floor of the second map that is not at the first one's, more than a cell of 2 cm away
+  double gained_m2 = 0.0;  ///< floor of the second map more than a cell of 2 cm away from the first's
   double lost_m2 = 0.0;
-  int frames_kept = 0;  ///< by survey, file name and time
+  int frames_kept = 0;  ///< matched by survey, file name and stamp
   int frames_removed = 0;
   int frames_added = 0;
-  FrameMoves moves;  ///< of the frames kept
-  /// By place and descriptor; empty when the maps' descriptors can't be compared.
+  FrameMoves moves;  ///< of the kept frames
+  /// By position and descriptor; empty when the maps' descriptors are not comparable.
   struct Keypoints {
     int kept = 0;
     int gone = 0;

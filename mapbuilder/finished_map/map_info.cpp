@@ -33,7 +33,7 @@ nlohmann::ordered_json ProvenanceOf(const Survey& survey) {
           {"control_points", survey.control_points.size()}};
 }
 
-// One object per survey, whatever the map says.
+// One object per survey, whatever surveys_json contains.
 void AppendProvenance(const MapInfo& info, nlohmann::ordered_json* provenance) {
   const auto surveys = nlohmann::ordered_json::parse(info.surveys_json, nullptr, false);
   for (std::size_t i = 0; i < info.cameras.size(); ++i) {

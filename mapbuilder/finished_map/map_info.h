@@ -10,11 +10,11 @@
 
 namespace floorloc {
 
-/// What a map that is being made says about itself: id, time, builder, and of each survey camera and provenance, the
-/// base map's first. With a base map (nullptr: none) it is a new version of it, and says so.
+/// Metadata of a map being built: id, time, builder, and camera and provenance of each survey, those of the base map
+/// first. With a base map (nullptr: none) it is marked as a new version of it.
 MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& surveys, const BaseMap* base_map);
 
-/// The same of a map that is made of two. It is a new version of the first.
+/// The same for a merged map, which is a new version of the first.
 MapInfo MakeMergedInfo(const std::string& name, const BaseMap& first, const BaseMap& second);
 
 }  // namespace floorloc

@@ -11,11 +11,11 @@
 namespace floorloc {
 namespace {
 
-// A JPEG's black is not quite zero, and next to floor it is soiled by it.
+// JPEG makes black pixels slightly non-zero, in particular next to floor.
 constexpr int kMinFloorGray = 6;
 constexpr int kJpegNoisePx = 3;
 
-// The warp is computed at nodes this far apart, and linear between them.
+// Spacing of the nodes at which the warp is computed; it is interpolated linearly between them.
 constexpr int kNodePx = 16;
 
 cv::Mat ValidPixels(const cv::Mat& bgr) {
@@ -23,12 +23,12 @@ cv::Mat ValidPixels(const cv::Mat& bgr) {
   cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
   cv::Mat valid = gray >= kMinFloorGray;
   const cv::Mat kernel = cv::Mat::ones(kJpegNoisePx, kJpegNoisePx, CV_8U);
-  cv::morphologyEx(valid, valid, cv::MORPH_CLOSE, kernel);  // dark specks are floor
-  cv::morphologyEx(valid, valid, cv::MORPH_OPEN, kernel);   // soiled black is none
+  cv::morphologyEx(valid, valid, cv::MORPH_CLOSE, kernel);  // fills dark specks, which are floor
+  cv::morphologyEx(valid, valid, cv::MORPH_OPEN, kernel);   // removes JPEG noise in black areas
   return valid;
 }
 
-// Values between the nodes. cv::warpAffine would round to 1/32 of a node, which is half a pixel.
+// Interpolates between the nodes. cv::warpAffine would round to 1/32 of a node, i.e. half a pixel.
 cv::Mat BetweenNodes(const cv::Mat& nodes, int side_px) {
   cv::Mat dense(side_px, side_px, CV_32FC2);
   for (int row = 0; row < side_px; ++row) {
@@ -71,7 +71,7 @@ MosaicPatch MapMosaic::ReadPatch(const RectM& square, int side_px, const Warp& o
   if (source.empty()) {
     return {};
   }
-  // The source's upper left pixel has its centre half a pixel inside its upper left corner; rows run down.
+  // The centre of the source's upper left pixel is half a pixel inside its corner; rows run down.
   const double left = first.x() * layout_.tile_px + 0.5;
   const double top = (last.y() + 1) * layout_.tile_px - 0.5;
   nodes.forEach<cv::Vec2d>([&](cv::Vec2d& node, const int*) { node = {node[0] - left, top - node[1]}; });
@@ -86,7 +86,7 @@ MosaicPatch MapMosaic::ReadPatch(const RectM& square, int side_px, const Warp& o
   return patch.empty() ? MosaicPatch{} : patch;
 }
 
-// The tiles `first` to `last` as one image; empty where the map has none of them.
+// Reads the tiles `first` to `last` (inclusive) into one image; empty if the map has none of them.
 cv::Mat MapMosaic::ReadTiles(const Eigen::Vector2i& first, const Eigen::Vector2i& last) const {
   const int side = layout_.tile_px;
   cv::Mat image;

@@ -9,16 +9,16 @@
 
 namespace floorloc {
 
-/// The finest level of a map's mosaic, to be shown in another map. Thread-safe. Refers to the database.
+/// Finest level of a map's mosaic, for rendering in another map. Thread-safe. Keeps a reference to the database.
 class MapMosaic {
  public:
   explicit MapMosaic(const MapDatabase& map) : map_(map), layout_(map.ReadMosaicLayout()) {}
 
-  /// What the mosaic shows of a square of its own frame; a square of its own grid comes out as it is. Damaged tiles
-  /// are an error (MapError).
+  /// Renders a square of the map's own frame; a square of its tile grid is returned unchanged. Throws MapError for
+  /// damaged tiles.
   MosaicPatch ReadPatch(const RectM& square, int side_px) const;
 
-  /// The same of a square of another frame. own_from_other: where a point of that frame lies in this map; smooth.
+  /// Renders a square of another frame. own_from_other: maps a point of that frame into this map; must be smooth.
   using Warp = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
   MosaicPatch ReadPatch(const RectM& square, int side_px, const Warp& own_from_other) const;
 

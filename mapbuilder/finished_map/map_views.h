@@ -8,18 +8,18 @@
 
 namespace floorloc {
 
-/// What the frames of a map would see of its keypoints: the images are not in the map, but this takes their place.
-/// Refers to the map.
+/// Map keypoints in the view of each frame, in place of the images, which are not in the map. Keeps a reference to the
+/// map.
 class MapViews {
  public:
   explicit MapViews(const BaseMap& map);
 
-  /// The map's keypoints inside the floor that a frame sees, in its base frame.
+  /// Map keypoints inside the floor that a frame covers, in its base frame.
   Features Of(const MapFrame& frame) const;
 
  private:
   const BaseMap& map_;
-  std::unordered_map<std::int64_t, std::vector<int>> cells_;  // of the keypoints
+  std::unordered_map<std::int64_t, std::vector<int>> cells_;  // keypoint indices by cell
 };
 
 }  // namespace floorloc

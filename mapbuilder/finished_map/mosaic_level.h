@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// One level of a map's mosaic: its tiles and the rectangle of whole tiles they lie in.
+/// One level of a map's mosaic: its tiles and their bounding rectangle of whole tiles.
 struct MosaicLevel {
   MosaicLayout layout;
   int zoom = 0;
@@ -21,17 +21,16 @@ struct MosaicLevel {
   double resolution_m() const { return layout.TileSide(zoom) / layout.tile_px; }
   /// Outer edges, map frame.
   RectM Extent() const;
-  /// Place of a tile in an image of the whole level; row 0 is at y_max.
+  /// Position of a tile in an image of the whole level; row 0 is at y_max.
   cv::Point Corner(const TileId& tile) const {
     return {(tile.x - min_x) * layout.tile_px, (max_y - tile.y) * layout.tile_px};
   }
 };
 
-/// The coarsest level that is at least as fine as asked for (0: the finest). Throws MapError when the map has no
-/// mosaic.
+/// Coarsest level that is at least as fine as resolution_m (0: the finest). Throws MapError when the map has no mosaic.
 MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m);
 
-/// CV_8UC3 of tile_px a side. Throws MapError when the bytes are no such image.
+/// CV_8UC3, tile_px x tile_px. Throws MapError when the bytes are no such image.
 cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px);
 
 /// CV_8UC3. Throws MapError when it is damaged.

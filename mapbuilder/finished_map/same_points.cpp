@@ -8,7 +8,8 @@
 namespace floorloc {
 namespace {
 
-// As far apart as the views that are fused into one point may be, and twice that for poses that moved.
+// Twice the radius of a track (TrackOptions::radius_m at 0.7 mm per pixel), since poses may differ; its descriptor
+// limits.
 constexpr double kSamePointPx = 3.5;
 constexpr double kMaxBinaryShare = 0.22;
 constexpr double kMaxFloatShare = 0.55;

@@ -8,9 +8,9 @@
 
 namespace floorloc {
 
-/// Pairs (query: of a, train: of b) of keypoints of two maps in one frame that are one floor point, by place, angle and
-/// descriptor; each point in one pair at most. Descriptors must be of one kind. resolution_m: of the rectified
-/// images.
+/// Pairs (query: of a, train: of b) of keypoints of two maps in one frame that are the same floor point, by position,
+/// angle and descriptor; each point is in at most one pair. Descriptors must be of one type. resolution_m: of the
+/// rectified images.
 std::vector<Match> FindSamePoints(const MapKeypoints& a, const MapKeypoints& b, double resolution_m);
 
 }  // namespace floorloc

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// What a map says of a survey that it was made from.
+/// Provenance of a survey as stored in a map.
 struct SurveyProvenance {
   std::string folder;  ///< name
   std::string camera;  ///< name
@@ -17,8 +17,8 @@ struct SurveyProvenance {
   bool odometry = false;
 };
 
-/// One per survey of the map; what its surveys_json does not say keeps its default. Throws MapError when it says
-/// something else than the builder writes.
+/// One per survey of the map; values missing in surveys_json keep their defaults. Throws MapError when it has a form
+/// that the builder does not write.
 std::vector<SurveyProvenance> ReadProvenance(const MapInfo& info);
 
 }  // namespace floorloc
