@@ -15,12 +15,12 @@ namespace floorloc {
 namespace {
 
 constexpr int kMaxLevel = 4;
-constexpr float kSurroundings = 38.0F;   // grey value beside the floor
+constexpr float kSurroundings = 38.0F;   // grey value outside the floor
 constexpr int kLightStepPx = 4;          // light is computed at every 4th pixel
 constexpr double kBlurPerCyclePx = 2.5;  // exposure is integrated in cycles of four samples
 
-// Where in the pixel the samples of a cycle lie, as weights of the pixel's four corners
-// (top left, top right, bottom left, bottom right): the centres of its four quarters.
+// Positions of a cycle's samples in the pixel: the centres of its four quarters, as weights of the pixel's corners (top
+// left, top right, bottom left, bottom right).
 constexpr std::array<std::array<double, 4>, 4> kQuarters = {{{0.5625, 0.1875, 0.1875, 0.0625},
                                                              {0.0625, 0.1875, 0.1875, 0.5625},
                                                              {0.1875, 0.5625, 0.0625, 0.1875},
@@ -30,7 +30,7 @@ std::vector<cv::Mat> BuildPyramid(const cv::Mat& image) {
   std::vector<cv::Mat> levels = {image};
   while (static_cast<int>(levels.size()) <= kMaxLevel && std::min(levels.back().cols, levels.back().rows) >= 64) {
     const cv::Mat& fine = levels.back();
-    // An odd last row or column is dropped, so that texels are exact 2x2 means.
+    // Drops an odd last row or column, so that texels are exact 2x2 means.
     const cv::Rect even(0, 0, fine.cols & ~1, fine.rows & ~1);
     cv::Mat coarse;
     cv::resize(fine(even), coarse, {even.width / 2, even.height / 2}, 0.0, 0.0, cv::INTER_AREA);
@@ -53,7 +53,7 @@ cv::Mat UndistortCorners(const CameraModel& camera) {
 
 Eigen::Vector2d ToEigen(const cv::Vec2d& p) { return {p[0], p[1]}; }
 
-// Two samples across a pixel: texels of half a pixel's footprint lose no detail and do not alias.
+// Chooses two samples across a pixel: with texels of half the pixel's footprint no detail is lost and nothing aliases.
 cv::Mat ChooseLevels(const cv::Mat& corners, const Eigen::Matrix3d& base_from_pixel, double texel_m, int level_count) {
   cv::Mat levels(corners.rows - 1, corners.cols - 1, CV_8UC1);
   for (int v = 0; v < levels.rows; ++v) {
@@ -72,8 +72,8 @@ cv::Mat ChooseLevels(const cv::Mat& corners, const Eigen::Matrix3d& base_from_pi
   return levels;
 }
 
-// Texture pixel (level 0) from base frame at the samples of the exposure: whole cycles of four, each of which samples
-// the pixel's four quarters in turn.
+// Transforms from base frame to texture pixel (level 0) at the samples of the exposure: whole cycles of four, each of
+// which samples the pixel's four quarters in turn.
 std::vector<Eigen::Affine2d> PlanSamples(const FloorTexture& floor, const Pose2& map_from_base,
                                          const Eigen::Vector3d& motion, double blur_px) {
   const int cycles = std::max(1, static_cast<int>(std::ceil(blur_px / kBlurPerCyclePx)));
@@ -90,7 +90,7 @@ std::vector<Eigen::Affine2d> PlanSamples(const FloorTexture& floor, const Pose2&
   return samples;
 }
 
-// The centres of a pixel's quarters on the floor, base frame; NaN where the camera doesn't see the floor.
+// Centres of a pixel's quarters on the floor, base frame; NaN where the camera does not see the floor.
 // upper, lower: the undistorted corners at the pixel's left, each followed by the one at its right.
 std::array<Eigen::Vector2d, 4> QuartersInBase(const cv::Vec2d* upper, const cv::Vec2d* lower,
                                               const Eigen::Matrix3d& base_from_pixel, double front) {
@@ -105,7 +105,7 @@ std::array<Eigen::Vector2d, 4> QuartersInBase(const cv::Vec2d* upper, const cv::
   return quarters;
 }
 
-// Adds the texture's colour at a position in texels of the level, interpolated; dark beside the floor.
+// Adds the interpolated colour of the texture at a position in texels of the level; dark outside the floor.
 void AddTexel(const cv::Mat& level, double u, double v, float* bgr) {
   const double u_floor = std::floor(u);
   const double v_floor = std::floor(v);
@@ -126,7 +126,7 @@ void AddTexel(const cv::Mat& level, double u, double v, float* bgr) {
   }
 }
 
-// Row by row with a seed of its own each.
+// Each row has its own seed.
 void AddNoise(cv::Mat& image, const RenderConditions& conditions) {
   if (conditions.read_noise <= 0.0 && conditions.shot_noise <= 0.0) {
     return;
@@ -183,7 +183,7 @@ cv::Mat CameraRenderer::RenderFloor(const Pose2& map_from_base, const RenderCond
   const double blur_m = conditions.motion.head<2>().norm() + std::abs(conditions.motion.z()) * view_distance_m;
   const std::vector<Eigen::Affine2d> samples =
       PlanSamples(floor_, map_from_base, conditions.motion, blur_m / camera_.floor.resolution_m);
-  // In front of the camera the homography's third coordinate has the sign that it has at the region of interest.
+  // Points in front of the camera have the same sign of the homography's third coordinate as the region of interest.
   const double front = base_from_pixel.inverse().row(2) * camera_.floor.roi.Center().homogeneous();
   const float scale = 1.0F / static_cast<float>(samples.size());
   cv::Mat image = cv::Mat::zeros(levels_.size(), CV_32FC3);

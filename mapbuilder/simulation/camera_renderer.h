@@ -11,16 +11,15 @@
 
 namespace floorloc {
 
-/// What a camera over a floor sees: lens and floor homography are exact, the image is integrated over each pixel's
-/// area and over the exposure. Immutable after construction; Render may run in many threads.
+/// Renders the image of a camera over a floor: lens and floor homography are exact, the image is integrated over each
+/// pixel's area and over the exposure. Immutable after construction; Render is thread-safe.
 class CameraRenderer {
  public:
-  /// The floor's image is shared, not copied: do not change it afterwards.
+  /// The floor's image is shared, not copied, and must not be changed afterwards.
   /// Throws std::invalid_argument when the camera does not pass FloorCamera::Check().
   CameraRenderer(const FloorTexture& floor, const FloorCamera& camera);
 
-  /// Raw camera image (CV_8UC3). map_from_base is the pose in the middle of the exposure. Beside the floor it is
-  /// dark.
+  /// Raw camera image (CV_8UC3), dark outside the floor. map_from_base is the pose in the middle of the exposure.
   cv::Mat Render(const Pose2& map_from_base, const RenderConditions& conditions) const;
 
  private:
@@ -30,8 +29,8 @@ class CameraRenderer {
   FloorTexture floor_;
   FloorCamera camera_;
   std::vector<cv::Mat> pyramid_;  // level n: texels of 2^n times the floor's resolution
-  cv::Mat corners_;               // CV_64FC2: undistorted position of every raw pixel's corner, NaN where there is none
-  cv::Mat levels_;                // CV_8UC1: the pyramid level that suits a raw pixel's footprint
+  cv::Mat corners_;               // CV_64FC2: undistorted position of every raw pixel's corner, NaN if undefined
+  cv::Mat levels_;                // CV_8UC1: pyramid level for each raw pixel's footprint
 };
 
 }  // namespace floorloc

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// A floor as an image. Map frame: x right, y up, origin at the lower left corner of the image, metres.
+/// Texture of a floor. Map frame: x right, y up, origin at the lower left corner of the image, metres.
 struct FloorTexture {
   cv::Mat bgr;  ///< CV_8UC3
   double resolution_m = 0.0;
@@ -22,24 +22,24 @@ struct FloorTexture {
 };
 
 struct FloorTextureOptions {
-  std::string source = "concrete";  ///< a JPEG or PNG, or a name of ProceduralFloorNames()
+  std::string source = "concrete";  ///< file name of a JPEG or PNG, or one of ProceduralFloorNames()
   double width_m = 2.6;
   double height_m = 1.8;
   double resolution_m = 0.0005;
-  double image_width_m = 0.8;  ///< photograph: how wide the piece of floor in it is
+  double image_width_m = 0.8;  ///< photograph: width of the floor in it
   bool rotate_patches = true;  ///< photograph: false for floors with a direction, such as wood
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: one per core; the floor doesn't depend on it
+  int threads = 0;  ///< 0: one per core; does not change the result
 
-  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  /// Throws std::invalid_argument when a field is out of range.
   void Check() const;
 };
 
-/// The floors that need no photograph: "concrete", "wood", "tiles", "carpet".
+/// Names of the floors that need no photograph: "concrete", "wood", "tiles", "carpet".
 std::vector<std::string> ProceduralFloorNames();
 
-/// Makes a floor that nowhere repeats exactly; the same options give the same floor. Throws InputError when the
-/// image can't be read, std::invalid_argument when the options do not pass Check().
+/// Makes a floor that never repeats exactly; deterministic for given options. Throws InputError when the image is
+/// unreadable, std::invalid_argument when the options do not pass Check().
 FloorTexture MakeFloorTexture(const FloorTextureOptions& options);
 
 }  // namespace floorloc

@@ -16,17 +16,17 @@ namespace floorloc {
 namespace {
 
 constexpr double kMaxShare = 0.9;
-constexpr double kVisibleOpacity = 0.08;  // a pixel counts as changed from here on
-constexpr int kTallyStep = 4;             // changed area is counted at every 4th pixel
+constexpr double kVisibleOpacity = 0.08;  // opacity from which on a pixel counts as changed
+constexpr int kTallyStep = 4;             // changed area is counted on every 4th pixel
 
-// An overlay of the floor: colour and opacity.
+// An overlay on the floor: colour and opacity.
 struct Mark {
   cv::Rect box;
   cv::Mat opacity;  // CV_32FC1, 0 ... 1
   cv::Scalar bgr;
 };
 
-// A blob with a wavy outline: stain, leaf, chewing gum.
+// A blob with a wavy outline, for stains, leaves and chewing gum.
 std::vector<cv::Point> BlobOutline(cv::RNG& rng, double radius_px, cv::Point center) {
   constexpr int kCorners = 40;
   const std::array<double, 3> phases = {rng.uniform(0.0, 6.28), rng.uniform(0.0, 6.28), rng.uniform(0.0, 6.28)};
@@ -45,7 +45,7 @@ std::vector<cv::Point> BlobOutline(cv::RNG& rng, double radius_px, cv::Point cen
   return outline;
 }
 
-// A gently bent line: tyre mark or scratch.
+// A slightly curved line, for tyre marks and scratches.
 std::vector<cv::Point> BentLine(cv::RNG& rng, double length_px, cv::Point center) {
   constexpr int kSteps = 24;
   double heading = rng.uniform(0.0, 2.0 * std::numbers::pi);
@@ -67,8 +67,8 @@ cv::Scalar BlobColor(cv::RNG& rng) {
 }
 
 struct Finish {
-  double opacity = 1.0;     // in the middle
-  double edge_px = 1.2;     // softness
+  double opacity = 1.0;     // at the centre
+  double edge_px = 1.2;     // width of the soft edge
   double unevenness = 0.0;  // 0 smooth ... 1 patchy
 };
 
@@ -113,7 +113,7 @@ Mark MakeStreak(cv::RNG& rng, cv::Point center, double px_per_m) {
   return mark;
 }
 
-// Lays the mark over the floor and tallies the changed pixels.
+// Blends the mark over the floor and records the changed pixels.
 void DrawMark(FloorTexture& floor, const Mark& mark, cv::Mat& changed) {
   const cv::Rect box = mark.box & cv::Rect({0, 0}, floor.bgr.size());
   const cv::Point shift = box.tl() - mark.box.tl();

@@ -7,8 +7,8 @@
 
 namespace floorloc {
 
-/// Changes a share (0 ... 0.9) of the floor, as time does: stains, tyre marks, litter, scratches. Returns the share
-/// that really changed. Throws std::invalid_argument for a share out of range.
+/// Changes a share (0 ... 0.9) of the floor by simulated wear: stains, tyre marks, litter, scratches. Returns the share
+/// actually changed. Throws std::invalid_argument for a share out of range.
 double WearFloor(FloorTexture& floor, double share, std::uint64_t seed);
 
 }  // namespace floorloc

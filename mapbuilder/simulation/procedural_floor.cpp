@@ -12,13 +12,13 @@
 namespace floorloc {
 namespace {
 
-// Noise whose coarsest structure has the given size in metres.
+// Noise whose coarsest structure has a given size in metres.
 cv::Mat MetricNoise(const PixelGrid& grid, double cell_m, int octaves, std::uint64_t seed) {
   const double cell_px = std::max(1.0, cell_m / grid.resolution_m);
   return FractalNoise(grid.size_px, {cell_px, cell_px, octaves}, seed);
 }
 
-// Tone (grey values around zero) and tint (-1 ... 1: bluish ... reddish) around a mean colour.
+// Combines tone (grey values around zero) and tint (-1 ... 1: bluish ... reddish) with a mean colour.
 cv::Mat Colorize(const cv::Mat& tone, const cv::Mat& tint, const cv::Scalar& mean_bgr, double tint_strength) {
   const std::vector<cv::Mat> channels = {tone - tint * tint_strength + mean_bgr[0], tone + mean_bgr[1],
                                          tone + tint * tint_strength + mean_bgr[2]};
@@ -36,7 +36,7 @@ struct Specks {
   double max_gray = 0.0;
 };
 
-// Grains, pores and flecks: small ellipses, placed to a fraction of a pixel.
+// Grains, pores and flecks: small ellipses at sub-pixel positions.
 void ScatterSpecks(cv::Mat& floor, const PixelGrid& grid, const Specks& specks, std::uint64_t seed) {
   constexpr int kShift = 4;
   constexpr double kSubpixels = 1 << kShift;
@@ -46,7 +46,7 @@ void ScatterSpecks(cv::Mat& floor, const PixelGrid& grid, const Specks& specks, 
   for (int i = 0; i < count; ++i) {
     const cv::Point center(static_cast<int>(rng.uniform(0.0, floor.cols * kSubpixels)),
                            static_cast<int>(rng.uniform(0.0, floor.rows * kSubpixels)));
-    // Squaring makes small specks common and large ones rare.
+    // The square makes small specks frequent and large ones rare.
     const double share = std::pow(rng.uniform(0.0, 1.0), 2.0);
     const double radius_px =
         (specks.min_radius_m + share * (specks.max_radius_m - specks.min_radius_m)) / grid.resolution_m;
@@ -58,7 +58,7 @@ void ScatterSpecks(cv::Mat& floor, const PixelGrid& grid, const Specks& specks, 
   }
 }
 
-// Hairline cracks: wandering lines of about half a millimetre.
+// Hairline cracks: random curves about half a millimetre wide.
 void DrawCracks(cv::Mat& floor, const PixelGrid& grid, std::uint64_t seed) {
   cv::RNG rng(seed);
   const double area_m2 = floor.cols * grid.resolution_m * floor.rows * grid.resolution_m;
@@ -98,7 +98,7 @@ cv::Mat PaintCarpet(const PixelGrid& grid, std::uint64_t seed) {
   return floor;
 }
 
-// One plank: grain is noise stretched along the board, bent by slow waves.
+// One plank: the grain is noise stretched along the board and distorted by slow waves.
 void PaintPlank(cv::Mat board, const PixelGrid& grid, std::uint64_t seed) {
   cv::RNG rng(seed);
   const double px_per_m = 1.0 / grid.resolution_m;
@@ -139,7 +139,7 @@ cv::Mat PaintWood(const PixelGrid& grid, std::uint64_t seed) {
   return floor;
 }
 
-// All tiles show the same print; only a faint tone, wear of the glaze and the joints distinguish them.
+// All tiles have the same print; only a slight tone, wear of the glaze and the joints distinguish them.
 cv::Mat PaintTiles(const PixelGrid& grid, std::uint64_t seed) {
   constexpr double kTileM = 0.3;
   constexpr double kJointM = 0.004;

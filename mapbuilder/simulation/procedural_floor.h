@@ -10,7 +10,7 @@
 namespace floorloc {
 
 /// Paints "concrete", "wood" (planks along x), "tiles" (nearly identical, 0.3 m) or "carpet" (CV_8UC3). Throws
-/// std::invalid_argument for another name.
+/// std::invalid_argument for any other name.
 cv::Mat PaintProceduralFloor(const std::string& name, const PixelGrid& grid, std::uint64_t seed);
 
 }  // namespace floorloc

@@ -14,21 +14,21 @@ namespace floorloc {
 namespace {
 
 constexpr int kTilePx = 256;
-constexpr int kToneStep = 8;              // the tone is made at 1/8 of the resolution
+constexpr int kToneStep = 8;              // tone is computed at 1/8 of the resolution
 constexpr double kPatchesPerImage = 4;    // patch spacing: a quarter of the photograph
-constexpr double kToneSigmaShare = 0.03;  // of the photograph's width: tone above, grain below
+constexpr double kToneSigmaShare = 0.03;  // of the photograph's width; separates tone from grain
 constexpr double kToneSeamShare = 0.03;   // half width of a seam in the tone
 constexpr double kGrainSeamM = 0.002;     // half width of a seam in the grain
 constexpr double kNegligibleWeight = 1e-3;
 
-// A piece of the photograph placed on the floor; both frames in pixels of the photograph.
+// A piece of the photograph placed on the floor; positions in pixels of the photograph.
 struct Patch {
   cv::Point2d center;  // on the floor
-  cv::Point2d source;  // of the photograph, shown at the centre
+  cv::Point2d source;  // in the photograph, shown at the centre
   double angle_rad = 0.0;
 };
 
-// The part of the floor that is painted at once, in pixels of the photograph.
+// The part of the floor painted at once, in pixels of the photograph.
 struct Window {
   cv::Point2d origin;  // of pixel (0, 0)
   double step = 1.0;   // between pixels
@@ -59,7 +59,7 @@ std::vector<Patch> PatchesNear(const Window& window, double spacing, const Quilt
   return patches;
 }
 
-// Distance to the patch, bent by waves so that seams are not straight. Photograph pixels (CV_32FC1).
+// Distance to the patch in photograph pixels (CV_32FC1), distorted by waves so that seams are not straight.
 cv::Mat BentDistance(const Patch& patch, const Window& window, double spacing) {
   cv::Mat distance(window.size_px, CV_32FC1);
   const double k = 2.0 * std::numbers::pi / spacing;
@@ -77,14 +77,14 @@ cv::Mat BentDistance(const Patch& patch, const Window& window, double spacing) {
   return distance;
 }
 
-// A patch and how much it counts at every pixel of a window.
+// A patch with its weight at every pixel of a window.
 struct WeightedPatch {
   Patch patch;
   cv::Mat weight;  // CV_32FC1
 };
 
-// The nearest patch wins, over seams of the given half width; the weights sum to one. Distances are smooth, so they are
-// measured at every 8th pixel and interpolated.
+// Weights of the patches: the nearest one has all, blended over seams of the given half width; they sum to one.
+// Distances are smooth and therefore computed at every 8th pixel and interpolated.
 std::vector<WeightedPatch> ComputePatchWeights(const std::vector<Patch>& patches, const Window& window, double spacing,
                                                double seam) {
   constexpr int kStep = 8;
@@ -138,7 +138,7 @@ cv::Mat Blend(const cv::Mat& source, const Window& window, double seam, const Qu
   return sum;
 }
 
-// The photograph's structures above a few centimetres; it tiles seamlessly, so its borders wrap.
+// Low frequencies of the photograph (above a few centimetres); it tiles seamlessly, so its borders wrap around.
 cv::Mat ToneOf(const cv::Mat& photograph) {
   const double sigma = kToneSigmaShare * photograph.cols;
   const int border = std::min(static_cast<int>(4.0 * sigma), std::min(photograph.cols, photograph.rows));

@@ -6,22 +6,22 @@
 
 namespace floorloc {
 
-/// The image to be made.
+/// Size and resolution of the image to paint.
 struct PixelGrid {
   cv::Size size_px;
   double resolution_m = 0.0;
 };
 
 struct QuiltOptions {
-  double image_width_m = 0.8;  ///< width of the piece of floor in the photograph
+  double image_width_m = 0.8;  ///< width of the floor in the photograph
   bool rotate_patches = true;
   std::uint64_t seed = 1;
   int threads = 0;
 };
 
-/// Covers a floor with patches cut at random places (and rotations) of a photograph that tiles seamlessly (CV_8UC3).
-/// Tone (structures above a few centimetres) blends over wide seams; grain blends over seams of a few millimetres, so
-/// that the floor keeps its contrast everywhere.
+/// Covers a floor with patches cut at random positions (and rotations) from a photograph that tiles seamlessly
+/// (CV_8UC3). Tone (structures above a few centimetres) blends over wide seams, grain over seams of a few millimetres,
+/// so that contrast is preserved everywhere.
 cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const QuiltOptions& options);
 
 }  // namespace floorloc

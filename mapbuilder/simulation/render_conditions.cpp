@@ -136,7 +136,7 @@ RenderConditions ConditionSampler::Sample(std::uint64_t index, double time_s, co
     factor = 1.0 + rng.uniform(-levels_.white_balance, levels_.white_balance);
   }
   c.vignetting = levels_.vignetting;
-  // Daylight from a window: its direction in the image turns slowly with time.
+  // Daylight from a window: its direction in the image rotates slowly with time.
   const double daylight_rad = 2.0 * std::numbers::pi * time_s / 90.0 + static_cast<double>(seed_ % 7);
   c.light_gradient = 0.5 * levels_.light_gradient * Eigen::Vector2d(std::cos(daylight_rad), std::sin(daylight_rad));
   c.lamps = lamps_;
@@ -155,7 +155,7 @@ RenderConditions ConditionSampler::Sample(std::uint64_t index, double time_s, co
   return c;
 }
 
-// Somebody walks by: the strip sweeps through the view and away again, and turns slowly.
+// Shadow of a passer-by: the strip sweeps into the view and out again while rotating slowly.
 ShadowStrip ConditionSampler::ShadowAt(double time_s) const {
   constexpr double kReachM = 0.45;
   cv::RNG rng(DeriveSeed(seed_, 2));

@@ -13,30 +13,31 @@
 
 namespace floorloc {
 
-/// A soft bright spot on the floor.
+/// A soft-edged bright spot on the floor.
 struct Lamp {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
   double radius_m = 0.2;
-  double strength = 0.0;  ///< added light in the middle; 1 doubles the light
+  double strength = 0.0;  ///< added light at the centre; 1 doubles the light
   bool on_robot = false;  ///< centre in the base frame instead of the map frame
 };
 
 /// A soft-edged dark strip across the floor, in the base frame.
 struct ShadowStrip {
   double normal_rad = 0.0;  ///< direction across the strip
-  double offset_m = 0.0;    ///< of its middle line from the base, along the normal
+  double offset_m = 0.0;    ///< of its centre line from the base origin, along the normal
   double half_width_m = 0.15;
   double softness_m = 0.02;
   double strength = 0.0;  ///< 0 none ... 1 black
 };
 
-/// Everything that spoils one frame. The default is a perfect image.
+/// Disturbances of one frame. The default is a perfect image.
 struct RenderConditions {
   double gain = 1.0;                                         ///< exposure
   double bias = 0.0;                                         ///< grey values
   std::array<double, 3> white_balance = {1.0, 1.0, 1.0};     ///< factors for blue, green, red
-  double vignetting = 0.0;                                   ///< share of the light missing in the corners
-  Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< change of light over half the image, right and down
+  double vignetting = 0.0;                                   ///< relative loss of light in the corners
+  Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< relative change of light over half the image, right
+                                                             ///< and down
   std::vector<Lamp> lamps;
   ShadowStrip shadow;
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< twist x exposure time in the base frame: m, m, rad
@@ -47,19 +48,19 @@ struct RenderConditions {
   std::uint64_t noise_seed = 0;
 };
 
-/// Light of lamps and shadow on a floor point of the base frame; 1 is the hall's own light.
+/// Light of lamps and shadow at a floor point, base frame; 1 is the ambient light.
 double LightAt(const Eigen::Vector2d& point_in_base, const Pose2& map_from_base, const RenderConditions& conditions);
 
-/// How bad the conditions of a recording are.
+/// Severity of a recording's disturbances.
 struct ConditionLevels {
-  double gain = 0.0;           ///< the exposure varies by at most this factor up and down
-  double bias = 0.0;           ///< grey values, at most
-  double white_balance = 0.0;  ///< factor of each channel, at most
+  double gain = 0.0;           ///< maximum variation of the exposure up and down, as a factor
+  double bias = 0.0;           ///< maximum, grey values
+  double white_balance = 0.0;  ///< maximum variation of each channel's factor
   double vignetting = 0.0;
   double light_gradient = 0.0;
   double lamps = 0.0;    ///< strength of the brightest lamp
   double shadow = 0.0;   ///< 0 ... 1
-  double blur_px = 0.0;  ///< longest motion blur at full speed
+  double blur_px = 0.0;  ///< longest motion blur, at full speed
   double defocus_px = 0.0;
   double read_noise = 0.0;
   double shot_noise = 0.0;
@@ -68,19 +69,19 @@ struct ConditionLevels {
   double vibration_roll_rad = 0.0;
   double vibration_height_m = 0.0;
 
-  /// "clean", "mild" or "hard"; throws std::invalid_argument for another name.
+  /// Levels named "clean", "mild" or "hard"; throws std::invalid_argument for any other name.
   static ConditionLevels FromName(const std::string& name);
-  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  /// Throws std::invalid_argument when a field is out of range.
   void Check() const;
 };
 
-/// The lights of a hall and how they change over time; draws the conditions of single frames from it.
+/// Lighting of a hall and its change over time; samples the conditions of single frames.
 class ConditionSampler {
  public:
   ConditionSampler(const ConditionLevels& levels, const FloorTexture& floor, const FloorCamera& camera,
                    std::uint64_t seed);
 
-  /// twist: motion in the base frame (m/s, m/s, rad/s). The same index and time give the same conditions.
+  /// twist: in the base frame (m/s, m/s, rad/s). Deterministic for a given index and time.
   RenderConditions Sample(std::uint64_t index, double time_s, const Eigen::Vector3d& twist) const;
 
  private:

@@ -13,33 +13,33 @@
 namespace floorloc {
 
 struct SimulateOptions {
-  std::filesystem::path out;  ///< must not exist yet, or be empty
+  std::filesystem::path out;  ///< must not exist or be empty
   FloorTextureOptions floor;
   FloorCamera camera = MakeDownwardCamera();
-  PathOptions path;  ///< floor size, view and seed are filled in from here
+  PathOptions path;  ///< Simulate() fills in floor size, view and seed
   ConditionLevels conditions;
-  double wear = 0.0;  ///< share of the floor that has changed
+  double wear = 0.0;  ///< share of the floor to change by wear
   bool write_odometry = true;
-  std::uint64_t seed = 1;  ///< of everything but the floor itself
-  int threads = 0;         ///< 0: one per core; the files don't depend on it
+  std::uint64_t seed = 1;  ///< for everything but the floor itself
+  int threads = 0;         ///< 0: one per core; does not change the files
   ProgressOutput progress;
 };
 
 struct SimulationResult {
   int frames = 0;
   double path_length_m = 0.0;     ///< 0 for random poses
-  double odometry_drift_m = 0.0;  ///< odometry against truth at the last frame
+  double odometry_drift_m = 0.0;  ///< odometry minus truth at the last frame
   double odometry_drift_rad = 0.0;
-  double wear_share = 0.0;  ///< share of the floor that really changed
-  double floor_s = 0.0;     ///< time to make the floor
-  double render_s = 0.0;    ///< time to render and write the frames
+  double wear_share = 0.0;  ///< share of the floor actually changed
+  double floor_s = 0.0;     ///< duration of making the floor
+  double render_s = 0.0;    ///< duration of rendering and writing the frames
 };
 
 /// Writes a recording in the survey format with exact ground truth (groundtruth.tum, map frame: x right, y up, origin
-/// at the floor's lower left corner; groundtruth_dense.tum at the odometry's times, where it has a rate of its own),
-/// and what happened on a drive (events.csv: timestamp,duration,event; seconds; kidnap, stop or slip). The folder
-/// appears when it is complete; the same options give the same bytes. Throws InputError (image unreadable, folder not
-/// empty, disk full) or std::invalid_argument (options).
+/// at the floor's lower left corner; groundtruth_dense.tum at the odometry's stamps if it has a rate of its own) and
+/// the events of a drive (events.csv: timestamp,duration,event; seconds; kidnap, stop or slip). The folder appears only
+/// when complete; equal options give equal bytes. Throws InputError (image unreadable, folder not empty, disk full) or
+/// std::invalid_argument (options).
 SimulationResult Simulate(const SimulateOptions& options);
 
 }  // namespace floorloc

@@ -35,7 +35,7 @@ CameraPose RecoverPose(const FloorCamera& camera) {
   Eigen::Matrix3d columns = Intrinsics(camera.camera).inverse() * camera.floor.base_from_pixel.inverse();
   columns /= 0.5 * (columns.col(0).norm() + columns.col(1).norm());
   if (columns.row(2) * camera.floor.roi.Center().homogeneous() < 0.0) {
-    columns = -columns;  // the floor lies in front of the camera
+    columns = -columns;  // the floor must be in front of the camera
   }
   Eigen::Matrix3d rotation;
   rotation << columns.col(0), columns.col(1), columns.col(0).cross(columns.col(1));
@@ -78,7 +78,8 @@ CameraModel PlumbBobLens() {
           {-0.25, 0.06, 0.0008, -0.0005, 0.0}};
 }
 
-// The rectangle scales with the height about the point below the camera; whole micrometres keep floor.yaml readable.
+// Scales the rectangle with the height about the point below the camera; rounded to micrometres to keep floor.yaml
+// readable.
 RectM RoiAt(double forward_m, double scale, const RectM& relative) {
   const auto rounded = [](double metres) { return std::round(metres * 1e6) / 1e6; };
   return {rounded(forward_m + scale * relative.x_min), rounded(forward_m + scale * relative.x_max),
@@ -119,7 +120,8 @@ Eigen::Matrix3d VibratedBaseFromPixel(const FloorCamera& camera, const CameraVib
                                    .toRotationMatrix();
   moved.camera_from_base = calibrated.camera_from_base * tilt.transpose();
   moved.position.z() += vibration.height_m;
-  // Applied to the given homography, so that a still camera keeps it exactly even when it is no perfect pinhole.
+  // Relative to the given homography, so that zero vibration reproduces it exactly even if it is not that of a perfect
+  // pinhole camera.
   return camera.floor.base_from_pixel * PixelFromBase(camera.camera, calibrated) *
          PixelFromBase(camera.camera, moved).inverse();
 }

@@ -23,7 +23,7 @@ void Require(bool ok, const char* message) {
   }
 }
 
-// A curve that fills its area evenly and never repeats.
+// A curve that fills its area evenly without repeating.
 struct Lissajous {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   Eigen::Vector2d amplitude = Eigen::Vector2d::Zero();
@@ -51,7 +51,7 @@ Lissajous DrawCurve(const RectM& area, std::uint64_t seed) {
   return curve;
 }
 
-// The speed over time, as a factor: slow waves, and standstill at stops and kidnaps.
+// Speed factor over time: slow variation, and standstill at stops and kidnaps.
 class SpeedProfile {
  public:
   SpeedProfile(double variation, std::uint64_t seed) : variation_(variation) {
@@ -78,7 +78,7 @@ class SpeedProfile {
   }
 
  private:
-  static constexpr double kRampS = 0.6;  // of braking and of starting
+  static constexpr double kRampS = 0.6;  // duration of braking and of accelerating
   struct Wave {
     double rate = 1.0;
     double phase = 0.0;
@@ -94,7 +94,7 @@ class SpeedProfile {
 };
 
 SpeedProfile PlanSpeed(double variation, const std::vector<DriveEvent>& events, std::uint64_t seed) {
-  constexpr double kStandBeforeS = 0.7;  // a kidnap
+  constexpr double kStandBeforeS = 0.7;  // standstill before a kidnap
   constexpr double kStandAfterS = 1.3;
   SpeedProfile speed(variation, seed);
   for (const DriveEvent& event : events) {
@@ -107,7 +107,7 @@ SpeedProfile PlanSpeed(double variation, const std::vector<DriveEvent>& events, 
   return speed;
 }
 
-// One time in each of `count` equal parts of the drive.
+// One random time in each of `count` equal intervals of the drive.
 std::vector<double> SpreadTimes(int count, double duration_s, cv::RNG& rng) {
   std::vector<double> times;
   for (int i = 0; i < count; ++i) {
@@ -125,7 +125,7 @@ std::vector<DriveEvent> DrawStops(const DriveOptions& options, double duration_s
   return stops;
 }
 
-// Wheels that spin forward, and a little to one side.
+// Wheel slips: apparent forward motion with a slight rotation.
 std::vector<WheelSlip> DrawSlips(const DriveOptions& options, const DriveArea& area, std::uint64_t seed) {
   cv::RNG rng(seed);
   std::vector<WheelSlip> slips;
@@ -137,11 +137,11 @@ std::vector<WheelSlip> DrawSlips(const DriveOptions& options, const DriveArea& a
   return slips;
 }
 
-// The view's centre follows the curve; the base trails behind it like the axle of a differential drive.
+// The view's centre follows the curve; the base trails it like the axle of a differential drive.
 struct Driver {
   Lissajous curve;
   RectM roi;
-  double s = 0.0;  // place on the curve
+  double s = 0.0;  // curve parameter
   double yaw = 0.0;
 
   Pose2 MapFromBase() const {
@@ -150,13 +150,13 @@ struct Driver {
   }
 
   void Advance(double step_m) {
-    constexpr double kMinSlopeM = 0.05;  // the curve's tips are not passed in a single step
+    constexpr double kMinSlopeM = 0.05;  // bounds the step at the curve's tips
     const double lever_m = std::max(0.1, roi.Center().x());
     yaw += step_m * std::sin(curve.Heading(s) - yaw) / lever_m;
     s += step_m / std::max(curve.Slope(s).norm(), kMinSlopeM);
   }
 
-  // To another place of the curve, not near the old one, and with another heading. Returns the turn.
+  // Moves to another position on the curve, not near the old one, with another heading. Returns the rotation.
   double Kidnap(cv::RNG& rng) {
     const Eigen::Vector2d old_place = curve.Point(s);
     const double old_yaw = yaw;
@@ -176,7 +176,7 @@ struct Driver {
 };
 
 Driver StartedDriver(const DriveArea& area, std::uint64_t seed) {
-  constexpr int kLeadSteps = 400;  // for the base to fall into line
+  constexpr int kLeadSteps = 400;  // lets the base align with the curve
   Driver driver{DrawCurve(area.centers, seed), area.roi};
   driver.yaw = driver.curve.Heading(0.0);
   for (int k = 0; k < kLeadSteps; ++k) {
@@ -210,7 +210,7 @@ SimulatedDrive::SimulatedDrive(const DriveArea& area, const DriveOptions& option
 }
 
 void SimulatedDrive::Drive(const DriveArea& area, const DriveOptions& options, std::uint64_t seed) {
-  constexpr double kMarginS = 0.2;  // beyond the last frame, for what is asked about a moment
+  constexpr double kMarginS = 0.2;  // beyond the last frame, for queries just after it
   const SpeedProfile speed = PlanSpeed(options.speed_variation, events_, DeriveSeed(seed, kSpeed));
   Driver driver = StartedDriver(area, DeriveSeed(seed, kCurve));
   cv::RNG rng(DeriveSeed(seed, kKidnaps));

@@ -9,23 +9,23 @@
 
 namespace floorloc {
 
-/// What happens on a drive, besides driving.
+/// Events of a drive.
 struct DriveOptions {
-  double speed_variation = 0.0;  ///< share by which the speed rises and falls, smoothly; 0 ... 0.9
-  int stops = 0;                 ///< times the robot stops for two to four seconds
-  int slips = 0;                 ///< times the wheels turn without grip for about half a second
-  /// Seconds since the start at which the robot, having stopped, is lifted and put down elsewhere with another heading.
-  /// The lift takes no time; the wheels notice nothing.
+  double speed_variation = 0.0;  ///< relative variation of the speed, smooth; 0 ... 0.9
+  int stops = 0;                 ///< stops of two to four seconds
+  int slips = 0;                 ///< periods of about half a second without wheel grip
+  /// Seconds since the start at which the stopped robot is lifted and put down at another position and heading. The
+  /// lift takes no time and does not turn the wheels.
   std::vector<double> kidnaps_s;
 
-  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  /// Throws std::invalid_argument when a field is out of range.
   void Check() const;
 };
 
-/// The ground a drive covers and how fast.
+/// Area and speed of a drive.
 struct DriveArea {
-  RectM centers;  ///< positions of the view's centre from which the view stays on the floor at any heading
-  RectM roi;      ///< what the camera sees, base frame
+  RectM centers;  ///< positions of the view's centre where the view is on the floor at any heading
+  RectM roi;      ///< view of the camera, base frame
   double speed_m_per_s = 0.3;
   double duration_s = 0.0;
 };
@@ -36,14 +36,14 @@ struct DriveEvent {
   std::string name;  ///< "kidnap", "stop" or "slip"
 };
 
-/// A curved drive. Between kidnaps the robot rolls without slipping sideways.
+/// A curved drive. Between kidnaps the robot moves without lateral slip.
 class SimulatedDrive {
  public:
   SimulatedDrive(const DriveArea& area, const DriveOptions& options, std::uint64_t seed);
 
-  /// What the wheels and the IMU experience: the start's pose moved by everything that was driven, without the kidnaps.
+  /// Motion as measured by perfect wheels and IMU: all driven motion from the initial pose, without the kidnaps.
   Pose2 RolledAt(double time_s) const;
-  /// The truth. At the time of a kidnap the robot is at the new place.
+  /// True pose. At the time of a kidnap, the pose after it.
   Pose2 MapFromBaseAt(double time_s) const;
 
   const std::vector<DriveEvent>& events() const { return events_; }  ///< in order of time
@@ -51,7 +51,7 @@ class SimulatedDrive {
   const std::vector<ImuJolt>& jolts() const { return jolts_; }
 
  private:
-  struct Anchor {  // where the rolled motion lies in the map
+  struct Anchor {  // map pose of the rolled motion
     double from_s = 0.0;
     Pose2 map_from_start;
   };
@@ -59,7 +59,7 @@ class SimulatedDrive {
   void Drive(const DriveArea& area, const DriveOptions& options, std::uint64_t seed);
 
   std::vector<Pose2> rolled_;                 // every kDriveStepS
-  std::vector<Anchor> anchors_ = {Anchor{}};  // the start's, and one per kidnap
+  std::vector<Anchor> anchors_ = {Anchor{}};  // for the start and each kidnap
   std::vector<DriveEvent> events_;
   std::vector<WheelSlip> slips_;
   std::vector<ImuJolt> jolts_;

@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// One octave: random numbers on a lattice, interpolated smoothly.
+// One octave: random values on a lattice, smoothly interpolated.
 cv::Mat LatticeNoise(cv::Size size, double cell_x_px, double cell_y_px, std::uint64_t seed) {
   const cv::Size cells(static_cast<int>(std::ceil(size.width / cell_x_px)) + 3,
                        static_cast<int>(std::ceil(size.height / cell_y_px)) + 3);
@@ -16,7 +16,7 @@ cv::Mat LatticeNoise(cv::Size size, double cell_x_px, double cell_y_px, std::uin
   cv::RNG rng(seed);
   rng.fill(lattice, cv::RNG::UNIFORM, -1.0F, 1.0F);
   cv::Mat field;
-  // Pixel (u, v) reads lattice position (u / cell + 1, v / cell + 1): the border cells are never shown.
+  // Pixel (u, v) samples lattice position (u / cell + 1, v / cell + 1), so that border cells are never used.
   const cv::Matx23d lattice_from_pixel(1.0 / cell_x_px, 0.0, 1.0, 0.0, 1.0 / cell_y_px, 1.0);
   cv::warpAffine(lattice, field, lattice_from_pixel, size, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REFLECT);
   return field;
@@ -25,7 +25,7 @@ cv::Mat LatticeNoise(cv::Size size, double cell_x_px, double cell_y_px, std::uin
 }  // namespace
 
 std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t stream) {
-  // SplitMix64 (Steele, Lea, Flood 2014): neighbouring inputs give unrelated outputs.
+  // SplitMix64 (Steele, Lea, Flood 2014): consecutive inputs give uncorrelated outputs.
   std::uint64_t z = seed + 0x9e3779b97f4a7c15ULL * (stream + 1);
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;

@@ -6,13 +6,13 @@
 
 namespace floorloc {
 
-/// An independent seed for each stream of one seed: what is drawn from one stream doesn't move the others.
+/// Derives an independent seed per stream, so that draws from one stream do not affect the others.
 std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t stream);
 
 struct NoiseOptions {
   double cell_x_px = 32.0;  ///< size of the coarsest structure
   double cell_y_px = 32.0;
-  int octaves = 4;  ///< each half the size and half the amplitude; structures below 2 px are left out
+  int octaves = 4;  ///< each half the size and amplitude of the last; structures below 2 px are omitted
 };
 
 /// Smooth random field of zero mean, about -1 ... 1 (CV_32FC1).

@@ -13,9 +13,9 @@ namespace floorloc {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kEdgeM = 0.01;     // kept between the view and the floor's edge
+constexpr double kEdgeM = 0.01;     // margin between the view and the floor's edge
 constexpr double kTurnS = 4.0;      // between two lanes of a survey
-constexpr double kWobbleM = 0.005;  // a driver doesn't keep the lane exactly
+constexpr double kWobbleM = 0.005;  // lateral deviation from the lane
 constexpr double kWobbleRad = 0.017;
 constexpr double kRandomSpacingS = 1.0;
 
@@ -27,15 +27,15 @@ void Require(bool ok, const char* message) {
   }
 }
 
-// The robot's pose when the centre of its view is at a pose.
+// Base pose at which the centre of the view has the given pose.
 Pose2 BaseFromView(const Pose2& map_from_view, const RectM& roi) {
   return map_from_view * Pose2(-roi.Center().x(), -roi.Center().y(), 0.0);
 }
 
-// What moves the robot, and where that leaves it in the map.
+// Motion of the robot, and its pose in the map.
 struct Motion {
-  PoseAtTime rolled;         // without jumps
-  PoseAtTime map_from_base;  // with them
+  PoseAtTime rolled;         // without kidnaps
+  PoseAtTime map_from_base;  // with kidnaps
 };
 
 PathFrame FrameAt(const Motion& motion, double time_s) {
@@ -44,7 +44,7 @@ PathFrame FrameAt(const Motion& motion, double time_s) {
   return {SimulatedStamp(time_s), motion.map_from_base(time_s), step.Log() / (2.0 * kStepS)};
 }
 
-// Lanes along x, every other one driven backwards along x with the robot turned round.
+// Lanes along x; every other one is driven in -x with the robot turned round.
 struct Lanes {
   RectM roi;
   double x_min_m = 0.0;  // of the view's centre
@@ -78,7 +78,8 @@ struct Lanes {
                 (in_lane_s - LaneS()) / kTurnS);
   }
 
-  // Left about at the right end, right about at the left end: never by the shortest angle, which is ambiguous here.
+  // Turns left at the right end and right at the left end; interpolating the shortest angle would be ambiguous at 180
+  // degrees.
   static Pose2 Turn(const Pose2& from, const Pose2& to, double share) {
     const double smooth = share * share * (3.0 - 2.0 * share);
     const bool left = std::abs(from.yaw()) < 0.5 * kPi;
@@ -113,7 +114,7 @@ Lanes PlanLanes(const PathOptions& options) {
   return lanes;
 }
 
-// At the frames, or at the odometry's own rate from the first frame to the last or just behind it.
+// Stamps of the frames, or at the odometry's own rate from the first frame to the last or just after it.
 std::vector<std::int64_t> OdometryStamps(const std::vector<PathFrame>& frames, double rate_hz) {
   std::vector<std::int64_t> stamps_ns;
   if (rate_hz > 0.0) {
@@ -129,7 +130,7 @@ std::vector<std::int64_t> OdometryStamps(const std::vector<PathFrame>& frames, d
   return stamps_ns;
 }
 
-// Adds odometry, and the truth at its times.
+// Adds odometry and the truth at its stamps.
 void RecordWheels(const Motion& motion, const PathOptions& options, const std::vector<WheelSlip>& slips,
                   SimulatedPath& path) {
   const std::vector<std::int64_t> stamps_ns = OdometryStamps(path.frames, options.odometry_rate_hz);
@@ -157,7 +158,7 @@ SimulatedPath PlanSurvey(const PathOptions& options) {
   return path;
 }
 
-// Positions of the view's centre from which the view stays on the floor at any heading.
+// Positions of the view's centre where the view is on the floor at any heading.
 RectM FreeArea(const PathOptions& options) {
   const double reach_m = 0.5 * std::hypot(options.roi.width_m(), options.roi.height_m()) + kEdgeM;
   const RectM area{reach_m, options.floor_width_m - reach_m, reach_m, options.floor_height_m - reach_m};

@@ -13,7 +13,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::int64_t kStartNs = 1'700'000'000'000'000'000;
 
-// The wheels' constant errors of one recording, and what they make of a piece of motion.
+// Constant wheel errors of one recording, applied to increments of motion.
 struct Wheels {
   double scale = 1.0;
   double yaw_scale = 1.0;
@@ -53,7 +53,7 @@ Eigen::Vector3d Gaussian3(cv::RNG& rng, double sigma) {
   return {x, y, z};
 }
 
-// A bias that starts somewhere and wanders.
+// A bias with a random initial value and a random walk.
 struct WanderingBias {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   double walk = 0.0;
@@ -61,7 +61,7 @@ struct WanderingBias {
   void Advance(double step_s, cv::RNG& rng) { value += Gaussian3(rng, walk * std::sqrt(step_s)); }
 };
 
-// Resonances of frame and motor mounts.
+// Resonances of chassis and motor mounts.
 struct Vibration {
   std::array<double, 3> frequency_hz{};
   std::array<double, 3> phase{};
@@ -85,16 +85,16 @@ Vibration DrawVibration(cv::RNG& rng) {
   return vibration;
 }
 
-// Share of a smooth pulse of unit area and one second's length around 0 that lies before `time_s`.
+// Integral up to `time_s` of a smooth pulse of unit area and one second's length, centred at 0.
 double PulseBefore(double time_s) {
   const double t = std::clamp(time_s + 0.5, 0.0, 1.0);
   return t - std::sin(2.0 * kPi * t) / (2.0 * kPi);
 }
 
-// Adds what a lift does: the turn about z, the rise and fall, and the unsteady hand.
+// Adds the effect of a lift: rotation about z, rise and fall, and tremor.
 void AddJolt(const ImuJolt& jolt, double from_s, double to_s, ImuSample& sample) {
   const double share = PulseBefore(to_s - jolt.time_s) - PulseBefore(from_s - jolt.time_s);
-  const double strength = share / (to_s - from_s);  // 0 outside, 2 in the middle
+  const double strength = share / (to_s - from_s);  // 0 outside, 2 at the centre
   const double t = 0.5 * (from_s + to_s) - jolt.time_s;
   sample.angular_velocity += strength * Eigen::Vector3d(0.3 * std::sin(9.0 * t), 0.2 * std::sin(13.0 * t), 0.0);
   sample.angular_velocity.z() += jolt.turn_rad * strength;
@@ -109,7 +109,7 @@ Eigen::Vector2d VelocityInMap(const PoseAtTime& motion, double time_s) {
   return (motion(after_s).translation() - motion(before_s).translation()) / (after_s - before_s);
 }
 
-// The true means of rates and accelerations between two times.
+// True mean rates and accelerations between two times.
 ImuSample PerfectSample(const PoseAtTime& motion, double from_s, double to_s) {
   const double step_s = to_s - from_s;
   const Pose2 before = motion(from_s);
@@ -166,7 +166,7 @@ Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int
 }
 
 std::vector<ImuSample> SimulateImu(const PoseAtTime& motion, const ImuOptions& options) {
-  constexpr double kVibrationSpeed = 0.3;  // m/s at which the vibration has its nominal strength
+  constexpr double kVibrationSpeed = 0.3;  // m/s at which the vibration has nominal strength
   const ImuErrors& errors = options.errors;
   cv::RNG rng(options.seed);
   WanderingBias gyro_bias{Gaussian3(rng, errors.gyro_bias), errors.gyro_walk};

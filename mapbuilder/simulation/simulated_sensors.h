@@ -11,26 +11,26 @@
 
 namespace floorloc {
 
-/// A motion: the pose at a time in seconds since the recording's start.
+/// Pose as a function of the time in seconds since the recording's start.
 using PoseAtTime = std::function<Pose2(double time_s)>;
 
-/// Seconds since the recording's start as a time stamp, and back.
+/// Conversion between seconds since the recording's start and stamps.
 std::int64_t SimulatedStamp(double time_s);
 double SimulatedSeconds(std::int64_t stamp_ns);
 
-/// Errors of a wheel odometry. Constant per recording: scale and drift, drawn from the given standard deviations.
+/// Errors of wheel odometry. Scales and drift are constant per recording, drawn with the given standard deviations.
 struct OdometryErrors {
   double scale = 0.005;      ///< of distances
   double yaw_scale = 0.005;  ///< of turns
   double drift_rad_per_m = 0.0025;
-  double noise_m = 0.003;    ///< after one metre, growing with the root of the distance
+  double noise_m = 0.003;    ///< after one metre; grows with the square root of the distance
   double noise_rad = 0.005;  ///< after one metre
 
-  /// All errors times a factor.
+  /// All errors multiplied by a factor.
   OdometryErrors Scaled(double factor) const;
 };
 
-/// A while in which the wheels slip: the odometry reports this motion besides the true one.
+/// A period of wheel slip, in which odometry reports this motion in addition to the true one.
 struct WheelSlip {
   double from_s = 0.0;
   double duration_s = 0.0;
@@ -43,25 +43,26 @@ struct WheelOptions {
   std::uint64_t seed = 1;
 };
 
-/// The wheel odometry of a true motion without jumps, at these times: odom_from_base, starting at the identity.
+/// Simulates wheel odometry of a true motion without jumps at the given stamps: odom_from_base, starting at the
+/// identity.
 Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int64_t>& stamps_ns,
                             const WheelOptions& options);
 
 /// Errors of an inexpensive IMU on a driving robot. Biases are drawn per recording and axis.
 struct ImuErrors {
-  double gyro_noise = 0.0012;  ///< rad/s, of one sample
+  double gyro_noise = 0.0012;  ///< rad/s, per sample
   double gyro_bias = 0.006;    ///< rad/s
-  double gyro_walk = 0.0001;   ///< rad/s after one second, growing with the root of the time
-  double accel_noise = 0.02;   ///< m/s^2, of one sample
+  double gyro_walk = 0.0001;   ///< rad/s after one second; grows with the square root of time
+  double accel_noise = 0.02;   ///< m/s^2, per sample
   double accel_bias = 0.06;    ///< m/s^2
   double accel_walk = 0.0008;  ///< m/s^2 after one second
-  double vibration = 0.15;     ///< m/s^2 at 0.3 m/s, growing with the speed
+  double vibration = 0.15;     ///< m/s^2 at 0.3 m/s; grows with the speed
 
-  /// All errors times a factor.
+  /// All errors multiplied by a factor.
   ImuErrors Scaled(double factor) const;
 };
 
-/// The robot is lifted, turned and put down: what an IMU feels of it, within half a second before and after.
+/// IMU signal of lifting, turning and putting down the robot, within half a second before and after.
 struct ImuJolt {
   double time_s = 0.0;
   double turn_rad = 0.0;
@@ -77,8 +78,8 @@ struct ImuOptions {
 
 inline constexpr double kGravity = 9.80665;  ///< m/s^2
 
-/// What an IMU at the base's origin, its axes along the base's, measures of a true motion without jumps: each sample
-/// is the mean since the one before. Gravity is on +z.
+/// Simulates an IMU at the base origin, its axes parallel to the base's, of a true motion without jumps: each sample is
+/// the mean since the previous one. Gravity is measured on +z.
 std::vector<ImuSample> SimulateImu(const PoseAtTime& motion, const ImuOptions& options);
 
 }  // namespace floorloc
