@@ -19,7 +19,7 @@ enum class DetectorKind {
   kShiTomasi,
   kFast,
   kStar,
-  kContour,  ///< closed outlines of the thresholded image: shapes rather than points
+  kContour,  ///< closed contours of the thresholded image: shapes rather than points
 };
 
 enum class DescriptorKind {
@@ -29,21 +29,21 @@ enum class DescriptorKind {
   kBrisk,
   kFreak,
   kAkaze,
-  kHu,  ///< the seven Hu moments of an outline
+  kHu,  ///< the seven Hu moments of a contour
 };
 
 enum class MatcherKind { kBruteForce, kFlann };
 
-/// How wrong matches are removed.
+/// Outlier removal from the matches.
 enum class MatchFilter { kNone, kRatio, kRansac, kRatioRansac };
 
-/// One way from an image to a pose.
+/// One pipeline from an image to a pose.
 struct Combination {
   DetectorKind detector = DetectorKind::kSift;
   DescriptorKind descriptor = DescriptorKind::kSift;
   MatcherKind matcher = MatcherKind::kBruteForce;
   MatchFilter filter = MatchFilter::kRatioRansac;
-  bool jump_filter = false;  ///< poses too far from the last accepted one are dropped
+  bool jump_filter = false;  ///< drops poses too far from the last accepted one
 
   auto operator<=>(const Combination&) const = default;
 };
@@ -52,10 +52,10 @@ const char* ToString(DetectorKind kind);
 const char* ToString(DescriptorKind kind);
 const char* ToString(MatcherKind kind);
 const char* ToString(MatchFilter filter);
-/// "ratio + jump" and the like.
+/// E.g. "ratio + jump".
 std::string FilterName(const Combination& combination);
 
-/// A filter of the matches, with or without the jump filter: "ratio", "ransac+jump", ...
+/// A match filter, with or without the jump filter: "ratio", "ransac+jump", ...
 struct FilterChoice {
   MatchFilter filter = MatchFilter::kRatio;
   bool jump_filter = false;
@@ -65,26 +65,26 @@ struct FilterChoice {
 
 using DetectorDescriptor = std::pair<DetectorKind, DescriptorKind>;
 
-/// What is to be combined: every pair with every matcher and every filter.
+/// Pairs, matchers and filters, to be combined exhaustively.
 struct CombinationPlan {
   std::vector<DetectorDescriptor> pairs;
   std::vector<MatcherKind> matchers;
   std::vector<FilterChoice> filters;
 };
 
-/// Every detector with every descriptor. Contours and Hu moments are a method of their own: where they are among
-/// others they only meet each other.
+/// Pairs every detector with every descriptor. Contours and Hu moments form a method of their own and are only paired
+/// with each other when there are others.
 std::vector<DetectorDescriptor> PairAll(const std::vector<DetectorKind>& detectors,
                                         const std::vector<DescriptorKind>& descriptors);
 
-/// Names as the user writes them, "all" among them; doubles count once. Throw std::invalid_argument that lists the
+/// Parse names given by the user, including "all"; duplicates count once. Throw std::invalid_argument that lists the
 /// known names.
 std::vector<DetectorKind> ParseDetectors(const std::vector<std::string>& names);
 std::vector<DescriptorKind> ParseDescriptors(const std::vector<std::string>& names);
 std::vector<MatcherKind> ParseMatchers(const std::vector<std::string>& names);
 std::vector<FilterChoice> ParseFilters(const std::vector<std::string>& names);
 
-/// Why the two cannot work together; empty when they can.
+/// Reason why the two cannot be combined; empty when they can.
 std::string IncompatibilityReason(DetectorKind detector, DescriptorKind descriptor);
 
 }  // namespace floorloc

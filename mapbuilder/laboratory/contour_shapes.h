@@ -7,14 +7,14 @@
 
 namespace floorloc {
 
-/// A closed outline in an image.
+/// A closed contour in an image.
 struct ContourShape {
-  cv::KeyPoint keypoint;  ///< centre of the area, direction of the long axis, diameter of the same area
-  std::vector<float> hu;  ///< the seven Hu moments, as sign * log10 of their size so that they are comparable
+  cv::KeyPoint keypoint;  ///< centroid, direction of the major axis, diameter of the circle of equal area
+  std::vector<float> hu;  ///< the seven Hu moments as sign * log10 of their magnitude, to be comparable
 };
 
-/// Thresholds the image against its surroundings, traces edges (Canny) and keeps the outer outlines; nested ones and
-/// those that touch the image's edge are dropped, and so are specks. gray: CV_8UC1.
+/// Thresholds the image adaptively, detects edges (Canny) and returns the external contours, without nested ones, those
+/// that touch the image border, and specks. gray: CV_8UC1.
 std::vector<ContourShape> FindContourShapes(const cv::Mat& gray);
 
 }  // namespace floorloc

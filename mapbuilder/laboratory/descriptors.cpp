@@ -56,7 +56,7 @@ class FreakDescriptorExtractor final : public DescriptorExtractor {
   Freak freak_;
 };
 
-// Outlines are matched by their centres, which are the same in the same image.
+// Assigns contours to keypoints by their centres, which are identical for the same image.
 class HuDescriptorExtractor final : public DescriptorExtractor {
  public:
   cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const override {

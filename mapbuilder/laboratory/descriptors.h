@@ -11,17 +11,17 @@
 
 namespace floorloc {
 
-/// Describes keypoints. Not thread-safe.
+/// Computes descriptors of keypoints. Not thread-safe.
 class DescriptorExtractor {
  public:
   virtual ~DescriptorExtractor() = default;
-  /// One row per keypoint; keypoints that cannot be described (too near to the image's edge) are dropped.
+  /// One row per keypoint; keypoints without a descriptor (too near to the image border) are removed.
   virtual cv::Mat Describe(const cv::Mat& gray, std::vector<cv::KeyPoint>* keypoints) const = 0;
 };
 
-/// A descriptor extractor for the keypoints of a detector. Those of another family lose their pyramid level, which
-/// means nothing elsewhere, and are described by place, size and angle. IncompatibilityReason(detector, descriptor)
-/// must be empty.
+/// Creates a descriptor extractor for the keypoints of a detector. Keypoints of another family lose their pyramid
+/// level, which is specific to the detector, and are described by position, size and angle.
+/// IncompatibilityReason(detector, descriptor) must be empty.
 std::unique_ptr<DescriptorExtractor> CreateDescriptorExtractor(DetectorKind detector, DescriptorKind descriptor,
                                                                DetectorSettings settings);
 

@@ -13,20 +13,20 @@
 namespace floorloc {
 namespace {
 
-constexpr int kAll = 1'000'000;  // OpenCV's "as many as there are"
+constexpr int kAll = 1'000'000;  // OpenCV's "no limit"
 
-// A corner has no size of its own; descriptors need one, px.
+// Size of corners in px: they have none, but descriptors need one.
 constexpr float kCornerSizePx = 9.0F;
 
-// MSER fits ellipses to its regions: some are points, some without bound. With sizes near 0 px OpenCV 4.6's SIFT writes
-// beyond its memory.
+// MSER fits ellipses to its regions, of which some are degenerate and some unbounded. With sizes near 0 px, SIFT of
+// OpenCV 4.6 writes out of bounds.
 bool HasUsableSize(const cv::KeyPoint& k) {
   constexpr float kSmallestPx = 3.0F;
   constexpr float kLargestPx = 150.0F;
   return k.size >= kSmallestPx && k.size <= kLargestPx;
 }
 
-// Direction from the keypoint to the centre of brightness of the disc around it (Rosin 1999), degrees clockwise.
+// Direction from the keypoint to the intensity centroid of the disc around it (Rosin 1999), degrees clockwise.
 float CentroidAngle(const cv::Mat& gray, const cv::Point2f& position) {
   constexpr int kRadius = 12;
   const cv::Point middle(cvRound(position.x), cvRound(position.y));
@@ -60,7 +60,7 @@ class OpenCvDetector final : public Detector {
         k.size = kCornerSizePx;
       }
       if (kind_ == DetectorKind::kMser) {
-        k.response = k.size;  // it gives none
+        k.response = k.size;  // the detector gives no response
       }
       if (k.angle < 0.0F) {
         k.angle = CentroidAngle(gray, k.pt);

@@ -25,13 +25,13 @@ std::vector<FrameId> AllFrames(const std::vector<FrameBag>& bags) {
   return frame_ids;
 }
 
-// What a detector finds, in the map and in every frame.
+// Keypoints of a detector in the map and in every frame.
 struct DetectedAll {
   DetectedImage map;
   std::vector<DetectedImage> frames;
 };
 
-// One frame on its way through a pair's matchers.
+// Matches of one frame for one detector-descriptor pair.
 struct FrameMatches {
   double detect_ms = 0.0;
   DescribedImage described;
@@ -172,7 +172,7 @@ class Experiment {
     JumpFilter jump(options_.jump);
     for (std::size_t index = 0; index < frame_ids_.size(); ++index) {
       if (frame_ids_[index].frame == 0) {
-        jump = JumpFilter(options_.jump);  // another bag begins
+        jump = JumpFilter(options_.jump);  // a new bag begins
       }
       const TestFrame& frame = FrameAt(index);
       FrameOutcome outcome = LocalizeFrame(map, frames[index], frame, combination.filter, pose);
@@ -196,7 +196,7 @@ class Experiment {
 }  // namespace
 
 std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed) {
-  // OpenCV 4.6's kd-trees may find fewer than two neighbours, and then throw: among very few descriptors, and among Hu
+  // kd-trees of OpenCV 4.6 may find fewer than two neighbours and then throw: with very few descriptors, and with Hu
   // moments, many of which are equal. Brute force is as fast there.
   constexpr std::size_t kMinDescriptors = 200;
   constexpr int kHuLength = 7;

@@ -18,15 +18,16 @@ namespace floorloc {
 struct ExperimentOptions {
   DetectionOptions detection;
   PoseFromMatchesOptions pose;
-  bool thesis_ratios = false;  ///< ratios of the thesis's test 3 where it has one, instead of pose.max_ratio
+  bool thesis_ratios = false;  ///< uses the ratios of the thesis's test 3 where it has one instead of pose.max_ratio
   JumpFilterOptions jump;
   std::uint32_t seed = 1;           ///< of FLANN's trees
-  double repeat_radius_m = 0.0015;  ///< a keypoint of the map this near to its true place is the same
+  double repeat_radius_m = 0.0015;  ///< maximum distance from its true position at which a map keypoint counts as
+                                    ///< repeated
   int threads = 0;
   ProgressOutput progress;
 };
 
-/// The stages of one frame, milliseconds of work.
+/// CPU time of the stages of one frame, milliseconds.
 struct StageMs {
   double detect = 0.0;
   double describe = 0.0;
@@ -36,39 +37,39 @@ struct StageMs {
   double total() const { return detect + describe + match + register_; }
 };
 
-/// One frame, one combination.
+/// Result of one combination on one frame.
 struct FrameOutcome {
   int bag = 0;    ///< index of its bag
   int frame = 0;  ///< index in its bag
   int keypoints = 0;
-  int matches = 0;  ///< that passed the filter
+  int matches = 0;  ///< after the match filter
   int inliers = 0;
   double repeatability = 0.0;
-  int right_matches = 0;  ///< by the true pose
+  int right_matches = 0;  ///< according to the true pose
   std::optional<Pose2> map_from_base;
-  bool accepted = false;  ///< there is a pose, and the jump filter (if any) let it pass
+  bool accepted = false;  ///< has a pose that the jump filter, if any, accepts
   StageMs ms;
 };
 
-/// What a combination did with all frames.
+/// Results of a combination on all frames.
 struct CombinationRun {
   Combination combination;
-  std::string method;                  ///< instead of a combination: a method that has no keypoints; empty otherwise
-  std::string failure_reason;          ///< not empty: the combination is impossible, there are no outcomes
-  int map_keypoints = 0;               ///< described ones
-  double map_ms = 0.0;                 ///< detecting and describing the map's
-  std::vector<FrameOutcome> outcomes;  ///< bag by bag
+  std::string method;                  ///< name of a method without keypoints, instead of a combination; else empty
+  std::string failure_reason;          ///< not empty: the combination is impossible and has no outcomes
+  int map_keypoints = 0;               ///< those with a descriptor
+  double map_ms = 0.0;                 ///< detection and description of the map's keypoints
+  std::vector<FrameOutcome> outcomes;  ///< ordered by bag
 };
 
 /// Runs every combination of the plan on every frame. Detections are shared by descriptors, descriptions by matchers,
-/// matches by filters. The map and the frames have the same resolution, and the truth is in the map's frame.
+/// matches by filters. The map and the frames must have the same resolution, and the truth must be in the map frame.
 std::vector<CombinationRun> RunExperiment(const FloorImage& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options);
 
-/// The map's descriptors, ready to be searched; very few, and Hu moments, by brute force anyway.
+/// Index over the map's descriptors; always brute force for very few of them and for Hu moments.
 std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind matcher, std::uint32_t seed);
 
-/// The ratio of the thesis's test 3 for a descriptor; `otherwise` where it has none.
+/// Ratio of the thesis's test 3 for a descriptor; `otherwise` if it has none.
 double ThesisRatio(DescriptorKind descriptor, double otherwise);
 
 }  // namespace floorloc

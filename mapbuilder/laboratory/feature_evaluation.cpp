@@ -15,7 +15,7 @@
 namespace floorloc {
 namespace {
 
-// Every image of every set is manipulated in its own way, and in the same way for all features.
+// The seed depends on the image's index, so that all features get the same manipulations.
 CopyOptions CopiesOf(std::size_t image, const FeatureEvaluationOptions& options) {
   CopyOptions copies;
   copies.features = options.features_per_image;
@@ -61,7 +61,7 @@ void DrawMatches(const cv::Mat& gray, const cv::Mat& copy, const CopyMatches& fo
   WriteFileAtomically(file, std::string(jpeg.begin(), jpeg.end()));
 }
 
-// The matches of a set's first image under every condition, right ones green and wrong ones red.
+// Draws the matches of a set's first image under every condition, right ones green and wrong ones red.
 void DrawFirstImage(const ImageSet& set, const std::vector<SetScore>& scores, const FeatureEvaluationOptions& options) {
   const cv::Mat gray = ReadImage(set.files.front());
   const CopyOptions copies = CopiesOf(0, options);

@@ -25,7 +25,7 @@ double MedianMilliseconds(const TunedFeature& feature, const cv::Mat& gray) {
   return runs[1];
 }
 
-// Matches that agree with the homography that most of them agree with; 0 where so few do that chance explains them.
+// Number of inliers of the homography fitted by RANSAC; 0 when they are too few to be significant.
 std::size_t CountConsistent(const DescribedFeatures& first, const DescribedFeatures& second,
                             const std::vector<cv::DMatch>& matches) {
   constexpr double kRadiusPx = 3.0;

@@ -11,11 +11,11 @@
 
 namespace floorloc {
 
-/// How an image is compared with its manipulated copies.
+/// Parameters of the comparison of an image with its manipulated copies.
 struct CopyOptions {
-  int features = 300;            ///< wanted in the image
-  double right_radius_px = 3.0;  ///< a match this near to the place where the manipulation put the point is right
-  std::uint32_t seed = 1;        ///< of the manipulations
+  int features = 300;            ///< number to detect in the image
+  double right_radius_px = 3.0;  ///< maximum distance of a right match from the manipulated position of its point
+  std::uint32_t seed = 1;        ///< for the manipulations
 };
 
 /// An image and its manipulated copy.
@@ -29,22 +29,22 @@ struct CopyMatches {
   double RightPercent() const;    ///< right matches per feature of the image
 };
 
-/// Of one kind of features on one image.
+/// Scores of one feature type on one image.
 struct ImageScore {
   FeatureSetting setting;
   int features = 0;
-  double milliseconds = 0.0;  ///< of this thread for detecting and describing, the median of three runs
+  double milliseconds = 0.0;  ///< thread time for detection and description, median of three runs
   std::array<double, kConditions.size()> matched_percent{};
   std::array<double, kConditions.size()> right_percent{};
 };
 
-/// Of one kind of features on an image and those that follow it.
+/// Scores of one feature type on an image and its successors.
 struct SequenceScore {
   FeatureSetting setting;
   int features = 0;                     ///< in the first image
-  std::vector<double> frame_features;   ///< in each following one
-  std::vector<double> matched_percent;  ///< matches with it per feature of the first image
-  /// Of these, the matches that agree with one homography, within 3 px: right ones, where the scene is a floor.
+  std::vector<double> frame_features;   ///< in each following image
+  std::vector<double> matched_percent;  ///< matches with each following image per feature of the first
+  /// Of these, the inliers of one homography, within 3 px: right matches if the scene is a floor.
   std::vector<double> consistent_percent;
 };
 
@@ -53,7 +53,7 @@ CopyMatches MatchWithCopy(const cv::Mat& gray, const FeatureSetting& setting, Co
 
 ImageScore MeasureImage(const cv::Mat& gray, DetectorKind kind, const CopyOptions& options);
 
-/// frames: the first image and the following ones. About `wanted` features are found in the first.
+/// frames: the first image and the following ones. Tunes the detector to about `wanted` features in the first.
 SequenceScore MeasureSequence(const std::vector<cv::Mat>& frames, DetectorKind kind, int wanted);
 
 }  // namespace floorloc

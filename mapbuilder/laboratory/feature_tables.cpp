@@ -23,7 +23,7 @@ double Mean(const std::vector<double>& values) {
   return MeanOf(values, [](double value) { return value; });
 }
 
-// Kinds in the order of their first score.
+// Feature types in the order of their first score.
 template <typename Scores>
 std::vector<DetectorKind> KindsOf(const Scores& scores) {
   std::vector<DetectorKind> kinds;
@@ -35,7 +35,7 @@ std::vector<DetectorKind> KindsOf(const Scores& scores) {
   return kinds;
 }
 
-// The setting, or the first and the last of them where images need different ones.
+// The setting, or the range of settings if images need different ones.
 template <typename Scores>
 std::string SettingsText(const Scores& scores) {
   std::vector<FeatureSetting> settings;

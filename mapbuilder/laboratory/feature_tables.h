@@ -9,30 +9,30 @@
 
 namespace floorloc {
 
-/// What one kind of features did on the images of a set.
+/// Scores of one feature type on the images of a set.
 struct SetScore {
   std::string set;
   DetectorKind kind = DetectorKind::kOrb;
   std::vector<ImageScore> images;
 };
 
-/// What one kind of features, about `wanted` of them, did on all sequences.
+/// Scores of one feature type, tuned to about `wanted` features, on all sequences.
 struct FollowingScore {
   DetectorKind kind = DetectorKind::kOrb;
   int wanted = 0;
   std::vector<SequenceScore> sequences;
 };
 
-/// Table 1: time per image. scores: set by set, each with the same kinds.
+/// Table 1: time per image. scores: ordered by set, each with the same feature types.
 ResultTable TimeTable(const std::vector<SetScore>& scores);
 
-/// Tables 2 and 3: matches with the manipulated copies, of one set's scores.
+/// Tables 2 and 3: matches with the manipulated copies, for one set's scores.
 ResultTable ConditionTable(int number, const std::vector<SetScore>& scores);
 
 /// Table 4: matches with the following frames by the number of features.
 ResultTable FollowingTable(const std::vector<FollowingScore>& scores);
 
-/// Table 5: how these matches go together with the number of features.
+/// Table 5: correlation of these matches with the number of features.
 ResultTable CorrelationTable(const std::vector<FollowingScore>& scores);
 
 }  // namespace floorloc

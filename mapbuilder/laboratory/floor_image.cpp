@@ -26,7 +26,7 @@ double FloorImage::AreaM2() const { return cv::countNonZero(mask) * resolution_m
 
 Keypoint FloorImage::ToFloor(const cv::KeyPoint& k) const {
   const Eigen::Vector2d position = FromPixel(k.pt.x, k.pt.y);
-  const double angle_px = static_cast<double>(k.angle) * std::numbers::pi / 180.0;  // clockwise from the right
+  const double angle_px = static_cast<double>(k.angle) * std::numbers::pi / 180.0;  // clockwise from +u
   const Eigen::Vector2d direction = axes_m * Eigen::Vector2d(std::cos(angle_px), std::sin(angle_px));
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
           static_cast<float>(std::atan2(direction.y(), direction.x())), static_cast<float>(k.size * resolution_m()),

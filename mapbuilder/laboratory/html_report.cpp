@@ -34,14 +34,14 @@ std::vector<const RunSummary*> Possible(const LaboratoryReport& report) {
 
 std::string DetectorOf(const RunSummary& s) { return s.method.empty() ? ToString(s.combination.detector) : s.method; }
 
-// What a bar of success shows: the pair with its matcher, whatever the filter.
+// Label of a success bar: the pair with its matcher, without the filter.
 std::string PairName(const RunSummary& s) {
   return s.method.empty()
              ? DetectorOf(s) + "/" + ToString(s.combination.descriptor) + " " + ToString(s.combination.matcher)
              : s.method;
 }
 
-// One colour per detector on the whole page.
+// Detectors in the order of their colours, which are the same on the whole page.
 std::vector<std::string> Detectors(const LaboratoryReport& report) {
   std::vector<std::string> detectors;
   for (const RunSummary* s : Possible(report)) {
@@ -52,7 +52,7 @@ std::vector<std::string> Detectors(const LaboratoryReport& report) {
   return detectors;
 }
 
-// The most successful filter of each pair and matcher, of equal ones the more accurate; then by success and time.
+// The most successful filter of each pair and matcher, ties by accuracy; sorted by success, then time.
 std::string SuccessBars(const LaboratoryReport& report) {
   std::map<std::string, const RunSummary*> best;
   for (const RunSummary* s : Possible(report)) {
@@ -104,7 +104,7 @@ std::string KeypointBars(const LaboratoryReport& report) {
   return BarChart(bars, {0.0, 0, "", Detectors(report)});
 }
 
-// A table with one column of numbers per name is drawn too.
+// Also draws tables that have one numeric column per name.
 std::string FeatureBars(const ResultTable& table) {
   std::vector<SvgBar> bars;
   for (const std::vector<TableCell>& row : table.rows) {

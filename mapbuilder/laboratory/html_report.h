@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// One page with plots and all tables; it needs nothing but itself.
+/// Self-contained page with plots and all tables.
 std::string ToHtml(const LaboratoryReport& report);
 
 }  // namespace floorloc

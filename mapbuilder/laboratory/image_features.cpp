@@ -15,7 +15,7 @@ constexpr int kTilePx = 1024;
 constexpr int kMarginPx = 96;
 constexpr int kSpreadCellPx = 32;
 
-// The outline of what was seen is no floor.
+// Excludes the border of the valid area, which is an artificial edge.
 cv::Mat ErodedMask(const cv::Mat& mask) {
   cv::Mat eroded;
   cv::erode(mask, eroded, cv::Mat::ones(9, 9, CV_8U));
@@ -61,7 +61,7 @@ DetectedTile DetectTile(const FloorImage& image, const cv::Rect& tile, const Det
   return detected;
 }
 
-// The strongest of all tiles, as many as are allowed.
+// Keeps the strongest keypoints over all tiles, at most `count`.
 void KeepStrongest(std::size_t count, DetectedImage* detected) {
   std::vector<float> responses;
   for (const DetectedTile& tile : detected->tiles) {

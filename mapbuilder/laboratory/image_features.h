@@ -9,15 +9,15 @@
 
 namespace floorloc {
 
-/// Which keypoints of an image are kept.
+/// Selection of an image's keypoints.
 struct DetectionOptions {
   DetectorSettings settings = DetectorSettings::kLaboratory;
-  double keypoints_per_m2 = 0.0;  ///< budget, spread evenly; 0: none
-  int max_keypoints = 100'000;    ///< the strongest of the whole image, so that no detector takes the machine
+  double keypoints_per_m2 = 0.0;  ///< budget, spread evenly; 0: unlimited
+  int max_keypoints = 100'000;    ///< the strongest of the whole image, which bounds time and memory
 };
 
-/// Keypoints of an image, found tile by tile so that memory is bounded on any floor. Of a tile, `keypoints` are in
-/// the pixels of `wide`, which reaches beyond it by the reach of a descriptor.
+/// Keypoints of one tile; detection by tiles bounds memory for floors of any size. `keypoints` are in pixels of `wide`,
+/// which is the tile enlarged by the radius of a descriptor.
 struct DetectedTile {
   cv::Rect wide;
   std::vector<cv::KeyPoint> keypoints;
@@ -35,12 +35,12 @@ struct DescribedImage {
   double describe_ms = 0.0;
 };
 
-/// Times are of the thread, not of the clock on the wall: they don't depend on what else the machine does.
+/// Times are CPU times of the thread, independent of other load on the machine.
 DetectedImage DetectKeypoints(const FloorImage& image, const Detector& detector, const DetectionOptions& options);
 DescribedImage DescribeKeypoints(const FloorImage& image, const DetectedImage& detected,
                                  const DescriptorExtractor& descriptor_extractor);
 
-/// Milliseconds that this thread has worked.
+/// CPU time of this thread, milliseconds.
 double ThreadMilliseconds();
 
 }  // namespace floorloc

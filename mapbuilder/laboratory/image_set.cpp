@@ -40,7 +40,7 @@ std::vector<fs::path> SortedEntries(const fs::path& folder) {
   return entries;
 }
 
-// The images that lie in the folder itself.
+// Images directly in the folder.
 std::vector<fs::path> ImagesIn(const fs::path& folder) {
   std::vector<fs::path> images = SortedEntries(folder);
   std::erase_if(images, [](const fs::path& file) { return !fs::is_regular_file(file) || !IsImage(file); });

@@ -63,8 +63,8 @@ CombinationPlan ThesisPlan(const LaboratoryOptions& o) {
   return plan;
 }
 
-// Test 1 counts what the detectors find by themselves. The others need a fair number of keypoints on any floor. Poses
-// and ratios of the tests are the thesis's.
+// Defaults per test. Test 1 counts what the detectors find by themselves; the others need a fair number of keypoints on
+// any floor. Poses and ratios of the tests are those of the thesis.
 struct Settings {
   bool normalize = true;
   int keypoints = kDefaultKeypoints;
@@ -96,7 +96,7 @@ std::vector<FrameBag> ReadBags(const LaboratoryOptions& o, const Settings& setti
   return bags;
 }
 
-// The frame in the middle of the survey.
+// The middle frame of the survey.
 TestFrame SurveyFrame(const LaboratoryOptions& o, const Settings& settings, double resolution_m) {
   const int middle = static_cast<int>(ReadSurvey(o.survey).frames.size()) / 2;
   return ReadFrameBag(o.survey, {middle, 1, resolution_m, settings.normalize, o.threads}).frames.front();
@@ -136,7 +136,7 @@ std::vector<std::string> DescribeConditions(const LaboratoryOptions& o, const Se
   return lines;
 }
 
-// Rows of one combination stay together, its bags one after the other.
+// Ordered by combination, then by bag.
 std::vector<RunSummary> SummarizeByBag(const std::vector<CombinationRun>& runs, const std::vector<FrameBag>& bags,
                                        const Tolerance& tolerance) {
   std::vector<RunSummary> summaries;
@@ -234,7 +234,7 @@ void LaboratoryOptions::Check() const {
 LaboratoryReport RunLaboratory(const LaboratoryOptions& options) {
   options.Check();
   Settings settings(options);
-  // Frames first: they are read fast, so that what is wrong with them is known early.
+  // Reads the frames first: that is fast, so that errors in them are reported early.
   const double resolution_m = ReadSurvey(options.survey).camera.floor.resolution_m;
   std::vector<FrameBag> bags = ReadBags(options, settings, resolution_m);
   WholeFloor floor = ComposeWholeFloor(options.survey, {options.threads, options.progress});

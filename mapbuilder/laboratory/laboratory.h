@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// What is asked of the laboratory. What is left empty takes the default of the test.
+/// Options of the laboratory. Empty fields take the default of the test.
 struct LaboratoryOptions {
   std::filesystem::path survey;
   std::vector<std::filesystem::path> frames;
@@ -24,27 +24,27 @@ struct LaboratoryOptions {
   bool features = true;   ///< compare detectors and descriptors
   bool contours = true;   ///< compare contour matching too
   bool templates = true;  ///< compare template matching too
-  bool normalize = true;  ///< even out contrast; the thesis did not, its floor had enough
+  bool normalize = true;  ///< normalise contrast; not done in the thesis, whose floor had enough
   std::optional<DetectorSettings> thresholds;
-  std::optional<int> keypoints;  ///< budget per frame, and the same density in the map; 0: none
+  std::optional<int> keypoints;  ///< budget per frame, with the same density in the map; 0: unlimited
   std::optional<double> ratio;
   std::optional<PoseFit> fit;
   double inlier_radius_m = 0.003;
   int skip_frames = 0;
-  int max_frames = 10;  ///< of each folder; 0: all
+  int max_frames = 10;  ///< per folder; 0: all
   Tolerance tolerance;
   JumpFilterOptions jump;
   std::uint32_t seed = 1;
   int threads = 0;
   ProgressOutput progress;
 
-  /// Throws std::invalid_argument with the name of the first field that makes no sense.
+  /// Throws std::invalid_argument when a field is out of range.
   void Check() const;
 };
 
 struct LaboratoryReport {
   std::string title;
-  std::vector<std::string> conditions;  ///< what was compared on what, and how to read it
+  std::vector<std::string> conditions;  ///< what was compared on which data, and how to read it
   std::vector<ResultTable> tables;
   std::vector<RunSummary> summaries;  ///< over all bags; empty for tests 1 to 3
   double tolerance_mm = 0.0;

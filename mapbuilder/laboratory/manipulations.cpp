@@ -36,7 +36,7 @@ cv::Mat WithShadow(const cv::Mat& gray, std::mt19937& rng) {
   return copy;
 }
 
-// Coarse noise of 0 to 1, made smooth.
+// Smooth random field, 0 to 1, interpolated from coarse noise.
 cv::Mat Patches(const cv::Size& size, std::mt19937& rng) {
   constexpr int kCoarse = 5;
   cv::Mat coarse(kCoarse, kCoarse, CV_32F);
@@ -53,7 +53,7 @@ cv::Mat Patches(const cv::Size& size, std::mt19937& rng) {
 cv::Mat WithFog(const cv::Mat& gray, std::mt19937& rng) {
   constexpr double kWhite = 255.0;
   const double strength = Uniform(rng, 0.3, 1.0);
-  // The veil hides 0.4 to 0.8 of the strength.
+  // The veil's opacity is 0.4 to 0.8 times the strength.
   const cv::Mat veil = strength * (0.4 + 0.4 * Patches(gray.size(), rng));
   cv::Mat copy;
   gray.convertTo(copy, CV_32F);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMaxDiffS = 0.02;
 
-// The camera's path in the map: the rotation stays that of the base, which does not matter for positions.
+// Path of the camera in the map; keeps the rotation of the base, which is irrelevant for positions.
 Trajectory CameraPath(const Survey& survey) {
   const Eigen::Vector3d camera_in_base = survey.camera.CameraCenter();
   Trajectory path = survey.ground_truth;
@@ -25,7 +25,7 @@ Trajectory CameraPath(const Survey& survey) {
   return path;
 }
 
-// Frames where the camera was lost are left out.
+// Path of monocular odometry, without frames in which it was lost.
 Trajectory TrackCamera(const Survey& survey, const std::string& detector, const ProgressOutput& progress) {
   MonocularFramesOptions options;
   options.odometry.tracker.detector = ParsePointDetector(detector);
@@ -33,9 +33,9 @@ Trajectory TrackCamera(const Survey& survey, const std::string& detector, const 
   return ToTrajectory(TrackMonocularFrames({survey.folder, survey.camera.camera, survey.frames}, options));
 }
 
-// Every message at its time; poses at those of the odometry.
+// Feeds all messages in order of time; returns poses at the stamps of the odometry.
 Trajectory FuseWheelsAndImu(const Survey& survey) {
-  constexpr double kStartSigma = 1e-3;  // metres and radians: the start is given
+  constexpr double kStartSigma = 1e-3;  // metres and radians: the initial pose is known
   PoseFilter filter;
   const StampedPose3& start = survey.odometry.front();
   filter.SetPose({start.stamp_ns, start.ToPose2(), kStartSigma * kStartSigma * Eigen::Matrix3d::Identity(), 0.0});

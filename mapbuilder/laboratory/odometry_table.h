@@ -13,25 +13,25 @@
 
 namespace floorloc {
 
-/// What one way to know the path of a drive has achieved.
+/// Score of one odometry method on a drive.
 struct DriveScore {
-  std::string name;                                ///< a kind of features, or sensors
+  std::string name;                                ///< feature type or sensors
   std::optional<TrajectoryEvaluation> evaluation;  ///< empty: see failure_reason
   std::string failure_reason;
   int lost_frames = 0;
 };
 
-/// Monocular visual odometry with those of the features that it knows (ORB, AKAZE, BRISK), and, where the folder has
-/// them, wheel odometry, and IMU and wheel odometry fused by the Kalman filter without any fix; each against
-/// groundtruth.tum (within 0.02 s). Monocular paths are those of the camera and are aligned with their scale, the
-/// others without. Throws InputError.
+/// Evaluates monocular visual odometry for those of the features that it supports (ORB, AKAZE, BRISK) and, if the
+/// folder has the data, wheel odometry, and IMU and wheel odometry fused by the Kalman filter without fixes; each
+/// against groundtruth.tum (within 0.02 s). Monocular paths are those of the camera and are aligned including scale,
+/// the others without scale. Throws InputError.
 std::vector<DriveScore> ScoreDrive(const std::filesystem::path& drive, const std::vector<DetectorKind>& features,
                                    const ProgressOutput& progress);
 
 /// Table 6: absolute position errors.
 ResultTable DriveTable(const std::vector<DriveScore>& scores);
 
-/// One image per score: the path coloured by error, and error over time. Throws InputError.
+/// Writes one image per score: the path coloured by error, and error over time. Throws InputError.
 void DrawDrive(const std::vector<DriveScore>& scores, const std::filesystem::path& folder);
 
 }  // namespace floorloc

@@ -12,7 +12,7 @@
 namespace floorloc {
 namespace {
 
-// Matches that agree on a similarity of scale 1; empty when there is none.
+// Inliers of a similarity of scale 1; empty when there is none.
 std::vector<Match> FilterByRansac(const std::vector<Match>& matches, const std::vector<OrientedMatch>& oriented,
                                   const PoseFromMatchesOptions& options) {
   if (matches.size() < 2) {
@@ -55,7 +55,8 @@ Pose2 FitWeightedMean(const std::vector<OrientedMatch>& oriented, const std::vec
     const double weight = 1.0 / std::max(matches[i].distance, kSmallestDistance);
     source += weight * oriented[i].source_m;
     target += weight * oriented[i].target_m;
-    turn += weight * WrapAngle(oriented[i].Yaw() - oriented.front().Yaw());  // the first angle is the anchor
+    turn += weight * WrapAngle(oriented[i].Yaw() - oriented.front().Yaw());  // relative to the first angle, to avoid
+                                                                             // wrap-around
     mass += weight;
   }
   const double yaw = oriented.front().Yaw() + turn / mass;

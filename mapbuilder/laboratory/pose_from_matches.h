@@ -11,27 +11,27 @@
 
 namespace floorloc {
 
-/// How a pose is computed from the matches that are left.
+/// Estimation of the pose from the filtered matches.
 enum class PoseFit {
   kLeastSquares,  ///< rigid motion with the smallest squared residuals
-  kWeightedMean,  ///< the thesis's: means of places and angle differences, weighted by 1 / descriptor distance
+  kWeightedMean,  ///< as in the thesis: mean positions and angle differences, weighted by 1 / descriptor distance
 };
 
 struct PoseFromMatchesOptions {
-  double max_ratio = 0.75;         ///< of the nearest to the second nearest distance
-  double inlier_radius_m = 0.003;  ///< of RANSAC, and of what counts as an inlier of a pose
-  double max_scale_error = 0.05;   ///< RANSAC's similarities that are off by more are no answer: the scale is known
+  double max_ratio = 0.75;         ///< maximum ratio of nearest to second-nearest distance
+  double inlier_radius_m = 0.003;  ///< for RANSAC and for counting a pose's inliers
+  double max_scale_error = 0.05;   ///< rejects RANSAC similarities whose scale deviates more from 1
   PoseFit fit = PoseFit::kLeastSquares;
 };
 
-/// What became of one frame's matches.
+/// Result for one frame's matches.
 struct MatchedPose {
-  std::vector<Match> matches;          ///< those that passed the filter
-  int inliers = 0;                     ///< of them, those that agree with the pose
+  std::vector<Match> matches;          ///< after the filter
+  int inliers = 0;                     ///< of these, the ones consistent with the pose
   std::optional<Pose2> map_from_base;  ///< empty with fewer than two matches, or when RANSAC finds no pose
 };
 
-/// neighbours: the nearest of each frame keypoint, with the second nearest distance.
+/// neighbours: nearest neighbour of each frame keypoint, with the second-nearest distance.
 MatchedPose ComputePose(const std::vector<Match>& neighbours, const Features& frame, const Features& map,
                         MatchFilter filter, const PoseFromMatchesOptions& options);
 

@@ -15,7 +15,7 @@ const TableCell& CellAt(const std::vector<TableCell>& row, std::size_t column) {
   return column < row.size() ? row[column] : nothing;
 }
 
-// Words to the left, numbers to the right.
+// Text is aligned left, numbers right.
 bool IsWord(const TableCell& cell) { return std::holds_alternative<std::string>(cell); }
 
 void Pad(std::ostringstream& out, const std::string& text, std::size_t width, bool left) {

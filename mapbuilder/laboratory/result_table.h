@@ -8,33 +8,33 @@
 
 namespace floorloc {
 
-/// A column of a table of results.
+/// A column of a result table.
 struct TableColumn {
-  std::string key;   ///< in JSON, with its unit
-  std::string head;  ///< for people
-  int decimals = 0;  ///< of its numbers
+  std::string key;   ///< key in JSON, with its unit
+  std::string head;  ///< displayed
+  int decimals = 0;  ///< of displayed numbers
 };
 
-/// Nothing is known, a word, or a number.
+/// Missing value, text, or number.
 using TableCell = std::variant<std::monostate, std::string, double>;
 
 struct ResultTable {
   std::string title;
-  std::vector<std::string> notes;  ///< what one must know to read it
+  std::vector<std::string> notes;  ///< explanations for the reader
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableCell>> rows;  ///< one cell per column; missing ones are empty
 };
 
-/// The number, or nothing where it is not finite.
+/// The number, or a missing value if it is not finite.
 TableCell NumberCell(double value);
 
-/// What a person reads in the cell; "-" for nothing.
+/// Displayed text of the cell; "-" for a missing value.
 std::string CellText(const TableCell& cell, int decimals);
 
-/// Aligned columns for a terminal.
+/// Text with aligned columns.
 std::string ToText(const ResultTable& table);
 
-/// {"title", "notes", "rows": [{key: value}]}; what is not known is null.
+/// {"title", "notes", "rows": [{key: value}]}; missing values are null.
 nlohmann::ordered_json ToJson(const ResultTable& table);
 
 }  // namespace floorloc

@@ -21,7 +21,7 @@ void AddOutcome(const FrameOutcome& outcome, RunSummary* summary) {
   summary->matches += outcome.matches;
   summary->inliers += outcome.inliers;
   summary->repeatability += outcome.repeatability;
-  summary->right_share += outcome.right_matches;  // for now: their number
+  summary->right_share += outcome.right_matches;  // count; divided below
   summary->calculated += outcome.map_from_base ? 1 : 0;
   summary->ms.detect += outcome.ms.detect;
   summary->ms.describe += outcome.ms.describe;
@@ -116,7 +116,7 @@ ResultTable MakeComparisonTable(const std::vector<RunSummary>& summaries) {
       row.resize(table.columns.size() - 1);
       row.emplace_back(s.failure_reason);
     } else {
-      const bool points = s.method.empty();  // other methods have no keypoints to count
+      const bool points = s.method.empty();  // other methods have no keypoints
       const auto count = [&](double value) { return points ? NumberCell(value) : TableCell(); };
       const Score& score = s.score;
       for (const TableCell& cell :

@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// A combination's outcomes in numbers: means over the frames.
+/// Statistics of a combination: means over the frames.
 struct RunSummary {
   Combination combination;
   std::string method;
@@ -31,14 +31,14 @@ struct RunSummary {
   double SuccessPercent() const;
 };
 
-/// bag: only the frames of that one.
+/// bag: restricts the summary to its frames.
 RunSummary SummarizeRun(const CombinationRun& run, const std::vector<FrameBag>& bags, const Tolerance& tolerance,
                         std::optional<int> bag = std::nullopt);
 
-/// The comparison's columns: keypoints, matches, inliers, success, accuracy, precision and times.
+/// Columns of the comparison: keypoints, matches, inliers, success, accuracy, precision and times.
 ResultTable MakeComparisonTable(const std::vector<RunSummary>& summaries);
 
-/// The four words that begin a row: detector, descriptor, matcher, filter.
+/// The four leading text columns: detector, descriptor, matcher, filter.
 std::vector<TableColumn> CombinationColumns();
 std::vector<TableCell> CombinationCells(const RunSummary& summary);
 

@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// Where the frame's image was found, and how well it correlates there.
+// Best match of the frame's image, with its correlation.
 struct Found {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  // of the patch, map frame
   double yaw_rad = 0.0;
   double correlation = -2.0;
 };
 
-// The largest circle around the middle of a frame that the camera saw: its inner square fits in every heading.
+// Largest valid circle around the centre of a frame; its inscribed square is valid at every heading.
 struct FramePatch {
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
   double radius_px = 0.0;
@@ -50,7 +50,7 @@ FloorImage Reduced(const FloorImage& image, double factor) {
   return reduced;
 }
 
-// The frame turned by a heading, as a square in the map image's pixels.
+// The frame rotated by a heading, as a square in the map image's pixels.
 cv::Mat TurnedPatch(const FloorImage& frame, const FramePatch& patch, double yaw_rad, const FloorImage& map) {
   const int side = static_cast<int>(std::sqrt(2.0) * patch.radius_px * frame.resolution_m() / map.resolution_m());
   const Eigen::Matrix2d base_from_map = Pose2(0.0, 0.0, -yaw_rad).rotation();
@@ -68,7 +68,7 @@ cv::Mat TurnedPatch(const FloorImage& frame, const FramePatch& patch, double yaw
   return turned;
 }
 
-// The best place of the patch within a part of the map's image.
+// Best position of the patch within a part of the map image.
 Found BestMatch(const FloorImage& map, const cv::Rect& part, const cv::Mat& patch, double yaw_rad) {
   Found found;
   if (part.width < patch.cols || part.height < patch.rows || patch.empty()) {
@@ -86,7 +86,7 @@ Found BestMatch(const FloorImage& map, const cv::Rect& part, const cv::Mat& patc
 
 Found Better(const Found& a, const Found& b) { return b.correlation > a.correlation ? b : a; }
 
-// Around the result on a coarser image, in a few headings.
+// Refines the result of a coarser image in its neighbourhood, at a few headings.
 Found Refine(const FloorImage& map, const FloorImage& frame, const FramePatch& patch, const Found& coarse,
              double step_rad) {
   const double resolution_m = map.resolution_m();
@@ -109,7 +109,7 @@ Pose2 BasePose(const FloorImage& frame, const FramePatch& patch, const Found& fo
   return {position.x(), position.y(), found.yaw_rad};
 }
 
-// levels: the floor's image, coarsest first.
+// levels: image pyramid of the floor, coarsest first.
 FrameOutcome Search(const std::vector<FloorImage>& levels, const FloorImage& frame, int headings) {
   const double start_ms = ThreadMilliseconds();
   const FramePatch patch(frame.mask);

@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// A frame with its truth, rectified.
+/// A rectified frame with its true pose.
 struct TestFrame {
   std::string filename;
   FloorImage image;  ///< base frame
@@ -20,21 +20,21 @@ struct TestFrame {
   std::optional<Pose2> odom_from_base;
 };
 
-/// The frames of one folder, in order of time.
+/// Frames of one folder, ordered by time.
 struct FrameBag {
   std::string name;  ///< of the folder
   std::vector<TestFrame> frames;
 };
 
 struct TestFrameOptions {
-  int skip_frames = 0;        ///< at the beginning of the folder
-  int max_frames = 0;         ///< of the folder, one after the other; 0: all
-  double resolution_m = 0.0;  ///< that the images are rectified to
-  bool normalize = true;      ///< even out contrast
+  int skip_frames = 0;        ///< at the start of the folder
+  int max_frames = 0;         ///< consecutive frames of the folder; 0: all
+  double resolution_m = 0.0;  ///< of the rectified images
+  bool normalize = true;      ///< normalise contrast
   int threads = 0;
 };
 
-/// Reads and rectifies the frames that have a pose in groundtruth.tum. Throws InputError, also when there is none.
+/// Reads and rectifies the frames that have a pose in groundtruth.tum. Throws InputError, also when no frame has one.
 FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOptions& options);
 
 }  // namespace floorloc

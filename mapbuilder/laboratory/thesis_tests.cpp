@@ -34,7 +34,7 @@ std::vector<DescriptorKind> DescriptorsOf(const std::vector<DetectorDescriptor>&
   return descriptors;
 }
 
-// Matches that pass the ratio test, averaged over seeds where the matcher draws lots.
+// Number of matches that pass the ratio test, averaged over seeds if the matcher is randomised.
 double MeanMatches(const Features& map, const Features& frame, MatcherKind matcher, double max_ratio) {
   if (map.keypoints.empty() || frame.keypoints.empty()) {
     return 0.0;
@@ -49,7 +49,7 @@ double MeanMatches(const Features& map, const Features& frame, MatcherKind match
   return sum / attempts;
 }
 
-// What one detector finds in the map and in the frame, and all its matches.
+// Keypoints of one detector in the map and in the frame, and all its matches.
 struct DetectorMatches {
   std::size_t frame_features = 0;
   std::vector<std::vector<TableCell>> cells;  // matcher, descriptor
@@ -88,7 +88,7 @@ DetectorMatches MatchDetector(const FloorImage& map, const TestFrame& frame, Det
   return result;
 }
 
-// A nearest neighbour: how clear it is, and whether it is right.
+// A nearest neighbour with its ratio and correctness.
 struct ClassifiedMatch {
   double ratio = 1.0;
   bool right = false;
@@ -124,7 +124,7 @@ std::vector<ClassifiedMatch> ClassifyMatches(const FloorImage& map, const std::v
   return judged;
 }
 
-// The ratio with the most right matches less wrong ones.
+// The ratio that maximises right minus wrong matches.
 struct BestRatio {
   double ratio = 0.0;
   int right = 0;

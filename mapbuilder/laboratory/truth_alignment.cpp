@@ -65,7 +65,7 @@ void AlignTruthToMap(const FloorImage& map, const ExperimentOptions& options, st
   for (const TruthAndFix& one : best) {
     pairs.push_back({StampedPose3::FromPose2(0, one.map_from_base), StampedPose3::FromPose2(0, one.truth_from_base)});
   }
-  // Frames at one position fix the shift but not the turn: then the best proposal is taken.
+  // Frames at one position determine the translation but not the rotation: use the best proposal then.
   double spread_m = 0.0;
   for (const TruthAndFix& one : best) {
     spread_m = std::max(spread_m, (one.map_from_base.translation() - best.front().map_from_base.translation()).norm());

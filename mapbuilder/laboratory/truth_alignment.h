@@ -7,9 +7,9 @@
 
 namespace floorloc {
 
-/// Brings the frames' truth into the frame of a map that was built without one: the frames are localized (SIFT, ratio
-/// test, RANSAC), each proposes how the two frames lie to each other, and the proposal that most others agree with is
-/// refined over those. Throws InputError when no two frames agree.
+/// Transforms the frames' true poses into the frame of a map that was built without them: localizes the frames (SIFT,
+/// ratio test, RANSAC); each proposes a transform between the two frames, and the proposal that most others agree with
+/// is refined over these. Throws InputError when no two frames agree.
 void AlignTruthToMap(const FloorImage& map, const ExperimentOptions& options, std::vector<FrameBag>* bags);
 
 }  // namespace floorloc

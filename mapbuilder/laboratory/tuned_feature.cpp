@@ -13,9 +13,9 @@
 namespace floorloc {
 namespace {
 
-constexpr double kCountTolerance = 0.02;  // of the wanted number
+constexpr double kCountTolerance = 0.02;  // relative to the wanted number
 
-// OpenCV's defaults, and how far down to go where they find too little.
+// OpenCV's defaults, and the lower limits used when they give too few features.
 constexpr double kOrbThreshold = 20.0;
 constexpr double kSiftThreshold = 0.04;
 constexpr double kMinOrbThreshold = 2.0;
@@ -25,7 +25,7 @@ struct Range {
   double low, high;
 };
 
-// Thresholds between which every image has its own.
+// Range of the threshold that is tuned per image.
 Range ThresholdsOf(DetectorKind kind) {
   switch (kind) {
     case DetectorKind::kAkaze:
@@ -79,7 +79,7 @@ int Count(const FeatureSetting& setting, const cv::Mat& gray) {
   return static_cast<int>(TunedFeature(setting).DetectAndDescribe(gray).keypoints.size());
 }
 
-// Keeps the strongest `wanted`; lowers the threshold until there are as many.
+// Keeps the strongest `wanted` features; lowers the threshold until there are enough.
 FeatureSetting KeepStrongest(FeatureSetting setting, const cv::Mat& gray, double least_threshold) {
   constexpr double kStep = 0.7;
   while (Count(setting, gray) < (1.0 - kCountTolerance) * setting.max_features &&
@@ -89,7 +89,7 @@ FeatureSetting KeepStrongest(FeatureSetting setting, const cv::Mat& gray, double
   return setting;
 }
 
-// Bisection of the threshold's logarithm: the higher it is, the fewer features there are.
+// Bisects the logarithm of the threshold; the number of features decreases with it.
 FeatureSetting SearchThreshold(DetectorKind kind, const cv::Mat& gray, int wanted) {
   constexpr int kMaxSteps = 24;
   const bool whole = kind == DetectorKind::kBrisk;

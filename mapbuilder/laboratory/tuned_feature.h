@@ -11,11 +11,11 @@
 
 namespace floorloc {
 
-/// Features that detect and describe by one method, with the parameters that decide how many there are.
+/// Detector and descriptor of one method, with the parameters that determine the number of features.
 struct FeatureSetting {
   DetectorKind kind = DetectorKind::kOrb;  ///< ORB, AKAZE, BRISK, SIFT or SURF
-  /// Least response, in the unit of the method: FAST's grey levels for ORB and BRISK (whole numbers), the contrast for
-  /// SIFT, the determinant of the Hessian for AKAZE and SURF.
+  /// Minimum response in the unit of the method: grey levels of FAST for ORB and BRISK (integers), contrast for SIFT,
+  /// determinant of the Hessian for AKAZE and SURF.
   double threshold = 0.0;
   int max_features = 0;  ///< the strongest are kept; ORB and SIFT only, 0 for the others
 };
@@ -23,13 +23,13 @@ struct FeatureSetting {
 /// "nfeatures = 300, threshold = 20", "threshold = 0.0044", ...
 std::string ToString(const FeatureSetting& setting);
 
-/// Keypoints, each with a row of descriptors.
+/// Keypoints with one row of descriptors each.
 struct DescribedFeatures {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
 };
 
-/// Finds and describes features. Not thread-safe.
+/// Detects and describes features. Not thread-safe.
 class TunedFeature {
  public:
   explicit TunedFeature(const FeatureSetting& setting);
@@ -39,13 +39,12 @@ class TunedFeature {
   std::function<DescribedFeatures(const cv::Mat&)> detect_and_describe_;
 };
 
-/// The setting with which about `wanted` features are found in the image, as near as the method lets one come: ORB and
-/// SIFT keep as many, and are searched with less contrast where there are not enough; of the others the threshold is
-/// searched. wanted > 0.
+/// The setting that gives about `wanted` features in the image, as far as the method permits: ORB and SIFT keep the
+/// strongest and lower the threshold if there are too few; for the others the threshold is searched. wanted > 0.
 FeatureSetting SettingFor(DetectorKind kind, const cv::Mat& gray, int wanted);
 
-/// How many features of one image have a partner in another: both are each other's nearest (brute force, cross-check;
-/// Hamming distance for binary descriptors, L2 for SIFT and SURF). queryIdx is of `first`.
+/// Mutual nearest neighbours between two images (brute force, cross-check; Hamming distance for binary descriptors, L2
+/// for SIFT and SURF). queryIdx is of `first`.
 std::vector<cv::DMatch> MatchCrossChecked(const DescribedFeatures& first, const DescribedFeatures& second);
 
 }  // namespace floorloc

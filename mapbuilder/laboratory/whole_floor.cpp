@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMaxPixels = 1.5e8;
 
-// Empty when the survey has no truth for its frames.
+// Placement by ground truth; empty when the survey has none for its frames.
 std::optional<Placement> PlaceByTruth(const std::vector<BuildFrame>& frames, const Survey& survey) {
   Placement placement;
   placement.map_from_base.resize(frames.size());
@@ -37,7 +37,7 @@ Placement PlaceByBuilder(const std::vector<BuildFrame>& frames, const std::vecto
   return PlaceFrames(frames, surveys, placement);
 }
 
-// Collects the finest tiles of a mosaic into one grey image.
+// Assembles the finest tiles of a mosaic into one grey image.
 class MosaicCanvas {
  public:
   MosaicCanvas(const RectM& extent, const MosaicLayout& layout) : layout_(layout) {
@@ -58,7 +58,7 @@ class MosaicCanvas {
   }
 
   FloorImage Finish() const {
-    // Tiles are JPEG: what was not surveyed is nearly black rather than black.
+    // Tiles are JPEG: unsurveyed areas are nearly black rather than black.
     cv::Mat mask = gray_ > 3;
     cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::Mat::ones(9, 9, CV_8U));
     const double side = layout_.TileSide(layout_.max_zoom);

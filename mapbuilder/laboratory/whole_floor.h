@@ -9,11 +9,11 @@
 
 namespace floorloc {
 
-/// The floor that the frames are localized on: one mosaic of the whole survey.
+/// Mosaic of the whole survey, in which the frames are localized.
 struct WholeFloor {
-  FloorImage image;         ///< frame: that of the survey's groundtruth.tum, or the builder's
-  bool true_poses = false;  ///< the frames were placed by groundtruth.tum, not by the builder
-  int frames = 0;           ///< placed ones
+  FloorImage image;         ///< in the frame of the survey's groundtruth.tum, or of the builder
+  bool true_poses = false;  ///< placed by groundtruth.tum, not by the builder
+  int frames = 0;           ///< number of placed frames
 };
 
 struct WholeFloorOptions {
@@ -21,8 +21,8 @@ struct WholeFloorOptions {
   ProgressOutput progress;
 };
 
-/// Composes the mosaic of a survey with the builder's own stages. The frames have the poses of groundtruth.tum; a
-/// survey without one is placed by the builder. Throws InputError, also for a floor too large for one image.
+/// Composes the mosaic of a survey with the stages of the builder. Frames are placed by groundtruth.tum or, without it,
+/// by the builder. Throws InputError, also for a floor too large for one image.
 WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const WholeFloorOptions& options);
 
 }  // namespace floorloc
