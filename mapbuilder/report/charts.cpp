@@ -16,7 +16,7 @@ constexpr double kWidth = 560.0, kHeight = 240.0;
 constexpr double kLeft = 58.0, kRight = kWidth - 14.0, kTop = 14.0, kBottom = kHeight - 44.0;
 constexpr std::array<const char*, 4> kLineColours = {"#2f6fb0", "#d9782d", "#3f9a5a", "#7d5fb2"};
 
-// A linear axis from pixel `from` to pixel `to` with about five round ticks.
+// A linear axis from pixel `from_px` to pixel `to_px` with about five round ticks.
 struct Axis {
   double low = 0.0, high = 1.0, step = 0.2;
   double from_px = 0.0, to_px = 1.0;

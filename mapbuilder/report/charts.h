@@ -9,18 +9,18 @@ namespace floorloc {
 
 struct ChartLine {
   std::string name;
-  std::vector<std::pair<double, double>> points;  ///< x growing
+  std::vector<std::pair<double, double>> points;  ///< ascending x
 };
 
 struct ChartTitles {
   std::string x, y;
-  std::string description;  ///< for those who can't see it
+  std::string description;  ///< text alternative
 };
 
-/// An inline SVG image of lines over common axes. Lines of many points are thinned.
+/// Inline SVG of lines over common axes. Lines of many points are thinned.
 std::string LineChart(const std::vector<ChartLine>& lines, const ChartTitles& titles);
 
-/// How many of the values lie in each of about 24 bins; those beyond the 99 % quantile are in the last one.
+/// Histogram of about 24 bins; values beyond the 99 % quantile are counted in the last one.
 std::string Histogram(const std::vector<double>& values, const ChartTitles& titles);
 
 }  // namespace floorloc

@@ -8,10 +8,10 @@
 
 namespace floorloc {
 
-/// Classes of a number, each with a colour: class i is below upper[i], the last one has no upper end.
+/// Colour classes of a number: class i is below upper[i], the last one is unbounded.
 struct ColourScale {
   std::vector<double> upper;
-  std::vector<std::string> colours;  ///< "#rrggbb", one more than there are bounds
+  std::vector<std::string> colours;  ///< "#rrggbb", one more than bounds
   std::vector<std::string> labels;   ///< one per colour
 
   std::size_t ClassOf(double value) const;

@@ -31,7 +31,7 @@ std::optional<std::size_t> FloorGrid::CellAt(const Eigen::Vector2d& point_in_map
 std::vector<std::size_t> FloorGrid::CellsInView(const Pose2& map_from_base, const RectM& rect_in_base) const {
   const Eigen::Vector2d center = map_from_base * rect_in_base.Center();
   const double reach_m = 0.5 * std::hypot(rect_in_base.width_m(), rect_in_base.height_m());
-  // Limited as doubles: a view far away must not overflow an int.
+  // Clamped as doubles, so that a view far away does not overflow an int.
   const auto first = [&](double value, double low, int count) {
     return static_cast<int>(std::clamp(std::floor((value - reach_m - low) / cell_m_), 0.0, 1.0 * count));
   };

@@ -11,8 +11,8 @@
 
 namespace floorloc {
 
-/// Square cells over a rectangle of the map, with a margin of empty cells around it. Cell values live in plain vectors
-/// of size() numbers, row after row, row 0 at the bottom (smallest y).
+/// Square cells over a rectangle of the map, with a margin of empty cells. Cell values are plain vectors of size()
+/// numbers, row-major, row 0 at the bottom (smallest y).
 class FloorGrid {
  public:
   FloorGrid() = default;
@@ -31,12 +31,12 @@ class FloorGrid {
   int Column(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(columns_)); }
   int Row(std::size_t cell) const { return static_cast<int>(cell / static_cast<std::size_t>(columns_)); }
   Eigen::Vector2d Center(std::size_t cell) const;
-  /// Empty outside of the grid.
+  /// Empty outside the grid.
   std::optional<std::size_t> CellAt(const Eigen::Vector2d& point_in_map) const;
-  /// The cells whose centres lie in a rectangle of the base frame.
+  /// Cells whose centres are inside a rectangle of the base frame.
   std::vector<std::size_t> CellsInView(const Pose2& map_from_base, const RectM& rect_in_base) const;
 
-  /// For every cell the sum over the square of 2 * half_cells + 1 cells around it.
+  /// For every cell, the sum over the square of 2 * half_cells + 1 cells a side around it.
   std::vector<float> WindowSums(const std::vector<float>& values, int half_cells) const;
 
  private:

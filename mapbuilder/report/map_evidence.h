@@ -8,19 +8,19 @@
 
 namespace floorloc {
 
-/// All that a report rests on, as the map file has it.
+/// Data of the map file on which the report is based.
 struct MapEvidence {
   FloorMap map;
   std::vector<MapFrame> frames;
   std::vector<MapLink> links;
-  BuildReport build;  ///< times are not in a map
+  BuildReport build;  ///< times are not in the map
 
   const RectM& RoiOf(const MapFrame& frame) const {
     return map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi;
   }
 };
 
-/// The surveyed floor and, as far as it is not much farther away, where frames were left out.
+/// Extent of the surveyed floor and of dropped frames, unless they are much farther away.
 RectM ExtentWithLostFrames(const MapEvidence& evidence);
 
 /// Throws MapError.

@@ -40,7 +40,7 @@ std::string ImageSvg(const RectM& rect, const std::string& uri, const std::strin
          "' preserveAspectRatio='none' href='" + uri + "'/>";
 }
 
-// Cells coloured by their values; negative values and cells without frames are left open.
+// Cells coloured by value; negative values and cells without frames are not drawn.
 template <typename T>
 std::string CellsSvg(const MapQuality& quality, const std::vector<T>& values, const ColourScale& scale) {
   const FloorGrid& grid = quality.grid;
@@ -58,7 +58,7 @@ Eigen::Vector2d ViewCenter(const MapEvidence& evidence, std::size_t frame) {
   return evidence.frames[frame].map_from_base * evidence.RoiOf(evidence.frames[frame]).Center();
 }
 
-// One path per class of error: worst last, so that it lies on top.
+// One path per error class, the worst drawn last, i.e. on top.
 std::string PathsByError(const std::vector<SvgPath>& paths, const ColourScale& scale, const std::string& css_class) {
   std::string svg;
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -76,7 +76,7 @@ PageLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
   for (std::size_t i = 0; i < evidence.links.size(); ++i) {
     const std::size_t error_class = scale.ClassOf(quality.link_strain[i].error_m);
     if (i % step != 0 && error_class + 1 < scale.colours.size()) {
-      continue;  // of many links a sample, but all of the worst
+      continue;  // draws a sample of many links, but all of the worst
     }
     paths[error_class].MoveTo(ViewCenter(evidence, static_cast<std::size_t>(evidence.links[i].first)));
     paths[error_class].LineTo(ViewCenter(evidence, static_cast<std::size_t>(evidence.links[i].second)));
@@ -235,7 +235,7 @@ std::string MosaicSvg(const MosaicImage& mosaic, const MapQuality& quality) {
     uncovered.at<std::uint8_t>(grid.rows() - 1 - grid.Row(cell), grid.Column(cell)) =
         quality.coverage[cell] > 0 ? 0 : 255;
   }
-  // The mosaic is black where it has no floor; dark floor well inside the surveyed cells is not mistaken for that.
+  // The mosaic is black where it has no floor; dark floor inside the surveyed cells must not be taken for that.
   cv::dilate(uncovered, uncovered, cv::Mat());
   const RectM rect = grid.extent();
   const double to_cells = mosaic.resolution_m / grid.cell_m();

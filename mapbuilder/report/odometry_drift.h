@@ -8,16 +8,16 @@
 
 namespace floorloc {
 
-/// One frame's place, the middle of its view, map frame.
+/// Position of one frame's view centre, map frame.
 struct DriftSample {
   Eigen::Vector2d by_odometry = Eigen::Vector2d::Zero();
   Eigen::Vector2d in_map = Eigen::Vector2d::Zero();
-  double travelled_m = 0.0;  ///< along odometry's path since the survey's first frame
+  double travelled_m = 0.0;  ///< path length of odometry since the survey's first frame
   double error_m = 0.0;
   double error_rad = 0.0;
 };
 
-/// Drift of odometry from the map over one survey, both made to agree at its first frame.
+/// Drift of odometry relative to the map over one survey, aligned at its first frame.
 struct OdometryDrift {
   int survey = 0;
   std::vector<DriftSample> samples;

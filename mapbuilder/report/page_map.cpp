@@ -27,7 +27,7 @@ std::string Legend(const PageLayer& layer) {
   return html + "</ul>";
 }
 
-// Drawn once, used by the map and by the images.
+// Shared SVG definitions of the interactive map and the images per layer.
 std::string Definitions(const ReportPage& page, const std::vector<PageLayer>& layers) {
   std::string svg = "<svg width='0' height='0' style='position:absolute' aria-hidden='true'><defs><g id='mosaic'>" +
                     MosaicSvg(page.mosaic, page.quality) + "</g>";
@@ -51,7 +51,7 @@ std::string Switches(const std::vector<PageLayer>& layers) {
   return "<div id='layers'>" + draws + "</fieldset>" + fills + "</fieldset></div>\n";
 }
 
-// What the pointer reads out, per cell: frames (255: or more) and usable keypoints (65535: not judged).
+// Values per cell shown at the pointer: frames (clamped to 255) and usable keypoints (65535: not assessed).
 std::string CellsJson(const MapQuality& quality) {
   std::vector<std::uint8_t> coverage, usable;
   for (std::size_t cell = 0; cell < quality.grid.size(); ++cell) {

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// The mosaic with its layers: first as one map with switches, then one image per layer.
+/// The mosaic with its layers: one interactive map, then one image per layer.
 std::string MapSections(const ReportPage& page);
 
 }  // namespace floorloc

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-// Each gives one <section>, empty when there is nothing to say.
+// Each returns one <section>, or an empty string when it has no content.
 
 std::string VerdictSection(const ReportPage& page);
 std::string ResurveySection(const ReportPage& page);

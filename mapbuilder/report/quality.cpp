@@ -19,14 +19,14 @@ double ViewArea(const MapEvidence& evidence) {
 FloorGrid MakeGrid(const MapEvidence& evidence, const QualityOptions& options, double view_m2) {
   const double wanted_m = std::sqrt(view_m2) / options.cells_per_view;
   const double least_m = std::sqrt(std::max(evidence.map.info.area_m2, view_m2) / options.max_cells);
-  // The extent can be much larger than the floor in it: a ring, or a long diagonal.
+  // The extent can be much larger than its floor, e.g. for a ring or a long diagonal.
   const RectM extent = ExtentWithLostFrames(evidence);
   const double box_m = std::sqrt(extent.width_m() * extent.height_m() / (10.0 * options.max_cells));
   const double cell_m = std::max({wanted_m, least_m, box_m});
   return {extent, cell_m, 2 + static_cast<int>(std::ceil(std::sqrt(view_m2) / cell_m))};
 }
 
-// Sums over keypoints per cell.
+// Sums over the keypoints of each cell.
 struct KeypointCells {
   std::vector<float> all, usable, observed_once, duplicates, distinctiveness;
 };
@@ -70,7 +70,7 @@ std::vector<float> Covered(const std::vector<int>& coverage) {
   return covered;
 }
 
-// What a frame in the middle of each cell would see. The windows are squares of the view's area.
+// Assesses the view of a frame centred on each cell; the window is a square of the view's area.
 void AssessViews(const KeypointCells& cells, const QualityOptions& options, MapQuality* quality) {
   const FloorGrid& grid = quality->grid;
   const int half =
@@ -104,7 +104,7 @@ void AssessViews(const KeypointCells& cells, const QualityOptions& options, MapQ
   }
 }
 
-// Per square metre, smoothed over a quarter of a view; negative where no frame covers the floor.
+// Count per square metre, smoothed over a quarter of a view; negative where no frame covers the floor.
 std::vector<float> Density(const std::vector<float>& count, const MapQuality& quality) {
   const FloorGrid& grid = quality.grid;
   std::vector<float> density(grid.size(), -1.0F);
@@ -120,7 +120,7 @@ std::vector<float> Density(const std::vector<float>& count, const MapQuality& qu
   return density;
 }
 
-// Floor without frames that surveyed floor encloses, or that is narrower than a view.
+// Finds uncovered floor that is enclosed by surveyed floor or narrower than a view.
 void FindHoles(const QualityOptions& options, MapQuality* quality) {
   const FloorGrid& grid = quality->grid;
   cv::Mat covered(grid.rows(), grid.columns(), CV_8U);

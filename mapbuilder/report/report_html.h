@@ -8,7 +8,7 @@
 
 namespace floorloc {
 
-/// What the page is made of.
+/// Input of the page.
 struct ReportPage {
   const MapEvidence& evidence;
   const MapQuality& quality;
@@ -17,7 +17,7 @@ struct ReportPage {
   const MosaicImage& mosaic;
 };
 
-/// One page that needs nothing but itself: verdict, what to survey again, the mosaic with layers, figures, lists.
+/// Self-contained page: verdict, zones to survey again, the mosaic with layers, figures, lists.
 std::string ReportHtml(const ReportPage& page);
 
 }  // namespace floorloc

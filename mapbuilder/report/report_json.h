@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// What the page shows, as numbers: verdict, zones ("resurvey", the most important first), distributions, the build.
+/// The page's content as numbers: verdict, zones ("resurvey", most important first), distributions, the build.
 std::string ReportJson(const MapEvidence& evidence, const MapQuality& quality, const Verdict& verdict);
 
 }  // namespace floorloc

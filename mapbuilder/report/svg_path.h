@@ -9,16 +9,16 @@
 
 namespace floorloc {
 
-/// Path data in metres with y pointing down, millimetre digits.
+/// Path data in metres with y down, rounded to millimetres.
 class SvgPath {
  public:
   void MoveTo(const Eigen::Vector2d& point) { Add('M', point); }
   void LineTo(const Eigen::Vector2d& point) { Add('L', point); }
-  /// A point that a round line cap makes a disc.
+  /// A point, drawn as a disc by round line caps.
   void Dot(const Eigen::Vector2d& point);
   void Cross(const Eigen::Vector2d& point, double arm_m);
   void Triangle(const Eigen::Vector2d& point, double arm_m);
-  /// The outline of cells, as one rectangle per run in a row.
+  /// Outline of cells, one rectangle per run in a row.
   void Cells(const FloorGrid& grid, std::vector<std::size_t> cells);
 
   bool empty() const { return data_.empty(); }

@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Shares and counts from which on a map should not be used, or not unchecked.
+// Thresholds beyond which a map should not be used, or only after inspection.
 constexpr double kFewFramesUsed = 0.7, kSomeFramesLost = 0.95;
 constexpr double kRarelyFound = 0.75, kNotAlwaysFound = 0.95;
 constexpr double kOftenWrong = 0.02;
@@ -20,7 +20,7 @@ constexpr double kControlPointM = 0.005;
 
 double Share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
-// Reasons by severity: those that make the map useless, and those to be checked.
+// Reasons by severity: those that make the map unusable, and those to inspect.
 struct VerdictReasons {
   std::vector<std::string> severe, mild;
 

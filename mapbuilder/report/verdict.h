@@ -12,18 +12,18 @@ enum class Trust { kTrust, kInspect, kResurvey };
 /// "trust", "look_at", "survey_again"
 const char* ToString(Trust trust);
 
-/// What a report says first.
+/// Summary of the report.
 struct Verdict {
   Trust trust = Trust::kTrust;
   std::string headline;
-  std::vector<std::string> reasons;  ///< sentences; why it is not better
-  std::vector<std::string> facts;    ///< sentences; what supports it
+  std::vector<std::string> reasons;  ///< one sentence each; problems
+  std::vector<std::string> facts;    ///< one sentence each; evidence in favour
 };
 
-/// Held-out frames by outcome.
+/// Counts and errors of held-out frames.
 struct HeldOutScore {
   int frames = 0;
-  int localized = 0;  ///< and right
+  int localized = 0;  ///< correctly
   int wrong = 0;
   int ambiguous = 0;
   double median_m = 0.0;  ///< of the localized ones
@@ -32,7 +32,7 @@ struct HeldOutScore {
 };
 HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames);
 
-/// Metres; 0 without points.
+/// RMS error in metres; 0 without points.
 double ControlPointRms(const std::vector<ControlPointError>& points);
 
 Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality);

@@ -7,13 +7,13 @@
 
 namespace floorloc {
 
-/// "too few keypoints"
+/// Readable name, e.g. "too few keypoints".
 const char* Name(Weakness weakness);
-/// One word for files and style sheets, e.g. "few_keypoints".
+/// Identifier for files and style sheets, e.g. "few_keypoints".
 const char* Key(Weakness weakness);
-/// What to do about it, in the imperative.
+/// Recommended action, in the imperative.
 const char* Advice(const Zone& zone);
-/// What was found there, with its numbers.
+/// Description of the zone with its numbers.
 std::string Describe(const Zone& zone);
 
 }  // namespace floorloc

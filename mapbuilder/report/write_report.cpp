@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// A mosaic of at most so many pixels a side keeps the page at a few megabytes.
+// Maximum side of the mosaic in pixels, which keeps the page at a few megabytes.
 constexpr double kMaxPixels = 2000.0;
 
 MosaicImage ReadMosaic(const MapDatabase& database, const MapInfo& info) {

@@ -7,11 +7,10 @@
 
 namespace floorloc {
 
-/// Makes the folder, if need be, and throws InputError when a report can't be written there: to be asked before long
-/// work.
+/// Creates the folder if necessary and throws InputError when it is not writable; to be called before long work.
 void PrepareReportFolder(const std::filesystem::path& folder);
 
-/// Writes folder/report.html and folder/report.json about a map. Throws MapError or InputError.
+/// Writes folder/report.html and folder/report.json for a map. Throws MapError or InputError.
 Verdict WriteReport(const std::filesystem::path& map_file, const std::filesystem::path& folder);
 
 }  // namespace floorloc

@@ -28,8 +28,8 @@ bool LacksKeypoints(Weakness weakness) {
          weakness == Weakness::kSelfSimilar;
 }
 
-// A window around a weak cell may still show some good floor. What is poor by itself belongs to the zone, too: with its
-// density alone, a view would not have the keypoints that are needed.
+// A window around a weak cell may include some good floor, and the zone also includes adjacent cells that are poor by
+// themselves: a view of their density alone would not have the needed keypoints.
 void GrowWeakCells(const QualityOptions& options, MapQuality* quality) {
   const FloorGrid& grid = quality->grid;
   const auto needed_m2 = static_cast<float>(options.needed_keypoints / quality->view_m2);
@@ -71,7 +71,7 @@ Zone Flood(std::size_t start, int label, const MapQuality& quality, std::vector<
   return zone;
 }
 
-// Area, box, and the cell nearest to the middle.
+// Measures area, bounding box, and the cell nearest to the centre.
 void Measure(const MapQuality& quality, Zone* zone) {
   const FloorGrid& grid = quality.grid;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -99,8 +99,8 @@ void Measure(const MapQuality& quality, Zone* zone) {
   zone->mark = grid.Center(*nearest);
 }
 
-// What a held-out frame that failed saw is a zone of its own unless another weakness explains it. Where a frame was
-// left out and no other covers, floor is missing, even at the survey's edge.
+// The view of a failed held-out frame is a zone of its own unless another weakness explains it. A dropped frame's view
+// that no other frame covers is missing floor, even at the survey's edge.
 void MarkFailures(const MapEvidence& evidence, MapQuality* quality) {
   const RectM& roi = evidence.map.info.camera().floor.roi;
   for (const DroppedFrame& frame : evidence.build.dropped) {
@@ -123,7 +123,7 @@ void MarkFailures(const MapEvidence& evidence, MapQuality* quality) {
   }
 }
 
-// The zone that most of a view's weak cells belong to.
+// The zone with most of a view's weak cells.
 int ZoneOfView(const std::vector<std::size_t>& view, const std::vector<int>& labels) {
   std::unordered_map<int, int> votes;
   int best = kNoZone, max_votes = 0;
@@ -154,7 +154,7 @@ void CountFailures(const MapEvidence& evidence, const std::vector<int>& labels, 
   }
 }
 
-// How bad a view of such floor is; a hole in the map, where no frame is localized, is the measure.
+// Severity of a view of such floor, relative to a hole in the map, where no frame can be localized.
 double Weight(const Zone& zone, const QualityOptions& options) {
   switch (zone.weakness) {
     case Weakness::kFewKeypoints:

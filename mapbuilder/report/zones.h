@@ -5,8 +5,8 @@
 
 namespace floorloc {
 
-/// Gathers the weak cells of a quality into zones, adds the frames that were lost and the held-out frames that failed,
-/// and sorts by importance. Fills zones and weak_m2, and clears the weakness of zones too small to report.
+/// Groups weak cells into zones, adds dropped frames and failed held-out frames, and sorts by importance. Fills zones
+/// and weak_m2, and clears the weakness of zones too small to report.
 void CollectZones(const MapEvidence& evidence, const QualityOptions& options, MapQuality* quality);
 
 }  // namespace floorloc
