@@ -17,10 +17,10 @@
 namespace floorloc {
 namespace {
 
-// A lens is extrapolated a little beyond the farthest corner.
+// The lens model is extrapolated slightly beyond the farthest corner.
 constexpr double kRadiusMargin = 1.1;
 
-// A floor image that is off by more than this indicates a wrong --board-pose, or a board that is not flat.
+// A larger error of a floor image indicates a wrong --board-pose or a board that is not flat.
 constexpr double kMaxFloorErrorM = 1e-3;
 constexpr double kMaxFloorErrorPx = 2.0;
 
@@ -38,7 +38,7 @@ std::size_t IndexOf(const std::vector<std::filesystem::path>& files, const std::
   return static_cast<std::size_t>(std::find_if(files.begin(), files.end(), same) - files.begin());
 }
 
-// The folder's images and those floor images that do not lie in it; the index of each floor image in the list.
+// The folder's images and the floor images outside it; for each floor image its index in the list.
 struct FileList {
   std::vector<std::filesystem::path> files;
   std::vector<std::size_t> floor_index;

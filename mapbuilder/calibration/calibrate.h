@@ -15,7 +15,7 @@
 
 namespace floorloc {
 
-/// An image of the board on the floor, and where it lies.
+/// An image of the board on the floor, with the board's pose.
 struct BoardOnFloorImage {
   std::filesystem::path file;
   Pose2 base_from_board;
@@ -31,11 +31,11 @@ struct CalibrateOptions {
   FloorRegionOptions region;
   ImageReadingOptions reading;
 
-  /// Throws std::invalid_argument with what makes no sense.
+  /// Throws std::invalid_argument when an option is invalid.
   void Check() const;
 };
 
-/// Everything that is known after a calibration.
+/// Results of a calibration.
 struct CalibrationResult {
   CalibrationImages images;
   CameraCalibration camera;
@@ -45,12 +45,12 @@ struct CalibrationResult {
   std::optional<FloorPlane> plane;
 };
 
-/// Images of a board -> camera and floor. Floor images count for the camera too. Throws InputError when the
-/// images do not constrain the camera, with what to add.
+/// Calibrates camera and floor from images of a board. Floor images are also used for the camera. Throws InputError,
+/// which says what to add, when the images do not constrain the camera.
 CalibrationResult Calibrate(const CalibrateOptions& options);
 
 /// Writes camera.yaml and calibration.json, with floor images also floor.yaml and floor_grid.jpg (of the first one).
-/// Makes the folder. Throws InputError.
+/// Creates the folder. Throws InputError.
 void WriteCalibration(const CalibrateOptions& options, const CalibrationResult& result,
                       const std::filesystem::path& folder);
 

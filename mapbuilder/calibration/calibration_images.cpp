@@ -26,7 +26,7 @@ bool IsImage(const std::filesystem::path& file) {
 
 std::string SizeText(const SizePx& size) { return std::to_string(size.first) + "x" + std::to_string(size.second); }
 
-// The size in an image's header; empty when it is no image.
+// Image size from the file header; empty when it is not an image.
 std::optional<SizePx> ReadSize(const std::filesystem::path& file) {
   const std::optional<ImageHeader> header = ProbeImage(ReadBinaryFile(file));
   return header ? std::optional<SizePx>({header->width_px, header->height_px}) : std::nullopt;

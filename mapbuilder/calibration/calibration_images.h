@@ -11,21 +11,21 @@
 
 namespace floorloc {
 
-/// An image, and the board in it or why there is none.
+/// An image with the detected board, or the reason why there is none.
 struct CalibrationImage {
   std::filesystem::path file;
   std::optional<BoardView> view;
-  std::string problem;  ///< empty when view is there
+  std::string problem;  ///< empty if there is a view
 };
 
-/// The images of one camera: all of one size.
+/// Images of one camera, all of one size.
 struct CalibrationImages {
   int width_px = 0;
   int height_px = 0;
   std::vector<CalibrationImage> images;
 };
 
-/// The JPEG and PNG files of a folder in alphabetical order. Throws InputError when there are none.
+/// JPEG and PNG files of a folder, sorted by name. Throws InputError when there are none.
 std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder);
 
 struct ImageReadingOptions {
@@ -33,8 +33,8 @@ struct ImageReadingOptions {
   ProgressOutput progress;
 };
 
-/// Detects the board in every image. Images that cannot be read, or whose size is not that of most, have a
-/// problem instead of a view. Throws InputError when no image can be read.
+/// Detects the board in every image. Images that are unreadable or whose size differs from most others have a problem
+/// instead of a view. Throws InputError when no image is readable.
 CalibrationImages FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
                              const ImageReadingOptions& options);
 

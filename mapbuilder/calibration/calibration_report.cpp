@@ -44,7 +44,7 @@ ordered_json CameraToJson(const CameraCalibration& calibration) {
   return json;
 }
 
-// One entry per image, in the order of the files.
+// One entry per image, in file order.
 ordered_json ImagesToJson(const CalibrationResult& result) {
   ordered_json images = ordered_json::array();
   auto fit = result.camera.views.begin();

@@ -7,10 +7,10 @@
 
 namespace floorloc {
 
-/// The calibration with standard deviations, every image's reprojection error, warnings and the floor.
+/// The calibration with standard deviations, reprojection errors per image, warnings and the floor.
 std::string ToJson(const CalibrateOptions& options, const CalibrationResult& result);
 
-/// The same for people: a few lines, and one for each image that could not be used.
+/// Human-readable summary, with one line for each image that could not be used.
 std::string ToText(const CalibrationResult& result);
 
 }  // namespace floorloc

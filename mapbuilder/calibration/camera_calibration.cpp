@@ -15,9 +15,9 @@ constexpr std::size_t kMinViews = 3;
 constexpr int kMaxSteps = 200;
 constexpr int kK3 = kFirstCoefficient + 4;
 
-// k3 stays when it lowers the cost by more than chance does (chi-square with one degree of freedom, 0.1 %) ...
+// k3 is kept if it lowers the cost significantly (chi-square with one degree of freedom, 0.1 %) ...
 constexpr double kSignificantChiSquare = 10.8;
-// ... and its uncertainty moves the image's corner by less than this.
+// ... and its uncertainty displaces the image corner by less than this.
 constexpr double kMaxK3EffectPx = 0.3;
 
 int CoefficientCount(DistortionModel model) {
@@ -43,7 +43,7 @@ std::vector<int> FixedParameters(DistortionModel model, bool with_k3) {
   return fixed;
 }
 
-// An adjustment that has run, with what follows from it.
+// A finished adjustment with derived quantities.
 struct Solution {
   LensAdjustment adjustment;
   AdjustmentSummary summary;
@@ -58,7 +58,7 @@ struct Solution {
   double free_count() const {
     return static_cast<double>(kLensParameters - adjustment.fixed.size() + 6 * adjustment.poses.size());
   }
-  // Variance of a corner's coordinate by the residuals.
+  // Variance of a corner's coordinate, estimated from the residuals.
   double variance_px2() const {
     return 2.0 * summary.cost_px2 / std::max(1.0, 2.0 * static_cast<double>(corner_count()) - free_count());
   }
@@ -77,7 +77,7 @@ std::optional<Solution> Solve(LensAdjustment start, double height_px) {
   return std::isfinite(solution.summary.cost_px2) ? std::optional(std::move(solution)) : std::nullopt;
 }
 
-// How far one standard deviation of k3 moves the image's farthest corner.
+// Displacement of the farthest image corner by one standard deviation of k3, px.
 double K3EffectPx(const Solution& solution, double height_px) {
   if (!solution.summary.covariance) {
     return std::numeric_limits<double>::infinity();
@@ -196,7 +196,7 @@ class Calibrator {
   }
 
  private:
-  // Adjusts the camera to the images in use and notes how well each of them fits.
+  // Adjusts the camera to the images in use and records the error of each image.
   Solution SolveUsed() {
     LensAdjustment problem;
     problem.width_px = input_.width_px;
@@ -220,7 +220,7 @@ class Calibrator {
     return *std::move(solution);
   }
 
-  // False when all images agree, or too few would be left.
+  // Returns false when all images are consistent or too few would be left.
   bool ExcludeWorst() {
     std::vector<double> errors;
     ViewFit* worst = nullptr;

@@ -13,7 +13,7 @@
 
 namespace floorloc {
 
-/// A board seen in an image.
+/// The board's corners in an image.
 struct NamedView {
   std::string name;
   BoardView view;
@@ -27,18 +27,17 @@ struct CameraCalibrationInput {
 };
 
 struct CameraCalibrationOptions {
-  /// Empty: plumb_bob, equidistant or rational_polynomial, whichever explains the views with the fewest coefficients
-  /// (Bayesian information criterion).
+  /// Empty: selects plumb_bob, equidistant or rational_polynomial by the Bayesian information criterion.
   std::optional<DistortionModel> model = DistortionModel::kPlumbBob;
-  /// An image is left out when its reprojection error is this many times the median of all ...
+  /// An image is an outlier when its reprojection error is this many times the median of all ...
   double max_error_ratio = 4.0;
   double max_error_floor_px = 0.3;  ///< ... and more than this
 };
 
-/// How an image agrees with the calibrated camera.
+/// Fit of an image to the calibrated camera.
 struct ViewFit {
   std::string name;
-  bool used = true;  ///< false: an outlier, left out
+  bool used = true;  ///< false: outlier
   Eigen::Isometry3d camera_from_board = Eigen::Isometry3d::Identity();
   double rms_px = 0.0;
   double max_px = 0.0;
@@ -46,19 +45,19 @@ struct ViewFit {
 
 struct CameraCalibration {
   CameraModel camera;
-  /// Standard deviations in the order and the units of LensParameters, from the residuals; empty when the images
-  /// leave a parameter open.
+  /// Covariance in the order and units of LensParameters, estimated from the residuals; empty when the images do not
+  /// determine a parameter.
   std::optional<LensCovariance> covariance;
-  double rms_px = 0.0;  ///< over the images used: root mean square of the corners' distances
+  double rms_px = 0.0;  ///< RMS distance of the corners over the images used
   std::vector<ViewFit> views;
 
-  double SigmaPx(int lens_parameter) const;  ///< of fx, fy, cx, cy (0 to 3); infinite without a covariance
+  double SigmaPx(int lens_parameter) const;  ///< of fx, fy, cx, cy (0 to 3), px; infinite without a covariance
   int used_count() const;
 };
 
-/// Least squares over all corners of all images: lens and poses of the boards. Images that disagree with the
-/// others are left out. plumb_bob's k3 is 0 unless the images demand and fix it.
-/// Throws InputError when there are fewer than 3 images, or when they fit no camera.
+/// Estimates lens and board poses by least squares over all corners of all images, excluding outlier images.
+/// plumb_bob's k3 stays 0 unless it is significant and well determined. Throws InputError when there are fewer than 3
+/// images, or when they fit no camera.
 CameraCalibration CalibrateCamera(const CameraCalibrationInput& input, const CameraCalibrationOptions& options);
 
 }  // namespace floorloc

@@ -12,15 +12,15 @@ namespace {
 
 constexpr int kFewImages = 8;
 
-// Angles between the boards: without any, focal length and distance are not separable.
+// Angles between the boards: without tilt, focal length and distance are not separable.
 constexpr double kNoTiltDeg = 4.0;
 constexpr double kLittleTiltDeg = 20.0;
 
-// Farthest corner, as a share of the way from the image's middle to its corner.
+// Farthest corner, relative to the distance from the image centre to its corner.
 constexpr double kOnlyMiddle = 0.45;
 constexpr double kNotOutside = 0.8;
 
-// Standard deviations, as shares of the focal length and of the image's width.
+// Standard deviations relative to the focal length and to the image width.
 constexpr double kOpenSigma = 0.01;
 constexpr double kWeakSigma = 0.002;
 
@@ -109,7 +109,7 @@ class Checker {
     }
   }
 
-  // "the upper left, the right": thirds of the image without any corner of a board.
+  // Thirds of the image without any board corner, e.g. "the upper left, the right".
   std::string MissingRegions() const {
     constexpr std::array kNames{"the upper left", "the upper middle", "the upper right",
                                 "the left",       "the middle",       "the right",

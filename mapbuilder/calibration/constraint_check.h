@@ -8,18 +8,17 @@
 
 namespace floorloc {
 
-/// What the images leave open, in one sentence that says which images to add.
+/// A parameter or region that the images leave undetermined, with the images to add.
 struct Diagnostic {
-  bool fatal = false;  ///< the camera's numbers mean nothing
+  bool fatal = false;  ///< the calibration is unusable
   std::string sentence;
 };
 
-/// Checks number and kind of the images (tilt and distance of the boards, coverage of the image), and at the
-/// standard deviations that follow from them. Empty: the images constrain the camera well.
+/// Checks number and kind of the images (tilt and distance of the boards, coverage of the image) and the resulting
+/// standard deviations. Empty: the camera is well constrained.
 std::vector<Diagnostic> CheckConstraints(const CameraCalibrationInput& input, const CameraCalibration& calibration);
 
-/// Distance of the farthest corner of all images in use from the principal point, pixels: beyond it the lens is only
-/// extrapolated.
+/// Distance in pixels of the farthest used corner from the principal point; beyond it the lens model is extrapolated.
 double CalibratedRadiusPx(const CameraCalibrationInput& input, const CameraCalibration& calibration);
 
 }  // namespace floorloc

@@ -52,7 +52,7 @@ PoseParameters InitialEstimate(const FloorCalibrationInput& input) {
   return FromIsometry(first.camera_from_board * base_from_board.inverse());
 }
 
-// Undistorted pixel -> the plane at this height over the base frame.
+// Homography from undistorted pixels to the plane at this height above the base frame's floor.
 Eigen::Matrix3d PlaneFromPixel(const CameraModel& camera, const Eigen::Isometry3d& camera_from_base, double height_m) {
   Eigen::Matrix3d columns;
   columns << camera_from_base.linear().leftCols<2>(),

@@ -12,41 +12,42 @@
 
 namespace floorloc {
 
-/// A board that lies on the floor, face up, in an image.
+/// Observation of a board lying face up on the floor.
 struct BoardOnFloorObservation {
   std::string name;
   BoardView view;
-  Pose2 base_from_board;  ///< where its corner 0 is and where its x axis points
-  Eigen::Isometry3d camera_from_board = Eigen::Isometry3d::Identity();  ///< a first guess
+  Pose2 base_from_board;  ///< position of its corner 0 and direction of its x axis
+  Eigen::Isometry3d camera_from_board = Eigen::Isometry3d::Identity();  ///< initial value
 };
 
 struct FloorCalibrationInput {
   CameraModel camera;
   Board board;
-  double board_thickness_m = 0.0;  ///< the printed face lies this high above the floor
+  double board_thickness_m = 0.0;  ///< height of the printed face above the floor
   std::vector<BoardOnFloorObservation> observations;
 };
 
-/// How the corners of one image agree with the camera's pose.
+/// Residuals of the corners of one image under the camera's pose.
 struct FloorFit {
   std::string name;
   double rms_px = 0.0;
-  double rms_m = 0.0;  ///< on the board's face, between where a corner is seen and where the board's pose says
+  double rms_m = 0.0;  ///< on the board's face, between the observed corner and the one predicted by the board's pose
   double max_m = 0.0;
-  std::vector<Eigen::Vector2d> expected_px;  ///< raw pixels where the corners would be if all agreed
+  std::vector<Eigen::Vector2d> expected_px;  ///< predicted raw pixels of the corners
 };
 
 struct FloorCalibration {
-  Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();  ///< z of the base frame: up, 0 on the floor
+  Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();  ///< base frame: z up, 0 on the floor
   Eigen::Matrix3d base_from_pixel = Eigen::Matrix3d::Identity();       ///< as in FloorPlane
   std::vector<FloorFit> fits;
 
-  /// Angle between the optical axis and the floor; pi/2: straight down.
+  /// Angle between the optical axis and the floor plane; pi/2: straight down.
   double PitchDownRad() const;
 };
 
-/// The camera's pose over the floor by least squares of the reprojection errors of all corners of all observations. Six
-/// numbers, not the eight of a free homography: the lens is known, and the plane reaches farther than the board.
+/// Estimates the camera's pose over the floor by least squares on the reprojection errors of all corners of all
+/// observations. Six parameters instead of the eight of a free homography, since the lens is known and the plane
+/// extends beyond the board.
 FloorCalibration CalibrateFloor(const FloorCalibrationInput& input);
 
 }  // namespace floorloc

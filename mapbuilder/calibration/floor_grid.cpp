@@ -22,7 +22,7 @@ const cv::Scalar kLine(255, 220, 120);
 const cv::Scalar kObserved(0, 0, 255);
 const cv::Scalar kExpected(0, 220, 0);
 
-// 1, 2 or 5 times a power of ten, so that about kGridLines of them span the length.
+// 1, 2 or 5 times a power of ten, such that about kGridLines steps span the length.
 double GridStep(double length_m) {
   const double wanted = length_m / kGridLines;
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));

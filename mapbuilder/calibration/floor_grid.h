@@ -9,14 +9,14 @@
 
 namespace floorloc {
 
-/// Corners of a board in an image, raw pixels.
+/// Observed and expected corners of a board in an image, raw pixels.
 struct ObservedAndExpected {
   std::vector<Eigen::Vector2d> observed_px;
   std::vector<Eigen::Vector2d> expected_px;
 };
 
-/// An image of the rectified floor for inspection: from above, forward up, with a metric grid, and the corners where
-/// they are seen (crosses) and where the board's pose says (circles). raw: CV_8UC3 of the camera's size.
+/// Rectified floor for inspection: top view, forward up, with a metric grid, observed corners (crosses) and corners
+/// predicted by the board's pose (circles). raw: CV_8UC3 of the camera's size.
 cv::Mat DrawFloorGrid(const FloorCamera& camera, const cv::Mat& raw, const ObservedAndExpected& corners);
 
 }  // namespace floorloc

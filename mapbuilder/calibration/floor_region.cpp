@@ -18,14 +18,14 @@ namespace floorloc {
 namespace {
 
 constexpr int kImageSamples = 48;  // per side of the image
-constexpr int kCells = 160;        // per side of the raster in which the rectangle is sought
+constexpr int kCells = 160;        // per side of the raster for the search of the rectangle
 constexpr double kMinPixelsOfRoi = 64.0;
 
-// A raw pixel's place on the floor and the size of its footprint.
+// Floor position of a raw pixel and the size of its footprint.
 struct Footprint {
   Eigen::Vector2d floor_m;
   double longest_m = 0.0;
-  double mean_m = 0.0;  // root of the area
+  double mean_m = 0.0;  // square root of the area
 };
 
 class FloorView {
@@ -37,14 +37,15 @@ class FloorView {
     determinant_ = base_from_pixel.determinant();
   }
 
-  // Empty above the horizon, and where the lens has no inverse or was not calibrated.
+  // Empty above the horizon, where the lens model has no inverse, and beyond the calibrated radius.
   std::optional<Footprint> At(const Eigen::Vector2d& raw_px) const {
     const Eigen::Vector2d principal(camera_.cx, camera_.cy);
     if (!camera_.Contains(raw_px) || (raw_px - principal).norm() > max_radius_px_) {
       return std::nullopt;
     }
     const Eigen::Vector2d pixel = camera_.Undistort(raw_px);
-    // A camera above the floor turns the image over in front of its horizon: the local area change is negative.
+    // Seen by a camera above the floor, the image-to-floor map reverses orientation below the horizon: its Jacobian
+    // determinant is negative.
     const double w = floor_.floor.base_from_pixel.row(2) * pixel.homogeneous();
     if (!pixel.allFinite() || !(determinant_ * w < 0.0)) {
       return std::nullopt;
@@ -65,7 +66,7 @@ class FloorView {
   std::optional<Footprint> AtFloor(const Eigen::Vector2d& point_m) const {
     const Eigen::Vector2d raw_px = floor_.RawPixelFromFloor(point_m);
     const std::optional<Footprint> footprint = raw_px.allFinite() ? At(raw_px) : std::nullopt;
-    // The way back must end where it began: lens models fold outside of the image.
+    // Checks the round trip, since lens models fold over outside the image.
     return footprint && (footprint->floor_m - point_m).norm() < 0.5 * footprint->longest_m ? footprint : std::nullopt;
   }
 
@@ -76,7 +77,7 @@ class FloorView {
   double determinant_ = 0.0;
 };
 
-// Footprints of pixels spread over the image, without those that are too coarse.
+// Footprints of pixels sampled over the image, without those that are too coarse.
 std::vector<Footprint> SampleImage(const FloorView& view, const CameraModel& camera, double max_ratio) {
   std::vector<Footprint> all;
   double finest_m = std::numeric_limits<double>::infinity();
@@ -113,8 +114,8 @@ struct CellRect {
   int area() const { return (x_end - x_begin) * (y_end - y_begin); }
 };
 
-// The largest rectangle of true cells: for every row, the widest one below each height of the columns of true cells
-// that end there.
+// Largest rectangle of true cells: per row, the largest one in the histogram of the heights of true columns ending
+// there.
 CellRect LargestRectangle(const Raster& raster) {
   CellRect best;
   std::array<int, kCells> height{};
@@ -154,7 +155,7 @@ RectM LargestVisibleRect(const FloorView& view, const RectM& bounds, double max_
   return {low.x(), high.x(), low.y(), high.y()};
 }
 
-// Bounds inward to multiples of 5 mm; of 1 mm for a small region.
+// Rounds the bounds inward to multiples of 5 mm, or 1 mm for a small region.
 RectM Rounded(const RectM& r) {
   const double per_m = std::min(r.width_m(), r.height_m()) > 0.1 ? 200.0 : 1000.0;
   const auto up = [&](double v) { return std::ceil(v * per_m - 1e-6) / per_m; };
@@ -162,7 +163,7 @@ RectM Rounded(const RectM& r) {
   return {up(r.x_min), down(r.x_max), up(r.y_min), down(r.y_max)};
 }
 
-// The nearest of 1, 1.2, 1.5, 2, 2.5, 3, 4 ... 9 times a power of ten.
+// Rounds to the nearest of 1, 1.2, 1.5, 2, 2.5, 3, 4 ... 9 times a power of ten.
 double RoundNumber(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   double best = power;
@@ -171,7 +172,7 @@ double RoundNumber(double value) {
       best = digits * power;
     }
   }
-  // Through text, so that 7e-4 is that and not 7.000000000000001e-4.
+  // Converted through text, to give 7e-4 rather than 7.000000000000001e-4.
   return std::stod(std::to_string(best * 1e6)) / 1e6;
 }
 

@@ -12,12 +12,12 @@
 namespace floorloc {
 namespace {
 
-// Focal lengths to try, in units of the image's width.
+// Focal lengths to try, in units of the image width.
 constexpr std::array kFocalLengths{0.3, 0.5, 0.8, 1.3, 2.2, 4.0};
 constexpr int kTrialSteps = 12;
 constexpr double kMaxFisheyeAngleRad = 1.45;
 
-// Raw pixel -> plane z = 1, for a lens whose coefficients are zero.
+// Raw pixel -> plane z = 1, for a lens without distortion.
 cv::Point2d OnUnitPlane(const LensAdjustment& problem, const Eigen::Vector2d& raw_px) {
   const double x = (raw_px.x() / problem.width_px - problem.lens[2]) / problem.lens[0];
   const double y = (raw_px.y() / problem.width_px - problem.lens[3]) / problem.lens[1];
@@ -29,7 +29,7 @@ cv::Point2d OnUnitPlane(const LensAdjustment& problem, const Eigen::Vector2d& ra
   return {x * share, y * share};
 }
 
-// The pose of a plane before the camera from its homography plane -> z = 1 (Zhang 2000).
+// Pose of a plane in front of the camera from the homography plane -> z = 1 (Zhang 2000).
 std::optional<Eigen::Isometry3d> PoseOfPlane(const cv::Mat& homography) {
   Eigen::Matrix3d h;
   for (int row = 0; row < 3; ++row) {

@@ -5,9 +5,9 @@
 
 namespace floorloc {
 
-/// A lens without distortion and places of the boards to start from: several focal lengths are tried, from fisheye to
-/// tele, the boards placed by their homographies (Zhang 2000), and each try adjusted by a few steps; the best one
-/// stays. problem has views (in planes z = 0), model and width_px; false when nothing fits.
+/// Finds initial values: tries several focal lengths, from fisheye to tele, without distortion, with board poses from
+/// their homographies (Zhang 2000), adjusts each by a few iterations and keeps the best. problem must have views (in
+/// planes z = 0), model and width_px; returns false when nothing fits.
 bool FindInitialLens(double height_px, LensAdjustment* problem);
 
 }  // namespace floorloc

@@ -12,14 +12,16 @@
 namespace floorloc {
 namespace {
 
-// Corners farther off than this lose weight: a smudge on the board must not bend the lens.
+// Huber threshold: corners with larger errors lose influence, so that a smudge on the board does not distort the lens.
 constexpr double kHuberPx = 1.0;
 constexpr double kMinDepthM = 1e-6;
 
-// Smallest eigenvalue of the information about a lens whose parameters are scaled to 1: below it, one of them is open.
+// Smallest eigenvalue of the information matrix of a lens whose parameters are scaled to 1, below which a parameter is
+// undetermined.
 constexpr double kMinEigenvalue = 1e-13;
 
-// The rational model's coefficients can cancel each other; this pull to zero, in pixels per unit, keeps them small.
+// The coefficients of the rational model can cancel each other; this regularisation towards zero, in pixels per unit,
+// keeps them small.
 constexpr double kRationalPullPx = 0.01;
 
 class ReprojectionError {
@@ -73,7 +75,7 @@ void AddViews(LensAdjustment* p, ceres::Problem* problem) {
   }
 }
 
-// J^T J of all free parameters, the lens' first.
+// J^T J of all free parameters, those of the lens first.
 Eigen::MatrixXd NormalMatrix(LensAdjustment* p, ceres::Problem* problem) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = {p->lens.data()};
@@ -94,7 +96,7 @@ Eigen::MatrixXd NormalMatrix(LensAdjustment* p, ceres::Problem* problem) {
   return normal;
 }
 
-// Inverse of the Schur complement of the lens in the normal matrix; empty when it is singular for its scale.
+// Inverse of the Schur complement of the lens in the normal matrix; empty when it is numerically singular.
 std::optional<LensCovariance> InvertForLens(const Eigen::MatrixXd& normal, const std::vector<int>& free) {
   const auto n = static_cast<Eigen::Index>(free.size());
   const Eigen::Index m = normal.cols() - n;

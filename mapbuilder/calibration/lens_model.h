@@ -8,13 +8,14 @@
 
 namespace floorloc {
 
-/// fx, fy, cx, cy in units of the image's width, so that all numbers are of one size, and up to 8 lens coefficients.
+/// fx, fy, cx, cy in units of the image width, so that all parameters are of similar magnitude, and up to 8 distortion
+/// coefficients.
 constexpr int kLensParameters = 12;
 constexpr int kFirstCoefficient = 4;
 using LensParameters = std::array<double, kLensParameters>;
 
-/// CameraModel::Distort for any scalar, so that it can be differentiated: a point of the plane z = 1 in front of the
-/// camera -> raw pixel in units of the image's width.
+/// CameraModel::Distort for any scalar type, for automatic differentiation: a point of the plane z = 1 in front of the
+/// camera -> raw pixel in units of the image width.
 template <typename T>
 std::array<T, 2> ProjectThroughLens(DistortionModel model, const T* lens, const T& x, const T& y) {
   const T* k = lens + kFirstCoefficient;
