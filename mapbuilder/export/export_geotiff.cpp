@@ -36,7 +36,7 @@ using TiffFile = std::unique_ptr<TIFF, Closer>;
 
 void IgnoreMessages(const char*, const char*, va_list) {}
 
-// libtiff's own messages would go to stderr beside ours.
+// libtiff's messages would otherwise be printed to stderr beside ours.
 TiffFile Open(const std::filesystem::path& file, const char* mode) {
   TIFFSetErrorHandler(IgnoreMessages);
   TIFFSetWarningHandler(IgnoreMessages);
@@ -49,7 +49,7 @@ void Check(bool written, const std::filesystem::path& file) {
   }
 }
 
-// A JPEG of the map's tiles takes less than the subsampled pixels themselves, 1.5 bytes each.
+// Upper bound: the map's JPEG tiles take less than uncompressed subsampled pixels of 1.5 bytes.
 bool NeedsBigTiff(const MosaicLevel& level) {
   const double pixels = static_cast<double>(level.layout.tile_px) * level.layout.tile_px;
   return static_cast<double>(level.columns()) * level.rows() * pixels * 1.5 > 4e9;
@@ -63,7 +63,7 @@ bool SetImageTags(TIFF* tiff, const MosaicLevel& level) {
          TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8) == 1 && TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 3) == 1 &&
          TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1 &&
          TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_JPEG) == 1 &&
-         // Every tile brings its own tables.
+         // Every tile contains its own JPEG tables.
          TIFFSetField(tiff, TIFFTAG_JPEGTABLESMODE, 0) == 1 &&
          TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_YCBCR) == 1 &&
          TIFFSetField(tiff, TIFFTAG_YCBCRSUBSAMPLING, 2, 2) == 1;
@@ -115,7 +115,7 @@ std::vector<std::uint8_t> BlackTile(int tile_px) {
   return jpeg;
 }
 
-// Row by row from the upper left, as TIFF numbers tiles.
+// Row-major from the upper left, the order of tiles in TIFF.
 void WriteTiles(TIFF* tiff, const MapDatabase& map, const MosaicLevel& level, const std::filesystem::path& file) {
   const std::set<TileId> present(level.tiles.begin(), level.tiles.end());
   const std::vector<std::uint8_t> black = BlackTile(level.layout.tile_px);

@@ -13,10 +13,10 @@ struct GeoTiffSummary {
   double resolution_m = 0.0;
 };
 
-/// Writes a level of the mosaic, the coarsest that is at least as fine as asked for (0: the finest), as a tiled GeoTIFF
-/// (OGC 19-008r4) in a local engineering coordinate system in metres, the map frame. The map's JPEG tiles go into it as
-/// they are, one by one: nothing is compressed twice, and memory does not grow with the floor. BigTIFF where 4 GiB
-/// might not do. Throws MapError or InputError.
+/// Writes a level of the mosaic, the coarsest that is at least as fine as resolution_m (0: the finest), as a tiled
+/// GeoTIFF (OGC 19-008r4) in a local engineering coordinate system in metres, the map frame. The map's JPEG tiles are
+/// copied one by one without re-encoding, so that memory does not grow with the floor. Uses BigTIFF when the file might
+/// exceed 4 GiB. Throws MapError or InputError.
 GeoTiffSummary ExportGeoTiff(const MapDatabase& map, double resolution_m, const std::filesystem::path& file);
 
 }  // namespace floorloc

@@ -19,7 +19,7 @@ MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m) {
   const MosaicLevel level = ReadMosaicLevel(map, resolution_m);
   const double wanted_m = resolution_m > 0.0 ? resolution_m : level.layout.resolution_m;
   const RectM grid = level.Extent();
-  // The level's own pixels are up to twice as many; more when its tiles are not of one floor.
+  // The level can have up to twice the requested pixels per side; more in a damaged map whose tiles are far apart.
   const double level_px = std::max(level.columns(), level.rows()) * static_cast<double>(level.layout.tile_px);
   if (grid.width_m() / wanted_m > kMaxSidePx || grid.height_m() / wanted_m > kMaxSidePx ||
       level_px > 2.0 * kMaxSidePx + level.layout.tile_px) {

@@ -7,15 +7,15 @@
 
 namespace floorloc {
 
-/// The mosaic as one image; row 0 is at y_max.
+/// Mosaic as one image; row 0 is at y_max.
 struct MosaicImage {
   cv::Mat bgr;
   double resolution_m = 0.0;
-  RectM extent;  ///< of the image's outer edges, map frame
+  RectM extent;  ///< outer edges of the image, map frame
 };
 
-/// Puts the mosaic's tiles together at the given resolution (0: the map's). Throws MapError when the image would be
-/// larger than 30,000 pixels a side.
+/// Assembles the mosaic's tiles at the given resolution (0: the map's). Throws MapError when the image would exceed
+/// 30,000 pixels a side.
 MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m);
 
 }  // namespace floorloc

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMaxSide = 30000.0;
 
-// Darker pixels are no floor: the mosaic is black there, JPEG leaves traces.
+// Darker pixels are not floor: the mosaic is black there, apart from JPEG noise.
 constexpr double kMinFloorGray = 6.0;
 
 int CellOf(double coordinate_m, double origin_m, double resolution_m) {
@@ -70,7 +70,7 @@ void WriteNav2Map(const OccupancyGrid& grid, const std::filesystem::path& yaml) 
   }
   WriteFileAtomically(image, pgm);
   char text[512];
-  // Unknown cells are (255 - 205) / 255 = 0.19608 occupied: free must lie below.
+  // Unknown cells have an occupancy of (255 - 205) / 255 = 0.19608, so free_thresh must be below that.
   std::snprintf(text, sizeof(text),
                 "mode: trinary\nresolution: %.9g\norigin: [%.9g, %.9g, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"
                 "free_thresh: 0.196\n",

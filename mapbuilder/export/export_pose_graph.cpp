@@ -8,7 +8,8 @@
 namespace floorloc {
 namespace {
 
-// g2o measures the error of an edge in the measured frame of its second vertex, a link's covariance in the first's.
+// In g2o the error of an edge is expressed in the measured frame of its second vertex; a link's covariance is in the
+// first's.
 Eigen::Matrix3d InformationInSecond(const MapLink& link) {
   Eigen::Matrix3d first_from_second = Eigen::Matrix3d::Identity();
   first_from_second.topLeftCorner<2, 2>() = link.first_from_second.rotation();

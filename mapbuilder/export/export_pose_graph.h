@@ -8,8 +8,8 @@
 
 namespace floorloc {
 
-/// The pose graph in g2o's text format (Kuemmerle et al. 2011): VERTEX_SE2 per frame, numbered in their order,
-/// EDGE_SE2 per link with the upper triangle of its information, FIX for the first frame.
+/// Formats the pose graph as g2o text (Kuemmerle et al. 2011): VERTEX_SE2 per frame, numbered in order, EDGE_SE2 per
+/// link with the upper triangle of its information matrix, FIX for the first frame.
 std::string FormatG2o(const std::vector<MapFrame>& frames, const std::vector<MapLink>& links);
 
 }  // namespace floorloc

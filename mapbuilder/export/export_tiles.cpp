@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The whole folder is renamed at the end: its files need not be written atomically.
+// Files need not be written atomically, since the whole folder is renamed at the end.
 void WriteTile(const fs::path& file, const std::vector<std::uint8_t>& jpeg) {
   fs::create_directories(file.parent_path());
   std::ofstream out(file, std::ios::binary);

@@ -8,9 +8,8 @@
 
 namespace floorloc {
 
-/// Writes the mosaic's tiles as they are in the map, FOLDER/z/x/y.jpg with y counting up, and FOLDER/metadata.json,
-/// which says where they lie. The folder appears when it is complete. Returns the number of tiles. Throws MapError or
-/// InputError.
+/// Copies the mosaic's tiles to FOLDER/z/x/y.jpg, y increasing upwards, and writes FOLDER/metadata.json with their
+/// georeference. The folder appears only when complete. Returns the number of tiles. Throws MapError or InputError.
 std::int64_t ExportTiles(const MapDatabase& map, const std::filesystem::path& folder);
 
 }  // namespace floorloc
