@@ -10,10 +10,10 @@
 namespace floorloc {
 namespace {
 
-// How far gravity may lean from the IMU's z axis on average.
+// Maximum mean tilt of gravity from the IMU's z axis.
 constexpr double kMaxTilt = 0.2;
 
-/// A drive on its way through the tracker.
+/// Replays a drive through the tracker.
 class Run {
  public:
   Run(const Localizer& localizer, const Survey& survey, const FuseFramesOptions& options)
@@ -37,7 +37,7 @@ class Run {
   }
 
  private:
-  // IMU and odometry up to a time, in the order of their times.
+  // Sends IMU and odometry messages up to a stamp, in order of time.
   void SendMotionUntil(std::int64_t stamp_ns) {
     const auto imu_due = [&] {
       return options_.use_imu && next_imu_ < survey_.imu.size() && survey_.imu[next_imu_].stamp_ns <= stamp_ns;
@@ -87,7 +87,7 @@ class Run {
     fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, fused.localized.result);
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {
-      drive_.poses.pop_back();  // of the same time, before the frame
+      drive_.poses.pop_back();  // pose of the same stamp, before the frame was applied
     }
     return fused;
   }

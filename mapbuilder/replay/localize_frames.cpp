@@ -23,9 +23,8 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
 
 bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
-// The ground truth's frame is the surveyor's, the map's its own: some frames that are localized on the whole map give
-// how they lie to each other. Each proposes a motion, be it an accepted fix or not; the one that most others agree with
-// is taken.
+// Ground truth and map have different frames. Some frames are localized globally; each gives a transform between the
+// frames, whether or not its fix was accepted, and the transform that most others agree with is returned.
 Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey) {
   constexpr std::size_t kFrames = 30;
   constexpr double kAgreeM = 0.05;
@@ -38,7 +37,7 @@ Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, co
       truth_and_fix.emplace_back(*truth, fix.result.map_from_base);
     }
   }
-  Pose2 best;  // without any, the frames are taken to be the same
+  Pose2 best;  // identity when there is no proposal
   std::ptrdiff_t best_count = 0;
   for (const auto& proposal : truth_and_fix) {
     const Pose2 map_from_truth = proposal.second * proposal.first.Inverse();
@@ -74,7 +73,7 @@ std::vector<LocalizedFrame> LocalizeIndependently(const Localizer& localizer, co
   return frames;
 }
 
-// A frame after a frame: the last fix moved by odometry is the prior of the next one.
+// Sequentially: the prior of a frame is the last fix propagated by odometry.
 std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, const Rectifier& rectifier,
                                                  const Survey& survey, const LocalizeFramesOptions& options) {
   if (survey.odometry.empty()) {
@@ -93,7 +92,7 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
     localized.frame = frame;
     const FrameObservation observation = localizer.Observe(rectifier, ReadFrame(survey, frame, &localized.decode_ms));
     localized.result = localizer.Localize(observation, prior);
-    if (prior && !Found(localized)) {  // lost: perhaps kidnapped
+    if (prior && !Found(localized)) {  // lost, possibly by a kidnap
       localized.result = localizer.Localize(observation, std::nullopt);
     }
     if (Found(localized) && odom_from_base) {

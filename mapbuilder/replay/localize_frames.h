@@ -13,9 +13,9 @@
 namespace floorloc {
 
 enum class PriorSource {
-  kNone,      ///< every frame on the whole map
-  kOdometry,  ///< from the last fix, propagated by odometry; the whole map until there is one and after a loss
-  kTruth,     ///< from groundtruth.tum, brought into the map's frame by a few frames localized without it
+  kNone,      ///< global search for every frame
+  kOdometry,  ///< last fix propagated by odometry; global search before the first fix and after a loss
+  kTruth,     ///< groundtruth.tum, transformed into the map frame by globally localizing a few frames
 };
 
 /// Throws std::invalid_argument that lists the known names.
@@ -25,21 +25,21 @@ struct LocalizeFramesOptions {
   PriorSource prior = PriorSource::kNone;
   double prior_radius_m = 0.25;
   double prior_yaw_radius_rad = 0.26;
-  int threads = 1;  ///< 0: one per core; only where frames do not depend on each other
+  int threads = 1;  ///< 0: one per core; not used with PriorSource::kOdometry
   ProgressOutput progress;
 };
 
-/// One frame's answer.
+/// Localization result of one frame.
 struct LocalizedFrame {
   SurveyFrame frame;
   LocalizationResult result;
   double decode_ms = 0.0;
 };
 
-/// Reads a frame's image (CV_8UC1) and says how long it took. Throws InputError.
+/// Reads a frame's image (CV_8UC1) and measures the time. Throws InputError.
 cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms);
 
-/// Localizes every frame of a folder, in order. Throws InputError.
+/// Localizes every frame of a survey folder, in order. Throws InputError.
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,
                                            const LocalizeFramesOptions& options);
 

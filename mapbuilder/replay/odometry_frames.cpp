@@ -15,7 +15,7 @@
 namespace floorloc {
 namespace {
 
-// Frames whose features are in memory at a time.
+// Number of frames whose features are in memory at once.
 constexpr std::size_t kFramesAtOnce = 128;
 
 class Stopwatch {
@@ -41,7 +41,7 @@ std::optional<Pose2> WheelMotion(const Survey& survey, std::size_t frame) {
   return from && to ? std::optional<Pose2>(from->Between(*to)) : std::nullopt;
 }
 
-// Linear between the neighbours; empty outside of them.
+// Linear interpolation; empty outside the trajectory.
 std::optional<Eigen::Vector3d> PositionAt(const Trajectory& trajectory, std::int64_t stamp_ns) {
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp_ns,
                                       [](const StampedPose3& pose, std::int64_t ns) { return pose.stamp_ns < ns; });
@@ -75,7 +75,7 @@ nlohmann::ordered_json ToJson(const VisualMotion& motion) {
           {"overlap", motion.overlap}};
 }
 
-// Features of the frames [first, last), with the times they took.
+// Extracts features of the frames [first, last) and records the times.
 std::vector<Features> ExtractFrames(const Survey& survey, const FeatureExtractor& extractor, int threads,
                                     std::span<PlanarFrame> frames) {
   const Rectifier rectifier(survey.camera);

@@ -14,28 +14,28 @@ namespace floorloc {
 
 struct PlanarFramesOptions {
   ExtractorOptions extractor;
-  PlanarOdometryOptions odometry;  ///< the resolution is the survey's
-  bool use_wheels = false;         ///< each frame is searched around the prediction of odometry.tum
-  int threads = 1;                 ///< for the features; 0: one per core
+  PlanarOdometryOptions odometry;  ///< with the survey's resolution
+  bool use_wheels = false;         ///< search each frame around the prediction of odometry.tum
+  int threads = 1;                 ///< for feature extraction; 0: one per core
   ProgressOutput progress;
 };
 
-/// One frame of a camera over the floor.
+/// Result for one frame of a camera above the floor.
 struct PlanarFrame {
   SurveyFrame frame;
   PlanarOdometryResult result;
-  Pose2 odom_from_base;  ///< in the frame of the folder's odometry, where it has one
+  Pose2 odom_from_base;  ///< in the frame of the folder's odometry if it has one
   int keypoints = 0;
   double decode_ms = 0.0;
-  double features_ms = 0.0;  ///< with rectification
+  double features_ms = 0.0;  ///< including rectification
   double track_ms = 0.0;
 };
 
-/// Measures the motion from frame to frame of a folder. The first frame's pose is that of odometry.tum at its time,
+/// Planar visual odometry over the frames of a folder. The first frame's pose is that of odometry.tum at its stamp,
 /// else the identity. Deterministic for any number of threads. Throws InputError.
 std::vector<PlanarFrame> TrackPlanarFrames(const Survey& survey, const PlanarFramesOptions& options);
 
-/// The frames whose motion is known.
+/// Frames whose motion is known.
 Trajectory ToTrajectory(const std::vector<PlanarFrame>& frames);
 
 /// One line of the --results file.
@@ -43,11 +43,11 @@ std::string ToJsonLine(const PlanarFrame& frame);
 
 struct MonocularFramesOptions {
   MonocularOdometryOptions odometry;
-  Trajectory positions;  ///< of the camera, in any fixed frame: they give the scale; may be empty
+  Trajectory positions;  ///< of the camera, in any fixed frame, to determine the scale; may be empty
   ProgressOutput progress;
 };
 
-/// One frame of a camera in any orientation.
+/// Result for one frame of a camera in any orientation.
 struct MonocularFrame {
   SurveyFrame frame;
   MonocularOdometryResult result;
@@ -55,11 +55,11 @@ struct MonocularFrame {
   double track_ms = 0.0;
 };
 
-/// The camera's way, frame after frame, in the first frame's camera axes. Throws InputError.
+/// Monocular odometry over the frames of a recording, in the camera frame of the first. Throws InputError.
 std::vector<MonocularFrame> TrackMonocularFrames(const CameraRecording& recording,
                                                  const MonocularFramesOptions& options);
 
-/// The frames that were not lost.
+/// Frames that were not lost.
 Trajectory ToTrajectory(const std::vector<MonocularFrame>& frames);
 
 /// One line of the --results file.
