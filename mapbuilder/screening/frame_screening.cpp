@@ -13,18 +13,18 @@
 namespace floorloc {
 namespace {
 
-// A survey with a larger share of broken images was not copied whole.
+// A larger share of unreadable images indicates an incompletely copied survey.
 constexpr double kMaxUnreadableShare = 0.05;
 
-// Fewer keypoints than this never register.
+// Frames with fewer keypoints never register.
 constexpr std::size_t kMinKeypoints = 12;
 
-// An image whose brighter parts stay below this grey value shows noise.
+// Images whose bright level is below this grey value contain only noise.
 constexpr float kMinBrightLevel = 12.0F;
 constexpr float kMaxClippedShare = 0.5F;
 
-// Sharpness below this share of that before and after means blur: on one floor it varies by about a fifth, and only
-// blur of several pixels halves it. Up to there images still register.
+// Relative to the frames before and after, lower sharpness means blur: on one floor it varies by about a fifth, and
+// only blur of several pixels halves it. Less blurred images still register.
 constexpr float kMinRelativeSharpness = 0.5F;
 constexpr std::size_t kSharpnessNeighbours = 5;
 
@@ -62,7 +62,7 @@ class Screener {
   std::vector<std::string> warnings_;
 };
 
-// Frames of a survey that were not rejected so far, in order of time.
+// Frames of a survey not rejected so far, ordered by time.
 std::vector<int> Screener::Remaining(int survey) const {
   std::vector<int> remaining;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -135,7 +135,7 @@ void Screener::FindWithoutTexture() {
   }
 }
 
-// Sensor noise makes every image unique: equal ones are copies.
+// Identical images are copies, since sensor noise makes every image unique.
 void Screener::FindRepeatedFiles() {
   std::unordered_map<std::uint64_t, std::size_t> first_with;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -157,7 +157,7 @@ void Screener::FindBlurred() {
       sharpness.push_back(frames_[static_cast<std::size_t>(i)].quality.sharpness);
     }
     for (std::size_t k = 0; k < remaining.size(); ++k) {
-      // Where the floor itself changes, one side is like this frame.
+      // At a change of the floor, the frames on one side are similar to this one.
       const auto at = sharpness.begin() + static_cast<std::ptrdiff_t>(k);
       const auto reach_before = static_cast<std::ptrdiff_t>(std::min(k, kSharpnessNeighbours));
       const auto reach_after = static_cast<std::ptrdiff_t>(std::min(remaining.size() - k - 1, kSharpnessNeighbours));
@@ -170,7 +170,7 @@ void Screener::FindBlurred() {
   }
 }
 
-// Long stretches of little sharpness may be a smooth floor: they are only named.
+// Long stretches of low sharpness may be a smooth floor, so they only cause a warning.
 void Screener::WarnOfPersistentBlur(const std::vector<int>& remaining) {
   std::vector<float> sharpness;
   for (const int i : remaining) {
@@ -231,7 +231,7 @@ ScreenedFrames Screener::Result() const {
   return result;
 }
 
-// Removes the control points of images that are not among the frames, and returns how many.
+// Removes control points whose images are not among the frames; returns their number.
 std::size_t RemoveLostControlPoints(FrameSet* set) {
   std::vector<std::set<std::string>> kept(set->surveys.size());
   for (const BuildFrame& frame : set->frames) {

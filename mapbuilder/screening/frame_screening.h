@@ -10,16 +10,16 @@
 
 namespace floorloc {
 
-/// The frames that are good for a map, and what was found wrong with the others.
+/// Frames that are suitable for a map, and the dropped ones with reasons.
 struct ScreenedFrames {
   FrameSet kept;
   std::vector<DroppedFrame> dropped;
-  std::vector<std::string> warnings;  ///< sentences
+  std::vector<std::string> warnings;  ///< one sentence each
 };
 
-/// Takes frames out that would harm the map or add nothing to it: unreadable, too dark, overexposed, without texture,
-/// much less sharp than the frames around them, repeated while the robot stood still; with them go their control
-/// points. Throws InputError when more than a few images can't be read, or no frame is left.
+/// Drops frames that would harm the map or add nothing to it: unreadable, too dark, overexposed, without texture, much
+/// less sharp than the frames around them, repeated during standstill; and their control points. Throws InputError when
+/// too many images are unreadable or no frame is left.
 ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registration);
 
 }  // namespace floorloc

@@ -14,11 +14,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Shorter motions say little about scale and direction, smaller turns little about handedness.
+// Shorter motions do not determine scale and direction, smaller rotations not handedness.
 constexpr double kMinMotionM = 0.02;
 constexpr double kMinTurnRad = 0.005;
 
-// In a tight turn a base frame that is a few centimetres off changes length and direction of the motion.
+// In a tight turn, an offset of the base frame of a few centimetres changes length and direction of the motion.
 constexpr double kMaxTurnRad = 0.15;
 
 constexpr int kMinMotions = 5;
@@ -30,12 +30,12 @@ constexpr double kWarnDirectionRad = 3.0 * std::numbers::pi / 180.0;
 constexpr double kRefuseDirectionRad = 15.0 * std::numbers::pi / 180.0;
 constexpr double kWarnScatter = 0.2;
 
-// Motions that are registered: along the way, each about this share of the view long, and sideways to it.
+// Number of sampled motions in the driving direction, each of about this share of the view, and of sideways ones.
 constexpr std::size_t kSampledForward = 200;
 constexpr std::size_t kSampledSideways = 60;
 constexpr double kSampledShare = 0.2;
 
-// A motion is sideways when this share of it is, and votes when it fits one way this well.
+// Minimum lateral share of a sideways motion, and maximum relative error for it to vote on handedness.
 constexpr double kSidewaysShare = 0.5;
 constexpr double kMaxVoteError = 0.3;
 
@@ -49,7 +49,7 @@ Complex Translation(const Pose2& motion) { return {motion.x(), motion.y()}; }
 
 struct Fit {
   Complex factor;        // by_vision = factor * by_odometry
-  double scatter = 0.0;  // median share that is left
+  double scatter = 0.0;  // median relative residual
 };
 
 Fit FitFactor(const std::vector<Complex>& from, const std::vector<Complex>& to) {
@@ -72,8 +72,8 @@ bool IsSideways(const Pose2& motion) {
   return std::abs(motion.y()) > std::max(kMinMotionM, kSidewaysShare * motion.translation().norm());
 }
 
-// 1: a true world, -1: a mirrored one, 0: the motion is not conclusive. A turn changes its sign in the mirror, a motion
-// sideways its side.
+// 1: right handedness, -1: mirrored, 0: inconclusive. Mirroring changes the sign of rotations and of the lateral
+// motion.
 int HandednessVote(const MotionPair& m, const Complex& factor) {
   const double turn = m.by_odometry.yaw();
   if (std::abs(turn) > kMinTurnRad && std::abs(turn) < 0.5 * std::numbers::pi) {
@@ -121,7 +121,7 @@ std::vector<T> SpreadEvenly(const std::vector<T>& all, std::size_t count) {
   return sample;
 }
 
-// Pairs of successive frames between which odometry moved by a part of the view.
+// Pairs of frames in sequence between which odometry moved by a share of the view.
 std::vector<FramePair> ForwardPairs(const std::vector<BuildFrame>& frames, int survey, const RectM& floor) {
   const double step_m = kSampledShare * std::min(floor.width_m(), floor.height_m());
   std::vector<FramePair> pairs;
@@ -148,7 +148,8 @@ Pose2 OfView(const Pose2& motion, const RectM& floor) {
   return base_from_view.Inverse() * motion * base_from_view;
 }
 
-// Pairs that odometry sees side by side, as on neighbouring lanes; the nearest in time first, which drifted least.
+// Pairs that are side by side according to odometry, as on neighbouring lanes; nearest in time first, since they
+// drifted least.
 std::vector<FramePair> SidewaysPairs(const std::vector<BuildFrame>& frames, int survey, const RectM& floor) {
   std::vector<std::optional<Pose2>> odom_from_base(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kMaxMotionPx = 0.33;
 
-// Dirt on the lens is stationary too, but it is not most of the image.
+// Minimum share of stationary keypoints: dirt on the lens is stationary too, but covers less of the image.
 constexpr double kMinSharedKeypoints = 0.5;
 
-// What is searched around the identity.
+// Search range around the identity.
 constexpr double kSearchPx = 3.0;
 constexpr double kSearchRad = 0.01;
 

@@ -9,13 +9,13 @@
 namespace floorloc {
 
 struct StandstillResult {
-  std::vector<int> repeated;  ///< frames that show what the last frame before them that is not repeated shows
-  int moved_by_odometry = 0;  ///< those of them at which odometry had moved on
+  std::vector<int> repeated;  ///< frames that show the same as the last preceding frame that is not repeated
+  int moved_by_odometry = 0;  ///< number of those at which odometry had moved
 };
 
-/// Finds frames taken while the robot stood still, among `order` (indices into frames, in order of time, of one
-/// camera): most keypoints are those of an earlier frame, and no corner of the floor moved by a third of a pixel since.
-/// Slow motion is none: it adds up.
+/// Finds frames taken during standstill among `order` (indices of one camera's frames, ordered by time): most keypoints
+/// match those of an earlier frame, and no corner of the view has moved by a third of a pixel since. Slow motion is not
+/// standstill, because it accumulates.
 StandstillResult FindStationaryFrames(const std::vector<BuildFrame>& frames, const std::vector<int>& order,
                                       const RectM& floor, const PairRegistrationOptions& registration);
 
