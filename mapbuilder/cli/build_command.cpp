@@ -36,7 +36,7 @@ std::vector<std::string> ExtractorNames() {
   return names;
 }
 
-// Size and time of change of an option that is a file.
+// Size and modification time of an option that is a file.
 std::string StateOfFile(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
@@ -46,7 +46,7 @@ std::string StateOfFile(const std::filesystem::path& file) {
          std::to_string(std::filesystem::last_write_time(file, error).time_since_epoch().count());
 }
 
-// All options but those that do not change the map: a journal serves the build that it was made for.
+// All options that can change the map: a journal is valid only for the options it was written with.
 std::string FingerprintOf(const CLI::App& command) {
   std::string fingerprint;
   for (const CLI::Option* option : command.get_options()) {

@@ -16,7 +16,7 @@
 namespace floorloc {
 namespace {
 
-// The command line's arguments, before they are turned into CalibrateOptions.
+// Raw command line arguments, to be converted to CalibrateOptions.
 struct Arguments {
   CalibrateOptions options;
   std::filesystem::path out;

@@ -5,8 +5,8 @@
 
 namespace floorloc {
 
-// Each adds one subcommand with its options and a callback that does the work. A callback returns when the work is
-// done and throws (InputError, MapError, std::invalid_argument, ...) when it failed: main prints the sentence.
+// Each adds one subcommand with its options and a callback that runs it. A callback returns on success and throws
+// (InputError, MapError, std::invalid_argument, ...) on failure; main prints the message.
 void AddBuildCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);

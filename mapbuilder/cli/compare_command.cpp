@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-// As the user writes it.
+// Raw command line arguments.
 struct Arguments {
   std::vector<std::string> detectors, descriptors, matchers, filters;
   std::vector<std::string> methods = {"features", "contour", "template"};
@@ -89,7 +89,7 @@ void Run(const Arguments& a) {
   a.json ? PrintJson(report) : PrintText(report);
 }
 
-// A list of names, separated by commas; an unknown one is wrong usage.
+// Adds an option with a comma-separated list of names; an unknown name is a usage error.
 template <typename Kind>
 void AddList(CLI::App* command, const std::string& flag, std::vector<std::string>* names,
              std::vector<Kind> (*parse)(const std::vector<std::string>&)) {

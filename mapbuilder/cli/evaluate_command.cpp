@@ -29,14 +29,14 @@ const std::map<std::string, AlignmentMode> kAlignmentModes = {
     {"none", AlignmentMode::kNone}, {"se2", AlignmentMode::kSe2},     {"se3", AlignmentMode::kSe3},
     {"sim3", AlignmentMode::kSim3}, {"scale", AlignmentMode::kScale}, {"origin", AlignmentMode::kOrigin}};
 
-// A unit of --delta-unit, and how many of it make one of ours.
+// Units of --delta-unit, with the factor to the library's units.
 const std::map<std::string, std::pair<DeltaUnit, double>> kDeltaUnits = {{"frames", {DeltaUnit::kFrames, 1.0}},
                                                                          {"m", {DeltaUnit::kMetres, 1.0}},
                                                                          {"s", {DeltaUnit::kSeconds, 1.0}},
                                                                          {"deg", {DeltaUnit::kRadians, kDegPerRad}},
                                                                          {"rad", {DeltaUnit::kRadians, 1.0}}};
 
-// What is plotted of an error, and in which unit.
+// The plotted error and its unit.
 struct PlottedError {
   double PoseError::*member;
   const char* unit;
@@ -46,7 +46,7 @@ const std::map<std::string, PlottedError> kPlottedErrors = {{"translation", {&Po
                                                             {"rotation", {&PoseError::rotation_rad, "deg", kDegPerRad}},
                                                             {"full", {&PoseError::full, "", 1.0}}};
 
-// As the user writes it.
+// Raw command line arguments.
 struct Arguments {
   std::string metric;
   std::filesystem::path reference_file;
@@ -95,7 +95,7 @@ TrajectoryEvaluation Evaluate(const Arguments& a) {
   }
 }
 
-// A sum of squares scales with the square of the unit.
+// Statistics scale with the unit, a sum of squares with its square.
 double InUnit(double value, const char* statistic, double per_si) {
   return value * (std::string_view(statistic) == "sse" ? per_si * per_si : per_si);
 }
@@ -132,7 +132,7 @@ void PrintJson(const TrajectoryEvaluation& evaluation, const Arguments& a) {
   std::cout << json.dump(2) << "\n";
 }
 
-// What the errors are of, after the name of the metric.
+// Description of the evaluated errors, appended to the name of the metric.
 std::string Conditions(const Arguments& a) {
   std::ostringstream text;
   if (a.relative()) {
@@ -176,7 +176,7 @@ void Plot(const TrajectoryEvaluation& evaluation, const Arguments& a) {
     plot.samples.push_back({ToSeconds(pair.estimate.stamp_ns), pair.estimate.translation_m.head<2>(),
                             plotted.per_si * evaluation.errors[i].*plotted.member});
   }
-  // Turns that overlap come in the order of their beginnings.
+  // Overlapping rotations are ordered by their start.
   std::stable_sort(plot.samples.begin(), plot.samples.end(),
                    [](const ErrorSample& one, const ErrorSample& other) { return one.time_s < other.time_s; });
   WriteErrorPlot(a.plot_file, plot);

@@ -14,7 +14,7 @@
 namespace floorloc {
 namespace {
 
-// As the user writes it.
+// Raw command line arguments.
 struct Arguments {
   std::vector<std::string> images;
   std::vector<std::string> features;

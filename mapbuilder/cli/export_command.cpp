@@ -36,7 +36,7 @@ void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
   WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
-// Six numbers A, D, B, E, C, F: pixel -> map, C and F for the centre of the upper left pixel.
+// World file: A, D, B, E, C, F of the affine pixel -> map; C and F are for the centre of the upper left pixel.
 std::string FormatWorldFile(const MosaicImage& mosaic) {
   char text[256];
   std::snprintf(text, sizeof(text), "%.12g\n0\n0\n%.12g\n%.12g\n%.12g\n", mosaic.resolution_m, -mosaic.resolution_m,
@@ -56,7 +56,7 @@ void ExportImage(const Arguments& a, const MapDatabase& map) {
               1e3 * mosaic.resolution_m);
 }
 
-// Several surveys can share times: a trajectory has each time once.
+// Surveys may share stamps, but a trajectory contains each stamp only once.
 void ExportPoses(const std::filesystem::path& file, const MapDatabase& map) {
   Trajectory poses;
   for (const MapFrame& frame : map.ReadFrames()) {
@@ -77,7 +77,7 @@ void ExportNav2(const Arguments& a, const MapDatabase& map) {
   std::printf("%s: %d x %d cells of %.3f m\n", a.nav2.c_str(), grid.cells.cols, grid.cells.rows, grid.resolution_m);
 }
 
-// After a self-calibration these are better than what the survey was made with.
+// After self-calibration these are better than the calibration of the survey.
 void ExportCameras(const std::filesystem::path& folder, const std::vector<FloorCamera>& cameras) {
   for (std::size_t survey = 0; survey < cameras.size(); ++survey) {
     const std::filesystem::path place = cameras.size() == 1 ? folder : folder / std::to_string(survey + 1);

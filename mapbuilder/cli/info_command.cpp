@@ -18,7 +18,7 @@ struct Arguments {
   bool json = false;
 };
 
-// Null for what is JSON, but not of numbers that a double holds.
+// Parsed JSON; null when the text is not valid JSON or has numbers that do not fit a double.
 nlohmann::json Embedded(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   return json.is_discarded() ? nlohmann::json() : json;

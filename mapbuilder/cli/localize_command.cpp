@@ -52,7 +52,7 @@ void PrintSummary(const std::vector<LocalizedFrame>& frames) {
               with_status(LocalizationStatus::kNotLocalized), Median(ms));
 }
 
-// How often each state, each rejection, and finding the vehicle elsewhere.
+// Prints the numbers of states, rejections and relocalizations.
 void PrintFusionSummary(const FusedDrive& drive) {
   std::map<std::string, int> states, rejections;
   int reanchored = 0;

@@ -5,7 +5,7 @@
 
 #include "mapbuilder/cli/command.h"
 
-// Exit codes: 0 done, 1 failed (one sentence on stderr), 2 wrong usage.
+// Exit codes: 0 success, 1 failure (one sentence on stderr), 2 usage error.
 int main(int argc, char** argv) {
   CLI::App app("Builds and inspects maps of floors, and localizes recorded frames in them.", "floorloc-mapbuilder");
   app.require_subcommand(1);
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   floorloc::AddCompareCommand(app);
   floorloc::AddReportCommand(app);
   floorloc::AddSimulateCommand(app);
-  cv::setNumThreads(1);  // --threads says how many there are; OpenCV's own pool would add to them
+  cv::setNumThreads(1);  // --threads is the total; OpenCV's own pool would add to it
   try {
     app.parse(argc, argv);
     return 0;

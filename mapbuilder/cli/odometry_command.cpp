@@ -25,14 +25,14 @@ struct Arguments {
   bool json = false;
 };
 
-// What a run comes to, in either mode.
+// Summary of a run in either mode.
 struct Summary {
   int frames = 0;
-  int tracked = 0;  ///< with a motion, the first frame aside
+  int tracked = 0;  ///< with a motion, without the first frame
   int lost = 0;
-  int breaks = 0;  ///< places where the way is not measured (planar), or where the scale was lost (monocular)
+  int breaks = 0;  ///< gaps in the path (planar), or losses of the scale (monocular)
   int keyframes = 0;
-  double length = 0.0;  ///< of the way; metres, or units
+  double length = 0.0;  ///< of the path; metres, or units
   std::vector<double> frame_ms;
 };
 

@@ -17,7 +17,7 @@
 namespace floorloc {
 namespace {
 
-// The command line's arguments, before they are turned into SimulateOptions.
+// Raw command line arguments, to be converted to SimulateOptions.
 struct Arguments {
   SimulateOptions options;
   std::string size = "2.6x1.8";
@@ -68,7 +68,7 @@ ConditionLevels ChooseConditions(const Arguments& arguments) {
   return levels;
 }
 
-// A drive is recorded as robots record one, if nothing else is asked for.
+// Defaults for a drive: the sensors and rates that robots usually record.
 void ChooseSensors(const Arguments& arguments, PathOptions& path) {
   const bool drive = path.type == PathType::kDrive;
   if (!drive && (!path.drive.kidnaps_s.empty() || path.drive.stops > 0 || path.drive.slips > 0 || arguments.imu_rate ||

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Stands for everything that a folder is made from: it is made once.
+// Identifies all inputs of a folder, so that an existing one is reused.
 std::string SourceOf(const VideoSurveyOptions& options) {
   std::ostringstream source;
   source.precision(17);

@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// Videos on the command line of build.
+/// Command line arguments of build for videos.
 struct VideoArguments {
   std::vector<std::filesystem::path> videos;
   std::filesystem::path camera_yaml;
@@ -24,17 +24,17 @@ struct VideoArguments {
 
 void AddVideoOptions(CLI::App* command, VideoArguments* arguments);
 
-/// The survey folders that videos are turned into, beside the map: MAP.video. They outlive a failed build, whose
-/// journal refers to them, and disappear with Finish().
+/// Converts videos to survey folders beside the map, in MAP.video. They survive a failed build, whose journal refers to
+/// them, and are removed by Finish().
 class VideoInput {
  public:
-  /// Replaces folders in `surveys` that hold a video by those made from it, and adds those of the videos. Throws
+  /// Replaces folders in `surveys` that contain a video by the converted ones, and adds those of the videos. Throws
   /// InputError or std::invalid_argument.
   VideoInput(const VideoArguments& arguments, const std::filesystem::path& map, const ProgressOutput& progress,
              std::vector<std::filesystem::path>* surveys);
 
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// The map is there: removes the folders unless they are to be kept.
+  /// To be called when the map is written: removes the folders unless keep_frames.
   void Finish() const;
 
  private:
