@@ -26,7 +26,7 @@ constexpr std::size_t kKeyLength = 64;
 constexpr auto kWriteInterval = std::chrono::seconds(2);
 constexpr std::size_t kMaxPendingBytes = 8U << 20;
 
-// Of the machine that writes: a journal is never moved to another.
+// In native byte order: a journal is not portable.
 struct RecordHeader {
   std::uint64_t mark = kRecordMark;
   std::int64_t size = 0;
@@ -97,7 +97,7 @@ BuildJournal::~BuildJournal() {
   CloseOrRemove();
 }
 
-// Locked, so that two builds never write one journal.
+// Takes a lock, so that two builds never write one journal.
 bool BuildJournal::Open() {
   while (true) {
     descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -112,7 +112,7 @@ bool BuildJournal::Open() {
     if (fstat(descriptor_, &opened) == 0 && stat(file_.c_str(), &named) == 0 && opened.st_ino == named.st_ino) {
       return true;
     }
-    Close();  // its owner removed it between our opening and our locking it
+    Close();  // removed by its owner between our open() and flock()
   }
 }
 
@@ -136,7 +136,7 @@ void BuildJournal::ReadIndex() {
       return;
     }
     if (record.size > status.st_size - end_ - record_bytes) {
-      return;  // the build was killed while it wrote this one
+      return;  // the build was killed while writing this record
     }
     index_[std::string(record.key, kKeyLength)] = {end_ + record_bytes, record.size, record.checksum};
     end_ += record_bytes + record.size;
@@ -196,8 +196,8 @@ void BuildJournal::WriteOut(const Bytes& bytes) {
     end_ += static_cast<std::int64_t>(bytes.size());
     return;
   }
-  // What is there stays: should the disk be too full for the map too, the build can be resumed. A torn record at the
-  // end is recognised then.
+  // Keeps the file: if the disk is too full for the map too, the build can be resumed. A torn record at the end is
+  // detected on reading.
   Warn(std::string("cannot be written any more (") + std::strerror(errno) +
        "); the build continues, but could be resumed from here only");
   CloseOrRemove();
@@ -211,7 +211,7 @@ void BuildJournal::Remove() {
   }
 }
 
-// A file without a record is of no use.
+// Removes the file if it has no record.
 void BuildJournal::CloseOrRemove() {
   if (descriptor_ >= 0 && end_ <= static_cast<std::int64_t>(kHeader.size())) {
     unlink(file_.c_str());

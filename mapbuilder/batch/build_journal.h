@@ -13,27 +13,27 @@
 
 namespace floorloc {
 
-/// Finished pieces of a build, kept beside its output so that a killed build need not do them again. An append-only
-/// file of checksummed records, synced every few seconds. A key is the SHA-256 (hex) of everything its piece depends
-/// on, so pieces of other input are simply never asked for. The journal only saves time: whatever is wrong with it
-/// (damage, a full disk, another build that holds it) is a warning and the work is done again. Thread-safe.
+/// Journal of a build's intermediate results, kept beside its output so that a killed build can be resumed. An
+/// append-only file of checksummed records, synced every few seconds. A key is the SHA-256 (hex) of everything its
+/// result depends on, so results of other input are never found. The journal is only an optimisation: any problem with
+/// it (damage, full disk, lock held by another build) gives a warning, and the work is repeated. Thread-safe.
 class BuildJournal {
  public:
-  /// resume: what the file holds may be used; else it starts empty. warnings: may be nullptr.
+  /// resume: use existing records; else the file starts empty. warnings: may be nullptr.
   BuildJournal(std::filesystem::path file, bool resume, std::ostream* warnings);
-  /// Leaves the file for the build that resumes, unless there was too little work yet to be worth it.
+  /// Flushes and keeps the file for a later resume; removes it if no record was written yet.
   ~BuildJournal();
   BuildJournal(const BuildJournal&) = delete;
   BuildJournal& operator=(const BuildJournal&) = delete;
 
-  /// A piece that the file held when it was opened.
+  /// The result stored under the key when the file was opened; empty if none.
   std::optional<std::vector<std::uint8_t>> Get(const std::string& key);
   void Put(const std::string& key, const std::vector<std::uint8_t>& piece);
-  /// Writes what is pending and syncs it.
+  /// Writes and syncs pending records.
   void Flush();
-  /// The build is done: the file is not needed any more.
+  /// Deletes the file after a successful build.
   void Remove();
-  /// The journal of a map file.
+  /// Path of a map file's journal.
   static std::filesystem::path FileFor(const std::filesystem::path& map) { return map.string() + ".journal"; }
 
  private:
@@ -53,11 +53,11 @@ class BuildJournal {
 
   std::filesystem::path file_;
   std::ostream* warnings_;
-  int descriptor_ = -1;                                    // -1: no journal is kept
-  std::int64_t end_ = 0;                                   // of the last whole record
+  int descriptor_ = -1;                                    // -1: journal disabled
+  std::int64_t end_ = 0;                                   // end of the last complete record
   std::unordered_map<std::string, RecordLocation> index_;  // constant after construction
-  std::mutex file_mutex_;     // of descriptor_ and end_; locked before pending_mutex_ or without it
-  std::mutex pending_mutex_;  // of the rest
+  std::mutex file_mutex_;     // for descriptor_ and end_; locked before pending_mutex_ or without it
+  std::mutex pending_mutex_;  // for pending_ and written_
   std::vector<std::uint8_t> pending_;
   Clock::time_point written_ = Clock::now();
 };

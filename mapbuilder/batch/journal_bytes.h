@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// Values -> bytes of a journal's piece, in the machine's own layout: a journal is read by the program that wrote it.
+/// Serialises values in native layout, since a journal is only read by the program that wrote it.
 class ByteWriter {
  public:
   template <typename T>
@@ -39,7 +39,7 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// The inverse, in the same order. After reading past the end everything reads as empty and Complete() is false.
+/// Deserialises in the same order. After an attempt to read past the end all values are empty and Complete() is false.
 class ByteReader {
  public:
   explicit ByteReader(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
@@ -55,7 +55,7 @@ class ByteReader {
   void Read(bool* value) {
     std::uint8_t byte = 0;
     Read(&byte);
-    failed_ = failed_ || byte > 1;  // no other byte is a bool
+    failed_ = failed_ || byte > 1;  // other values are invalid
     *value = byte == 1;
   }
   template <typename T>
@@ -98,11 +98,11 @@ class ByteReader {
   }
 
   bool failed() const { return failed_; }
-  /// Everything was there, and nothing is left.
+  /// True when everything was read and nothing is left.
   bool Complete() const { return !failed_ && at_ == bytes_.size(); }
 
  private:
-  // Divides: the product of numbers that anybody may have written can wrap.
+  // Divides, since the product of untrusted numbers could overflow.
   static bool Fits(int rows, int cols, int type, std::size_t bytes) {
     if (rows < 0 || cols < 0 || CV_MAT_TYPE(type) != type) {
       return false;

@@ -5,10 +5,10 @@
 
 namespace floorloc {
 
-/// A folder that is filled under another name and gets its own when it is complete; until then nothing of it stays.
+/// A folder that is filled under a temporary name and renamed when complete; removed otherwise.
 class PendingFolder {
  public:
-  /// Throws InputError when there is something at `target` already, an empty folder excepted.
+  /// Throws InputError when `target` exists and is not an empty folder.
   explicit PendingFolder(const std::filesystem::path& target);
   ~PendingFolder();
   PendingFolder(const PendingFolder&) = delete;

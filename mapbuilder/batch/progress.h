@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// Where and how progress is shown. The default shows nothing, so library code can report unconditionally.
+/// Output of progress. The default is silent, so that library code can report unconditionally.
 struct ProgressOutput {
   std::ostream* stream = nullptr;  ///< nullptr: silent
   bool in_place = false;           ///< redraw one line (terminal) instead of a plain line every 10 %
@@ -18,12 +18,12 @@ struct ProgressOutput {
   static ProgressOutput Stderr();
 };
 
-/// One long stage of work: "label [#####.....] 50 % 100/200, 3 s left". Thread-safe.
+/// Progress of one stage: "label [#####.....] 50 % 100/200, 3 s left". Thread-safe.
 class ProgressBar {
  public:
   /// total: the number of steps; 0 when there is nothing to do.
   ProgressBar(std::string label, std::int64_t total, const ProgressOutput& output);
-  /// Ends the line of an unfinished bar, so that an error message starts on its own line.
+  /// Ends the line of an unfinished bar, so that an error message starts on a new line.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
