@@ -11,7 +11,7 @@
 
 namespace floorloc {
 
-/// How many placed frames cover each cell of the floor.
+/// Number of placed frames that cover each cell of the floor.
 class CoverageGrid {
  public:
   static constexpr double kCellM = 0.02;
@@ -20,9 +20,9 @@ class CoverageGrid {
 
   int CountAt(const Eigen::Vector2d& point_in_map) const;
   double AreaM2() const { return static_cast<double>(counts_.size()) * kCellM * kCellM; }
-  /// Of the cells that lie more than one cell away from what the other grid covers.
+  /// Area of the cells more than one cell away from the other grid's covered floor.
   double AreaBeyondM2(const CoverageGrid& other) const;
-  /// Of the covered floor; all zero when there is none.
+  /// Bounding box of the covered floor; all zero when there is none.
   RectM Extent() const { return extent_; }
 
  private:

@@ -40,7 +40,7 @@ FrameIndex::FrameIndex(const std::vector<std::optional<Pose2>>& map_from_base, c
       widest_m = std::max(widest_m, boxes_[i].sizes().maxCoeff());
     }
   }
-  cell_m_ = widest_m > 0.0 ? widest_m : 1.0;  // a frame lies in four cells at most
+  cell_m_ = widest_m > 0.0 ? widest_m : 1.0;  // so that a frame is in four cells at most
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     if (!boxes_[i].isEmpty()) {
       ForEachCell(boxes_[i], cell_m_, [&](std::int64_t key) { cells_[key].push_back(static_cast<int>(i)); });

@@ -12,10 +12,10 @@
 
 namespace floorloc {
 
-/// Which frames cover a place: a spatial hash, whose queries take as long for 20,000 frames as for 20.
+/// Spatial hash of the frames that cover a place; query time is independent of the number of frames.
 class FrameIndex {
  public:
-  /// Frames without a pose are left out. floor_in_base: what each frame sees of the floor.
+  /// Frames without a pose are ignored. floor_in_base: floor in each frame's view.
   FrameIndex(const std::vector<std::optional<Pose2>>& map_from_base, const std::vector<RectM>& floor_in_base);
 
   /// Frames whose floor's bounding box touches the rectangle (map frame), in ascending order.
