@@ -22,7 +22,7 @@ const cv::Scalar kInk(60, 60, 60);
 const cv::Scalar kGrid(225, 225, 225);
 const cv::Scalar kReferenceGray(190, 190, 190);
 
-// A step of 1, 2 or 5 times a power of ten that is at most `length`.
+// Largest step of 1, 2 or 5 times a power of ten not exceeding `length`.
 double RoundDown(double length) {
   const double power = std::pow(10.0, std::floor(std::log10(length)));
   const double leading = length / power;
@@ -39,7 +39,7 @@ void PutText(cv::Mat& canvas, const std::string& text, const cv::Point& at, doub
   cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
 }
 
-// Colours of the errors: from dark blue for none to dark red for the 99th percentile and beyond.
+// Colour map of errors: dark blue at zero to dark red at the 99th percentile and above.
 class ErrorColors {
  public:
   explicit ErrorColors(const std::vector<ErrorSample>& samples) {
@@ -67,7 +67,7 @@ class ErrorColors {
   cv::Mat colors_;
 };
 
-// Metres in the plane -> pixels of the canvas: x right, y up, equal scales, centred in the area.
+// Metres -> canvas pixels: x right, y up, equal scales, centred in the area.
 class PlaneView {
  public:
   explicit PlaneView(const ErrorPlot& plot) {
@@ -134,7 +134,7 @@ void DrawPlane(cv::Mat& canvas, const ErrorPlot& plot, const ErrorColors& colors
   DrawLegend(canvas, colors, plot.unit);
 }
 
-// Horizontal lines at round errors and vertical ones at round times, with their numbers.
+// Labelled horizontal lines at round errors and vertical ones at round times.
 void DrawTimeGrid(cv::Mat& canvas, double top_error, double duration_s, const std::string& unit) {
   const double error_step = RoundDown(top_error / 4.0);
   for (double error = 0.0; error <= top_error; error += error_step) {
@@ -152,7 +152,7 @@ void DrawTimeGrid(cv::Mat& canvas, double top_error, double duration_s, const st
   PutText(canvas, "time [s]", {kTimeArea.br().x - 60, kTimeArea.br().y + 45});
 }
 
-// A line across the whole time for each of the usual statistics, named with its number below.
+// A horizontal line for each of the usual statistics, with its value in the legend below.
 void DrawStatistics(cv::Mat& canvas, const ErrorPlot& plot, double top_error) {
   std::vector<double> errors;
   for (const ErrorSample& sample : plot.samples) {

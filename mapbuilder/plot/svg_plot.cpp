@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<const char*, 8> kColours = {"#2f6fb0", "#d9782d", "#3f9a5a", "#b8433f",
                                                  "#7d5fb2", "#8a6a4f", "#c9a227", "#5b6770"};
 
-// The given groups, then the others in the order in which they first appear.
+// The given groups, then the others in order of first appearance.
 std::vector<std::string> GroupsOf(std::vector<std::string> groups, const std::vector<std::string>& all) {
   for (const std::string& group : all) {
     if (std::find(groups.begin(), groups.end(), group) == groups.end()) {
@@ -34,7 +34,7 @@ std::string Number(double value, int decimals) {
   return text.str();
 }
 
-// A logarithmic axis over whole decades, from pixel `from` to pixel `to`.
+// A logarithmic axis over whole decades, from pixel `from_px` to pixel `to_px`.
 struct LogAxis {
   double from_px = 0.0, to_px = 0.0;
   int first_decade = 0, last_decade = 1;

@@ -10,15 +10,15 @@ namespace floorloc {
 struct SvgBar {
   std::string label;
   double value = 0.0;
-  std::string group;  ///< bars of a group have one colour
-  std::string note;   ///< follows the value
+  std::string group;  ///< determines the colour
+  std::string note;   ///< printed after the value
 };
 
 struct BarChartOptions {
   double full_scale = 0.0;  ///< value of the longest possible bar; 0: the largest value
   int decimals = 0;
   std::string unit;
-  std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
+  std::vector<std::string> groups;  ///< in the order of the colours; others are appended
 };
 
 /// An inline SVG image.
@@ -27,20 +27,20 @@ std::string BarChart(const std::vector<SvgBar>& bars, const BarChartOptions& opt
 struct SvgDot {
   double x = 0.0;
   double y = 0.0;
-  std::string label;  ///< shown when the pointer is on it
-  std::string group;  ///< dots of a group have one colour, named in the legend
+  std::string label;  ///< tooltip
+  std::string group;  ///< determines the colour, named in the legend
 };
 
 struct ScatterOptions {
   std::string x_title;
   std::string y_title;
-  std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
+  std::vector<std::string> groups;  ///< in the order of the colours; others are appended
 };
 
-/// An inline SVG image with logarithmic axes; dots that are not positive have no place on it and are left out.
+/// An inline SVG image with logarithmic axes; dots with non-positive coordinates are omitted.
 std::string ScatterPlot(const std::vector<SvgDot>& dots, const ScatterOptions& options);
 
-/// Text for HTML and SVG.
+/// Escapes text for HTML and SVG.
 std::string EscapeHtml(const std::string& text);
 
 }  // namespace floorloc
