@@ -7,10 +7,10 @@
 
 namespace floorloc {
 
-/// The predefined marker dictionaries, by OpenCV's names: "DICT_4X4_50" ... "DICT_APRILTAG_36h11".
+/// Names of OpenCV's predefined marker dictionaries: "DICT_4X4_50" ... "DICT_APRILTAG_36h11".
 std::vector<std::string> ArucoDictionaryNames();
 
-/// Throws std::invalid_argument for a name that is none of ArucoDictionaryNames().
+/// Throws std::invalid_argument for a name not in ArucoDictionaryNames().
 cv::Ptr<cv::aruco::Dictionary> FindArucoDictionary(const std::string& name);
 
 }  // namespace floorloc

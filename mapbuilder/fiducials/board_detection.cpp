@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMinCorners = 6;
 
-// The corners of a chessboard in rows of `columns`, in whatever order the detector found them.
+// Corners of a chessboard in rows of `columns`, in the detector's order.
 using CornerGrid = std::vector<Eigen::Vector2d>;
 
 std::optional<CornerGrid> FindChessboard(const cv::Mat& gray, const cv::Size& size) {
@@ -31,8 +31,8 @@ std::optional<CornerGrid> FindChessboard(const cv::Mat& gray, const cv::Size& si
   return grid;
 }
 
-// Twice the signed area that x and y of the board span in the image: negative when z points to the camera, because
-// the image's v runs down.
+// Twice the signed area spanned by the board's x and y in the image: negative when z points to the camera, because v
+// points down.
 double Handedness(const CornerGrid& grid, int columns) {
   const Eigen::Vector2d x = grid[static_cast<std::size_t>(columns) - 1] - grid.front();
   const Eigen::Vector2d y = grid[grid.size() - static_cast<std::size_t>(columns)] - grid.front();
@@ -51,8 +51,8 @@ double MeanOfSquare(const cv::Mat& gray, const Eigen::Vector2d& center) {
   return cv::mean(gray(cv::Rect(u - 1, v - 1, 3, 3)))[0];
 }
 
-// Whether the square diagonally outside of corner 0 is black. The squares between the corners say so: they are in the
-// image even where the board's rim is not.
+// Whether the square diagonally outside corner 0 is black, derived from the squares between the corners, since the
+// board's rim may be outside the image.
 bool StartsBlack(const cv::Mat& gray, const CornerGrid& grid, const Board& board) {
   double same = 0.0;
   double other = 0.0;
@@ -71,13 +71,13 @@ bool StartsBlack(const cv::Mat& gray, const CornerGrid& grid, const Board& board
   return same / same_count < other / other_count;
 }
 
-// Numbers the corners as Board says, as far as the board's colours determine them.
+// Numbers the corners as defined in Board, as far as the board's colours determine it.
 void SortCorners(const cv::Mat& gray, const Board& board, CornerGrid* grid) {
   if (Handedness(*grid, board.columns) > 0.0) {
     MirrorRows(grid, board.columns);
   }
   if (!StartsBlack(gray, *grid, board)) {
-    std::reverse(grid->begin(), grid->end());  // half a turn
+    std::reverse(grid->begin(), grid->end());  // by 180 degrees
   }
 }
 
@@ -93,12 +93,12 @@ double ShortestSidePx(const BoardView& view, const Board& board) {
   return shortest;
 }
 
-// Sub-pixel corners by the gradients around them (Foerstner); the window stays clear of the neighbouring corners.
+// Sub-pixel corners from the gradients around them (Foerstner); the window excludes the neighbouring corners.
 void Refine(const cv::Mat& gray, double half_window_share, const Board& board, BoardView* view) {
   const double reach = std::min(half_window_share * ShortestSidePx(*view, board), 0.02 * gray.cols);
   const int half = std::max(2, static_cast<int>(reach));
   cv::Mat smooth;
-  cv::GaussianBlur(gray, smooth, {}, std::min(1.0, 0.25 * half));  // edges of sharp images are staircases
+  cv::GaussianBlur(gray, smooth, {}, std::min(1.0, 0.25 * half));  // sharp edges are aliased, which biases the corners
   std::vector<cv::Point2f> points;
   for (const Eigen::Vector2d& p : view->raw_px) {
     points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
@@ -127,7 +127,7 @@ std::optional<BoardView> DetectBoard(const cv::Mat& gray, const Board& board) {
     if (!view || view->corners.size() < kMinCorners || AreCollinear(*view, board)) {
       return std::nullopt;
     }
-    // The markers' corners must stay out of the window.
+    // The window must exclude the markers' corners.
     Refine(gray, 0.4 * (1.0 - board.charuco->marker_m / board.square_m), board, &*view);
     return view;
   }

@@ -8,9 +8,9 @@
 
 namespace floorloc {
 
-/// Finds the board in an image (CV_8UC1), its corners to a few hundredths of a pixel, numbered as Board says. A
-/// chessboard must be seen whole, of a ChArUco board at least 6 corners that do not lie in one row. Empty when it isn't
-/// there.
+/// Detects the board in an image (CV_8UC1), with corners accurate to a few hundredths of a pixel and numbered as in
+/// Board. A chessboard must be fully visible; of a ChArUco board at least 6 corners that are not in one row. Empty if
+/// not found.
 std::optional<BoardView> DetectBoard(const cv::Mat& gray, const Board& board);
 
 }  // namespace floorloc

@@ -11,14 +11,14 @@
 namespace floorloc {
 namespace {
 
-// Markers this near say where a corner is: several, for their own corners are good to a pixel only; no more, for a lens
-// is flat over a short way only.
+// Markers within this distance are used to interpolate a corner: several, since their own corners are only accurate to
+// a pixel; no farther ones, because of lens distortion.
 constexpr double kReachSquares = 1.7;
 
 using MarkerCorners = std::array<cv::Point2f, 4>;
 
-// The markers on a board, in the order of their numbers: row by row from the top, in the white squares. Corners from
-// the upper left one clockwise, in the board's frame, metres.
+// Corners of the markers of a board, ordered by id: row by row from the top, in the white squares. Clockwise from the
+// upper left, board frame, metres.
 std::vector<MarkerCorners> MakeBoard(const Board& board, bool starts_black) {
   std::vector<MarkerCorners> markers;
   const double half = 0.5 * board.charuco->marker_m;
@@ -27,7 +27,7 @@ std::vector<MarkerCorners> MakeBoard(const Board& board, bool starts_black) {
       if (((row + column) % 2 == 0) == starts_black) {
         continue;
       }
-      // Corner 0 is the lower left inner one: the squares begin one square before it.
+      // Corner 0 is the lower left inner corner: the squares begin one square before it.
       const double x = (column - 0.5) * board.square_m;
       const double y = (board.rows - row - 0.5) * board.square_m;
       const auto point = [&](double dx, double dy) {
@@ -50,7 +50,7 @@ std::map<int, MarkerCorners> FindMarkers(const cv::Mat& gray, const Board& board
   return found;
 }
 
-// Corners of detected markers on the board and in the image.
+// Corresponding corners of detected markers on the board and in the image.
 struct PointPairs {
   std::vector<cv::Point2f> board;
   std::vector<cv::Point2f> image;
@@ -61,7 +61,7 @@ struct PointPairs {
   }
 };
 
-// How many markers are where this layout has them, roughly: a lens bends the board a little.
+// Number of markers consistent with this layout, with a tolerance for lens distortion.
 int CountFitting(const std::vector<MarkerCorners>& layout, const std::map<int, MarkerCorners>& found) {
   PointPairs pairs;
   for (const auto& [id, corners] : found) {
@@ -78,7 +78,7 @@ int CountFitting(const std::vector<MarkerCorners>& layout, const std::map<int, M
   return cv::countNonZero(fits) / 4;
 }
 
-// Where a corner must be, by the markers around it.
+// Image position of a corner, interpolated from the markers around it.
 std::optional<Eigen::Vector2d> Interpolate(const Eigen::Vector2d& corner, const Board& board,
                                            const std::vector<MarkerCorners>& layout,
                                            const std::map<int, MarkerCorners>& found) {
@@ -112,7 +112,7 @@ std::optional<BoardView> DetectCharuco(const cv::Mat& gray, const Board& board) 
   const std::vector<MarkerCorners> black = MakeBoard(board, true);
   const std::vector<MarkerCorners> white = MakeBoard(board, false);
   const int fit_black = CountFitting(black, found);
-  // With an odd number of rows of squares, both kinds of boards start with black.
+  // With an odd number of rows of squares, both layouts start with black.
   const int fit_white = board.rows % 2 == 1 ? CountFitting(white, found) : 0;
   if (std::max(fit_black, fit_white) < 2) {
     return std::nullopt;
