@@ -63,8 +63,7 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
   const Placement& placement = calibrated.placement;
   const std::vector<RectM> floors = set.FloorsInBase();
   const PlacedSurvey survey{set.frames, set.surveys, placement.map_from_base, floors};
-  report->frames = static_cast<int>(set.frames.size() + report->dropped.size());  // including those that screening
-                                                                                  // dropped
+  report->frames = static_cast<int>(set.frames.size() + report->dropped.size());  // with those dropped by screening
   AddDropped(survey, placement.drop_reason, &report->dropped);
   report->frames_used = report->frames - static_cast<int>(report->dropped.size());
   report->self_calibration = calibrated.calibration;

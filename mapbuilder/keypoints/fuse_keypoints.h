@@ -15,10 +15,8 @@ namespace floorloc {
 struct KeypointFusionOptions {
   TrackOptions tracks;
   PruningOptions pruning;
-  int min_coverage = 3;            ///< where at least this many frames cover a point, it is dropped if only one
-                                   ///< observed it
-  int min_frames_gone = 3;         ///< frames that must cover a point of the base map without observing it before it is
-                                   ///< removed,
+  int min_coverage = 3;            ///< points that this many frames cover need two observations
+  int min_frames_gone = 3;         ///< frames that must cover an unobserved point of the base map to remove it,
   double gone_probability = 0.05;  ///< if the probability of that for an existing point is below this
   int threads = 0;                 ///< 0: one per core
   std::uint32_t seed = 1;

@@ -26,7 +26,7 @@ struct WeightedPosition {
 };
 
 /// Weighted mean with Huber weights (iteratively reweighted least squares): positions farther than `huber_m` from the
-/// mean are weighted down in proportion to their distance.
+/// mean get weights inversely proportional to their distance.
 Eigen::Vector2d RobustMean(const std::vector<WeightedPosition>& positions, double huber_m);
 
 /// Fuses the views of a track into one map point, together with the old point if the track belongs to one of the base

@@ -26,8 +26,7 @@ struct TrackOptions {
 /// Views of one floor point.
 struct KeypointTrack {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< mean of the views, map frame
-  std::vector<std::pair<int, int>> views;                ///< (frame, keypoint), ascending by frame, at most one per
-                                                         ///< frame
+  std::vector<std::pair<int, int>> views;                ///< (frame, keypoint), ascending, one per frame
 };
 
 /// Finds keypoints of the placed frames that are views of one floor point. Greedy: frame by frame, each keypoint joins

@@ -21,8 +21,7 @@ struct ExperimentOptions {
   bool thesis_ratios = false;  ///< uses the ratios of the thesis's test 3 where it has one instead of pose.max_ratio
   JumpFilterOptions jump;
   std::uint32_t seed = 1;           ///< of FLANN's trees
-  double repeat_radius_m = 0.0015;  ///< maximum distance from its true position at which a map keypoint counts as
-                                    ///< repeated
+  double repeat_radius_m = 0.0015;  ///< a map keypoint this near to its true position counts as repeated
   int threads = 0;
   ProgressOutput progress;
 };

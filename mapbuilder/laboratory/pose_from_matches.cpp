@@ -55,8 +55,7 @@ Pose2 FitWeightedMean(const std::vector<OrientedMatch>& oriented, const std::vec
     const double weight = 1.0 / std::max(matches[i].distance, kSmallestDistance);
     source += weight * oriented[i].source_m;
     target += weight * oriented[i].target_m;
-    turn += weight * WrapAngle(oriented[i].Yaw() - oriented.front().Yaw());  // relative to the first angle, to avoid
-                                                                             // wrap-around
+    turn += weight * WrapAngle(oriented[i].Yaw() - oriented.front().Yaw());  // avoids wrap-around
     mass += weight;
   }
   const double yaw = oriented.front().Yaw() + turn / mass;

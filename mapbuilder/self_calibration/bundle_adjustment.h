@@ -67,8 +67,7 @@ struct BundleSummary {
   bool converged = false;
   double rms_before_m = 0.0;  ///< of the distances of observations from the mean of their track
   double rms_after_m = 0.0;
-  std::vector<CameraAdjustment> camera_sigma;  ///< standard deviations of `cameras`; the prior's where there is no
-                                               ///< observation
+  std::vector<CameraAdjustment> camera_sigma;  ///< standard deviations of `cameras`; the prior's if unobserved
 };
 
 /// Adjusts poses, floor points, cameras and tilts jointly (bundle adjustment; Triggs et al. 2000) under a Cauchy loss,

@@ -36,8 +36,7 @@ struct RenderConditions {
   double bias = 0.0;                                         ///< grey values
   std::array<double, 3> white_balance = {1.0, 1.0, 1.0};     ///< factors for blue, green, red
   double vignetting = 0.0;                                   ///< relative loss of light in the corners
-  Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< relative change of light over half the image, right
-                                                             ///< and down
+  Eigen::Vector2d light_gradient = Eigen::Vector2d::Zero();  ///< relative change over half the image, right and down
   std::vector<Lamp> lamps;
   ShadowStrip shadow;
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< twist x exposure time in the base frame: m, m, rad
