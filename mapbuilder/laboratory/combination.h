@@ -72,8 +72,8 @@ struct CombinationPlan {
   std::vector<FilterChoice> filters;
 };
 
-/// Pairs every detector with every descriptor. Contours and Hu moments form a method of their own and are only paired
-/// with each other when there are others.
+/// Pairs every detector with every descriptor. Contours and Hu moments form a method of their own: if there are other
+/// kinds, they are only paired with each other.
 std::vector<DetectorDescriptor> PairAll(const std::vector<DetectorKind>& detectors,
                                         const std::vector<DescriptorKind>& descriptors);
 
