@@ -16,7 +16,7 @@
 
 namespace floorloc {
 
-/// Everything that the routes share. The parts are thread-safe each.
+/// State shared by all routes. Each member is thread-safe by itself.
 struct AppState {
   /// Loads the maps. Throws InputError.
   AppState(const ServerConfig& server_config, const std::filesystem::path& maps_folder);
@@ -29,10 +29,10 @@ struct AppState {
   FixHistory fixes;
   std::atomic<bool> draining{false};
   std::function<int()> count_connections = [] { return 0; };  ///< set before serving
-  ComputePool pool;                                           ///< last: its jobs use what stands above
+  ComputePool pool;  ///< last, so destroyed first: its jobs use the members above
 };
 
-/// The whole HTTP interface, without the sockets.
+/// The HTTP interface, without sockets.
 class App {
  public:
   /// Throws InputError or std::invalid_argument when the configuration, the token or the maps folder is wrong.

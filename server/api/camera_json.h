@@ -7,8 +7,8 @@
 
 namespace floorloc {
 
-/// Objects with the keys of camera.yaml and floor.yaml; further keys are ignored, as in the files. Matrices are flat
-/// lists or ROS's {rows, cols, data}. Only the form is checked here. Throws JsonError.
+/// JSON objects with the keys of camera.yaml and floor.yaml; unknown keys are ignored, as in the files. Matrices are
+/// flat row-major lists or ROS's {rows, cols, data}. Checks types and sizes, not values. Throws JsonError.
 CameraModel ParseCamera(const nlohmann::json& json);
 FloorPlane ParseFloor(const nlohmann::json& json);
 

@@ -8,26 +8,26 @@
 #include "server/serving/localize_service.h"
 #include "server/wire/problem.h"
 
-// Shared by the calls that bring an image.
+// Shared by the calls that take an image.
 namespace floorloc {
 
 /// Vehicle and time of an image.
 struct FrameLabel {
-  std::string vehicle;  ///< empty: the camera came inline
+  std::string vehicle;  ///< empty: the request contained the camera
   double received_s = 0.0;
   double stamp_s = 0.0;
 };
 
 double UnixTimeNow();
 
-/// A part of multipart/form-data. Throws Problem 400 invalid_parts when it is not there exactly once.
+/// A part of multipart/form-data. Throws Problem 400 invalid_parts unless it occurs exactly once.
 const HttpPart& RequirePart(const HttpRequest& request, const std::string& name);
 
 Problem UnknownVehicle();
 /// Throws UnknownVehicle().
 VehicleState RequireVehicle(const AppState& state, const std::string& id);
 
-/// Keeps a localization for viewers and counts it.
+/// Adds a localization to the fix history and the metrics.
 FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome);
 
 }  // namespace floorloc

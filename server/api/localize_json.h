@@ -15,8 +15,8 @@ namespace floorloc {
 
 /// Parameters of a localize call, apart from the image.
 struct LocalizeRequest {
-  std::string vehicle;                ///< empty: the camera is inline
-  std::optional<FloorCamera> camera;  ///< inline
+  std::string vehicle;                ///< empty: `camera` is set
+  std::optional<FloorCamera> camera;  ///< from the request itself
   std::optional<PosePrior> prior;
   std::optional<double> stamp_s;
 };
@@ -30,12 +30,12 @@ LocalizeRequest ParseLocalizeJson(const std::string& text);
 std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcome& outcome);
 
 /// The parts of a response about one image.
-nlohmann::json FormatFix(const FixRecord& record);      ///< how it was found
-nlohmann::json FormatFixPose(const FixRecord& record);  ///< where; of a localized one
+nlohmann::json FormatFix(const FixRecord& record);      ///< keypoint counts, residual, p_wrong, search
+nlohmann::json FormatFixPose(const FixRecord& record);  ///< pose and covariance; for status localized only
 nlohmann::json FormatAlternatives(const FixRecord& record);
 nlohmann::json FormatTiming(const LocalizeOutcome& outcome);
 
-/// A fix as viewers get it.
+/// An element of GET /v1/maps/{map}/fixes.
 nlohmann::json FormatFixRecord(const FixRecord& record);
 /// {"fixes":[...],"next":SEQUENCE}
 std::string FormatFixList(const std::vector<FixRecord>& records, std::uint64_t next);

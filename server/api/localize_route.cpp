@@ -7,10 +7,10 @@
 namespace floorloc {
 namespace {
 
-/// A localize call, taken apart.
+/// A parsed localize call.
 struct LocalizeCall {
   LocalizeRequest request;
-  const std::string* image = nullptr;  ///< encoded; belongs to the HTTP request
+  const std::string* image = nullptr;  ///< encoded; owned by the HTTP request
 };
 
 LocalizeCall ParseCall(const HttpRequest& request) {

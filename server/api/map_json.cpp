@@ -50,7 +50,7 @@ nlohmann::json FormatSummary(const LoadedMap& map) {
       {"mosaic", FormatMosaic(content.mosaic)}};
 }
 
-// The builder writes JSON objects; a map from elsewhere may hold anything.
+// The builder writes JSON objects; a map written by another program may hold any text. Null when it is not JSON.
 nlohmann::json EmbeddedJson(const std::string& text) {
   nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
   return value.is_discarded() ? nlohmann::json() : value;

@@ -11,9 +11,9 @@ namespace floorloc {
 
 /// {"maps":[...]}
 std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps);
-/// One map with everything it says about itself.
+/// One map with its build parameters.
 std::string FormatMap(const LoadedMap& map);
-/// The build report as it stands in the map; {} when it has none.
+/// The build report stored in the map; {} when it has none.
 std::string FormatReport(const LoadedMap& map);
 
 }  // namespace floorloc

@@ -29,7 +29,7 @@ TileId ParseTileId(const HttpRequest& request, const MosaicLayout& layout) {
   return {*z, *x, *y};
 }
 
-// An address with the version in it (?v=...) never changes; the plain one has to be asked for again.
+// The content behind a URL with the current version (?v=...) never changes; any other URL must be revalidated.
 std::string CacheControl(const HttpRequest& request, const std::string& version) {
   return request.QueryValue("v") == version ? "public, max-age=31536000, immutable" : "no-cache";
 }

@@ -18,9 +18,9 @@ struct PoseLabel {
 
 /// {"x","y","yaw"}
 nlohmann::json FormatTransform(const Pose2& pose);
-/// Map, version, frame and time are in one object with the coordinates, so that they cannot be confused.
+/// Map, version, frame and time are in one object with the coordinates: a pose is never used without its frame.
 nlohmann::json FormatPose(const PoseLabel& label, const Pose2& map_from_base);
-/// The same with the covariance of (x, y, yaw), row by row.
+/// The same with the 3x3 covariance of (x, y, yaw), row-major, m and rad.
 nlohmann::json FormatPose(const PoseLabel& label, const Pose2& map_from_base, const Eigen::Matrix3d& covariance);
 
 }  // namespace floorloc

@@ -10,25 +10,25 @@
 
 namespace floorloc {
 
-// Each adds one group of calls to the route table. The state must outlive the router.
+// Each function adds one group of calls to the route table. The state must outlive the router.
 void AddSystemRoutes(AppState& state, Router& router);    ///< health, metrics, openapi.yaml
 void AddMapRoutes(AppState& state, Router& router);       ///< maps, tiles, reports, recent fixes
 void AddVehicleRoutes(AppState& state, Router& router);   ///< registration of vehicles
 void AddTrackingRoutes(AppState& state, Router& router);  ///< images, odometry and poses of vehicles
 void AddLocalizeRoute(AppState& state, Router& router);
-void AddWebRoutes(Router& router);  ///< the page
+void AddWebRoutes(Router& router);  ///< the web page
 
 HttpResponse JsonResponse(int status, std::string body);
 
 /// The map of the path parameter {map}. Throws Problem: 404 unknown_map; 500 map_damaged, map_unsupported or
-/// map_unavailable when it is not served, which lasts until another file stands in its place.
+/// map_unavailable when it is not served; that lasts until the file is replaced and the server restarted.
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request);
 
-/// The same by its name.
+/// The same by name.
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const std::string& name);
 
 /// Runs a job in the compute pool and waits for it. Throws Overload when the queue is full or the job waited too long,
-/// and what the job throws.
+/// and rethrows the job's exception.
 template <typename Job>
 std::invoke_result_t<Job> RunInPool(ComputePool& pool, Job job) {
   auto future = pool.Submit(std::move(job));

@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// The page takes everything from this server; Leaflet needs data: for its placeholder image, the page blob: for tiles.
+// The page loads everything from this server; Leaflet needs data: for its placeholder image, the page blob: for tiles.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -21,7 +21,7 @@ constexpr double kMaxStepRad = 100.0;
 constexpr double kMaxCoordinateM = 1e7;
 constexpr std::size_t kMaxIncrements = 1000;
 
-// Standard deviation of a pose chosen on a map by hand.
+// Default standard deviation of a pose that a person picked on the map.
 constexpr double kInitialSigmaM = 0.1;
 constexpr double kInitialSigmaRad = 0.1;
 
@@ -32,7 +32,7 @@ std::int64_t CheckStamp(const std::optional<std::int64_t>& stamp_ns, const std::
   return *stamp_ns;
 }
 
-// A number, or a text with more digits than a number in JSON keeps.
+// A JSON number, or a string, which keeps more digits than a JSON number.
 std::int64_t ReadStamp(JsonObject& object) {
   const std::string path = object.PathOf("stamp");
   if (object.Value("stamp").is_string()) {
@@ -60,7 +60,7 @@ Pose2 ReadMotionObject(JsonObject object) {
   return motion;
 }
 
-// The motion beside the stamp, or in an object of its own as with images.
+// dx, dy, dyaw beside the stamp, or in an object "odometry" as in frames.
 OdometryMessage ReadIncrement(JsonObject object, const std::string& path) {
   OdometryMessage message;
   message.stamp_ns = ReadStamp(object);

@@ -17,7 +17,7 @@ namespace floorloc {
 /// Parameters of a frames call.
 struct FrameRequest {
   std::int64_t stamp_ns = 0;
-  std::optional<Pose2> motion;  ///< since its previous message
+  std::optional<Pose2> motion;  ///< in the base frame, since the vehicle's previous message
 };
 
 /// Body of initialpose; the stamp of the pose is not set.
@@ -29,16 +29,16 @@ struct InitialPoseRequest {
 /// From the query: stamp, odometry=dx,dy,dyaw. Throws Problem 400 invalid_parameter, or JsonError for numbers that are
 /// out of range.
 FrameRequest ParseFrameQuery(const HttpRequest& request);
-// Bodies in JSON; all throw JsonError.
+// Parsers of JSON bodies; all throw JsonError.
 FrameRequest ParseFrameJson(const std::string& text);
-/// One increment, or {"increments":[...]}, of which there may be 1000.
+/// One increment, or {"increments":[...]} with at most 1000.
 std::vector<OdometryMessage> ParseOdometryJson(const std::string& text);
 InitialPoseRequest ParseInitialPoseJson(const std::string& text);
 
 /// {"seconds","metres","radians"}, or null before the first fix.
 nlohmann::json FormatSinceFix(const VehicleView& view);
 
-/// The map in which a vehicle is.
+/// Name and content version of the map that a vehicle is localized in.
 struct MapLabel {
   std::string name;
   std::string version;

@@ -8,10 +8,10 @@
 namespace floorloc {
 namespace {
 
-/// A frames call, taken apart.
+/// A parsed frames call.
 struct FrameCall {
   FrameRequest request;
-  std::span<const std::uint8_t> image;  ///< encoded; belongs to the HTTP request
+  std::span<const std::uint8_t> image;  ///< encoded; owned by the HTTP request
 };
 
 std::span<const std::uint8_t> Bytes(const std::string& text) {

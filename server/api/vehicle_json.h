@@ -16,12 +16,12 @@ struct VehicleRequest {
   VehicleGate gate;
 };
 
-/// Strict, camera and floor excepted. Throws JsonError that names the field.
+/// Unknown keys are errors, except in camera and floor. Throws JsonError that names the field.
 VehicleRequest ParseVehicleRequest(const std::string& text);
 
-/// map_version: of the map that is served now, in which the vehicle's pose is.
+/// map_version: content version of the map as served now; the vehicle's pose refers to it.
 nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_version);
-/// Without the registration and the counts.
+/// FormatVehicle without registration and counts.
 nlohmann::json FormatVehicleSummary(const VehicleState& state, const std::string& map_version);
 
 }  // namespace floorloc

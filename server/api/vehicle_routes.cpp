@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Empty for a map that is damaged: no pose can be in it.
+// Content version of the served map; empty when the map is not served, for then no pose refers to it.
 std::string MapVersion(const AppState& state, const std::string& name) {
   const auto map = state.catalog.Find(name);
   return map != nullptr && map->ready() ? map->info().content_version : "";

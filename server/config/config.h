@@ -14,10 +14,10 @@ namespace floorloc {
 /// Limits of the server, per client and in total.
 struct ServerLimits {
   HttpLimits http;
-  std::int64_t max_image_pixels = 25'000'000;              ///< of a camera image, and of a rectified one
-  std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
+  std::int64_t max_image_pixels = 25'000'000;              ///< of a camera image and of a rectified image
+  std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras
   int max_vehicles = 2000;
-  double vehicle_timeout_s = 86400.0;  ///< a vehicle that is silent for longer expires; 0: never
+  double vehicle_timeout_s = 86400.0;  ///< a vehicle without messages for longer expires; 0: never
   double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
 };
 
@@ -26,7 +26,7 @@ struct ServerConfig {
   std::string host = "127.0.0.1";
   int port = 8080;                   ///< 0: any free port
   int threads = 0;                   ///< compute threads; 0: one per core
-  int queue_length = 64;             ///< localizations that wait for a thread
+  int queue_length = 64;             ///< localizations waiting for a thread
   double queue_timeout_s = 1.0;      ///< a localization that waits longer is rejected
   double drain_s = 0.0;              ///< after SIGTERM: how long /readyz says 503 before the server stops accepting
   std::filesystem::path token_file;  ///< empty: no token
@@ -36,7 +36,8 @@ struct ServerConfig {
   ServerLimits limits;
   LocalizerOptions localizer;
 
-  /// Throws std::invalid_argument: listening beyond loopback needs a token or `open`.
+  /// Throws std::invalid_argument for bad localizer options, for a non-loopback address without a token or `open`, and
+  /// for protect_reads without a token.
   void Check() const;
   bool IsLoopback() const;
 };

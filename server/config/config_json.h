@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// Strict: an unknown key or an invalid value throws JsonError that names it.
+/// An unknown key or an invalid value throws JsonError that names it.
 ServerConfig ParseServerConfig(const std::string& text);
 
 }  // namespace floorloc

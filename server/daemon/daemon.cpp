@@ -16,7 +16,7 @@
 namespace floorloc {
 namespace {
 
-/// SIGTERM and SIGINT, blocked in every thread that is started later and taken by one.
+/// SIGTERM and SIGINT: blocked in this and every later thread, received by sigwait.
 class StopSignals {
  public:
   StopSignals() {
@@ -31,7 +31,7 @@ class StopSignals {
     ::sigwait(&set_, &signal);
   }
 
-  /// At most that long: a second signal shortens it.
+  /// Returns after that time, or earlier on a second signal.
   void WaitFor(double seconds) const {
     timespec time{};
     time.tv_sec = static_cast<time_t>(std::floor(seconds));
@@ -104,7 +104,7 @@ int RunDaemon(const DaemonOptions& options) {
   SetListenAddress(options.listen, config);
   StartLogging(config.log_level);
   const StopSignals signals;
-  // One request, one thread: OpenCV's own threads would only take the cores from the other requests.
+  // One thread per request: OpenCV's own threads would compete with the other requests for cores.
   cv::setNumThreads(1);
   App app(config, options.maps_folder);
   if (options.check) {

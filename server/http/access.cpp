@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMinTokenLength = 16;
 constexpr std::uint64_t kMaxTokenFileBytes = 4096;
 
-// The time depends on the length of what the client sent only.
+// The run time depends only on the length of `sent`, so that it reveals nothing about the secret.
 bool EqualInConstantTime(const std::string& secret, const std::string& sent) {
   unsigned difference = secret.size() == sent.size() ? 0U : 1U;
   for (std::size_t i = 0; i < sent.size(); ++i) {

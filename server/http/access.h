@@ -6,10 +6,10 @@
 
 namespace floorloc {
 
-/// The bearer token that guards changes. Compared in constant time and never printed.
+/// The bearer token required for changes. Compared in constant time and never printed.
 class AccessToken {
  public:
-  /// No token: everything is allowed.
+  /// Without a token everything is allowed.
   AccessToken() = default;
   explicit AccessToken(std::string token) : token_(std::move(token)) {}
 

@@ -7,7 +7,7 @@
 
 namespace floorloc {
 
-/// Bytes of all bodies that are held at a time.
+/// Limits the bytes of all request bodies in memory at one time. Thread-safe.
 class BodyBudget {
  public:
   explicit BodyBudget(std::size_t limit) : left_(static_cast<std::int64_t>(limit)) {}
@@ -24,7 +24,7 @@ class BodyBudget {
   std::atomic<std::int64_t> left_;
 };
 
-/// A share of the budget for the life of one request.
+/// Reserves a part of the budget for the lifetime of one request.
 class BodyReservation {
  public:
   BodyReservation(BodyBudget& budget, std::size_t bytes) : budget_(budget), bytes_(bytes), ok_(budget.Acquire(bytes)) {}

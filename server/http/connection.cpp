@@ -40,7 +40,7 @@ Connection::~Connection() {
   ::close(socket_);
 }
 
-// A socket that is closed with unread input resets the connection, and the client may lose the answer.
+// Closing a socket with unread input resets the connection, and the client may lose the response.
 void Connection::DrainInput() const {
   ::shutdown(socket_, SHUT_WR);
   const auto deadline = After(std::min<std::chrono::duration<double>>(kDrainTime, timeouts_.request));

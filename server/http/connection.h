@@ -11,11 +11,11 @@ namespace floorloc {
 
 struct ConnectionTimeouts {
   std::chrono::duration<double> idle{60.0};     ///< between two requests
-  std::chrono::duration<double> request{30.0};  ///< for a whole request, and again for its answer
+  std::chrono::duration<double> request{30.0};  ///< for a whole request, and again for its response
 };
 
-/// A buffered TCP connection. Every wait has a deadline, and a request that reads more than it was allowed to fails:
-/// neither a slow nor a flooding client blocks the server for long.
+/// A buffered TCP connection. Every wait has a deadline, and reads fail beyond the request's byte limit, so that
+/// neither a slow nor a flooding client blocks a thread for long.
 class Connection {
  public:
   /// Owns socket; stop_event becomes readable when the server stops (it is not read).
@@ -24,13 +24,13 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte of a request. False: closed, idle for too long, or the server stops.
+  /// Waits for the first byte of a request. False when closed, idle for too long, or the server stops.
   bool WaitForRequest();
   bool IsStopping() const;
 
-  /// Starts the clock of a request whose head may have this many bytes.
+  /// Starts the deadline of a request; its head may have at most this many bytes.
   void BeginRequest(std::size_t max_head_bytes);
-  /// Allows this many bytes of body.
+  /// Replaces the limit by this many further bytes, for the body.
   void AllowBody(std::size_t max_bytes) { budget_ = max_bytes; }
 
   /// Bytes read, 0 at the end, -1 on error, timeout or an exhausted budget.
@@ -39,7 +39,7 @@ class Connection {
   ssize_t Write(const char* data, std::size_t size);
   bool Flush();
 
-  /// The client is still sending: on close its input is drained for a moment, so that it can read the response.
+  /// On close, discards what the client is still sending for a moment, so that it can read the response.
   void DrainInputOnClose() { drain_on_close_ = true; }
 
   int socket() const { return socket_; }

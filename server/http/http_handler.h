@@ -15,7 +15,7 @@ class HttpHandler {
 
   /// Called before the body of a request is read. A response rejects it, and the body stays unread.
   virtual std::optional<HttpResponse> Admit(const HttpRequest& head) = 0;
-  /// Answers a whole request.
+  /// Answers a complete request.
   virtual HttpResponse Handle(HttpRequest request) = 0;
   /// The response to what the HTTP layer itself rejects (too large, malformed, ...).
   virtual HttpResponse Refuse(const HttpRequest& request, const Problem& problem) = 0;

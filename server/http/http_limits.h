@@ -5,13 +5,13 @@
 
 namespace floorloc {
 
-/// What connections and requests may take, whatever they ask.
+/// Limits of connections and requests, independent of the route.
 struct HttpLimits {
   std::size_t max_body_bytes = std::size_t{16} << 20;
   std::size_t max_bodies_bytes = std::size_t{256} << 20;  ///< of all requests that are being read or answered
   int max_connections = 1024;
   double idle_timeout_s = 60.0;     ///< of a keep-alive connection
-  double request_timeout_s = 30.0;  ///< to send a request, and to take an answer
+  double request_timeout_s = 30.0;  ///< to send a request, and again to receive its response
 };
 
 }  // namespace floorloc

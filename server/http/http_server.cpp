@@ -14,7 +14,7 @@
 #include "server/http/connection.h"
 #include "server/http/listener.h"
 
-// After Eigen: through <resolv.h> it defines a macro _res, which is the name of a parameter there.
+// Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
 #include <httplib.h>
 
 namespace floorloc {
@@ -79,7 +79,7 @@ class RequestLoop : private httplib::Server {
  public:
   RequestLoop(Connection& connection, const HttpLimits& limits, BodyBudget& budget, HttpHandler& handler)
       : connection_(connection), stream_(connection), limits_(limits), budget_(budget), handler_(handler) {
-    // Any path, line breaks included.
+    // Any path, including line breaks.
     static const std::string kAnything = R"([\s\S]*)";
     const HandlerWithContentReader with_body = [this](const httplib::Request& raw, httplib::Response& answer,
                                                       const httplib::ContentReader& reader) {
@@ -110,13 +110,13 @@ class RequestLoop : private httplib::Server {
     while (open && connection_.WaitForRequest()) {
       connection_.BeginRequest(kMaxHeadBytes);
       const bool stopping = connection_.IsStopping();
-      close_ = true;  // unless the request is parsed: the start of the next one is unknown
+      close_ = true;  // until the request is parsed: without that the start of the next one is unknown
       bool close_requested = false;
       const bool answered =
           process_request(stream_, stopping, close_requested, [this, stopping](httplib::Request& raw) {
             close_ = stopping;
             raw.ranges.clear();
-            // A body that no handler reads would be parsed as the next request.
+            // A body that no handler reads would otherwise be parsed as the next request.
             if (HasBody(raw) && !TakesBody(raw.method)) {
               CloseWithUnreadBody();
             }
@@ -166,7 +166,7 @@ class RequestLoop : private httplib::Server {
     Fill(handler_.Handle(std::move(request)), answer);
   }
 
-  // What is not announced, or packed, may grow up to the limit.
+  // Without Content-Length, or with compression, the body may grow up to the limit.
   std::size_t BytesToReserve(const httplib::Request& raw) const {
     if (!HasBody(raw)) {
       return 0;
@@ -291,7 +291,7 @@ struct HttpServer::Impl {
   std::vector<std::thread::id> finished;  // guarded by mutex
 };
 
-// Runs in the accepting thread, so it must not wait for the client.
+// Runs in the accepting thread, so it must not block on the client.
 void HttpServer::Impl::Reject(int socket) {
   const Overload problem("too_many_connections", "The server has reached its limit of connections; try again later.");
   ConnectionTimeouts at_once;

@@ -10,15 +10,15 @@ namespace floorloc {
 
 struct HttpServerOptions {
   std::string host = "127.0.0.1";
-  int port = 0;  ///< 0: any free one
+  int port = 0;  ///< 0: any free port
   HttpLimits limits;
 };
 
-/// HTTP/1.1 over TCP, one thread per connection, everything bounded: connections (the excess is answered with 503),
-/// bytes of one body and of all bodies, time of a request. The only user of cpp-httplib, which parses the requests.
+/// HTTP/1.1 over TCP, one thread per connection. Limited are the connections (further ones are answered with 503),
+/// the bytes of one body and of all bodies, and the time of a request. cpp-httplib parses the requests.
 class HttpServer {
  public:
-  /// Binds. Throws std::runtime_error when the address cannot be used.
+  /// Binds the address. Throws std::runtime_error when it cannot be used.
   HttpServer(const HttpServerOptions& options, HttpHandler& handler);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
@@ -29,7 +29,7 @@ class HttpServer {
 
   /// Answers requests until Stop(); returns when the requests in flight are answered and every connection is closed.
   void Serve();
-  /// Stops accepting. From any thread, also before Serve().
+  /// Stops accepting. May be called from any thread, also before Serve().
   void Stop();
 
  private:

@@ -31,7 +31,7 @@ int PortOf(int socket) {
   return std::stoi(service.data());
 }
 
-// No SO_REUSEPORT: a second server on the same port must fail, not steal half of the requests.
+// Without SO_REUSEPORT: a second server on the same port must fail instead of receiving half of the requests.
 FileDescriptor OpenSocket(const addrinfo& address) {
   FileDescriptor socket(::socket(address.ai_family, address.ai_socktype | SOCK_CLOEXEC, address.ai_protocol));
   const int yes = 1;

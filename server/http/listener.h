@@ -5,7 +5,7 @@
 
 namespace floorloc {
 
-/// A file descriptor that closes itself.
+/// Owns a file descriptor.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -28,10 +28,10 @@ struct Listener {
   int port = 0;
 };
 
-/// Binds to host:port; port 0 takes any free one. Throws std::runtime_error with one sentence.
+/// Binds to host:port; port 0 takes any free port. Throws std::runtime_error.
 Listener Listen(const std::string& host, int port);
 
-/// Address of the other end, "" when it is gone.
+/// Peer address, or "" when the peer has disconnected.
 std::string RemoteAddress(int socket);
 
 }  // namespace floorloc

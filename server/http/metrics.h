@@ -17,7 +17,7 @@ class Histogram {
   static constexpr std::array<double, 14> kBounds = {0.0005, 0.001, 0.002, 0.004, 0.008, 0.015, 0.03,
                                                      0.06,   0.125, 0.25,  0.5,   1.0,   2.5,   10.0};
   void Observe(double seconds);
-  const std::array<std::uint64_t, kBounds.size()>& counts() const { return counts_; }  ///< not cumulated
+  const std::array<std::uint64_t, kBounds.size()>& counts() const { return counts_; }  ///< not cumulative
   std::uint64_t total() const { return total_; }
   double sum() const { return sum_; }
 
@@ -28,7 +28,7 @@ class Histogram {
 };
 
 struct RequestLabels {
-  std::string route;  ///< the pattern, never the path: the number of series stays bounded
+  std::string route;  ///< the pattern, not the path: bounds the number of time series
   std::string method;
   int status = 0;
   auto operator<=>(const RequestLabels&) const = default;
@@ -40,22 +40,22 @@ struct LocalizationLabels {
   auto operator<=>(const LocalizationLabels&) const = default;
 };
 
-/// Outcome of a vehicle's message, or of the fix of its image, in a map.
+/// Outcome of a vehicle's message or of its image's fix, per map.
 struct OutcomeLabels {
   std::string map;
   std::string outcome;
   auto operator<=>(const OutcomeLabels&) const = default;
 };
 
-/// Values that are read when metrics are requested.
+/// A value read when the metrics are requested.
 struct Gauge {
   std::string name;
   std::string help;
   double value = 0.0;
-  std::string label = "";  ///< name="value"; gauges of one name stand in a row
+  std::string label = "";  ///< name="value"; gauges of one name must be consecutive
 };
 
-/// Counters of the server, as Prometheus text. Thread-safe.
+/// Counters of the server in Prometheus text format. Thread-safe.
 class Metrics {
  public:
   void CountRequest(const RequestLabels& labels, double seconds);

@@ -31,7 +31,7 @@ bool RateLimiter::Allow(const std::string& client, TimePoint now) {
   return true;
 }
 
-// A bucket fills up within a second or 1/rate: older ones are equivalent to no bucket.
+// A bucket is full again after max(1 s, 1/rate); then it is equivalent to a new one.
 void RateLimiter::DropFullBuckets(TimePoint now) {
   const double full_after_s = std::max(1.0, 1.0 / rate_per_s_);
   std::erase_if(buckets_, [&](const auto& entry) {

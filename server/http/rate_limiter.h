@@ -16,7 +16,7 @@ class RateLimiter {
   /// rate 0: no limit.
   explicit RateLimiter(double rate_per_s) : rate_per_s_(rate_per_s) {}
 
-  /// Takes a token. False: the rate limit is exceeded.
+  /// Takes a token. False when the rate limit is exceeded.
   bool Allow(const std::string& client, TimePoint now);
 
  private:

@@ -15,14 +15,14 @@ namespace floorloc {
 
 /// Access to a route when the server has a token.
 enum class RouteAccess {
-  kPublic,  ///< health and the page itself
-  kRead,    ///< changes nothing: needs the token with protect_reads only
+  kPublic,  ///< health and the web page
+  kRead,    ///< changes nothing: needs the token only with protect_reads
   kWrite,   ///< needs the token
 };
 
 struct Route {
-  std::string method;   ///< GET answers HEAD too
-  std::string pattern;  ///< "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg": a name in braces takes one segment
+  std::string method;   ///< GET also answers HEAD
+  std::string pattern;  ///< "/v1/maps/{map}/tiles/{z}/{x}/{y}.jpg": a name in braces matches one segment
   RouteAccess access = RouteAccess::kRead;
   std::vector<std::string> body_types;  ///< accepted media types; empty: the call takes no body
   std::function<HttpResponse(const HttpRequest&)> handle;
@@ -34,12 +34,12 @@ struct RouterOptions {
   double max_requests_per_s = 0.0;  ///< per client address; 0: no limit
 };
 
-/// The route table, and the one place where exceptions become problem+json.
+/// The route table; the only place that turns exceptions into problem+json.
 class Router : public HttpHandler {
  public:
   Router(RouterOptions options, Metrics& metrics);
 
-  /// Before serving only.
+  /// Only before serving: not thread-safe.
   void Add(Route route);
   const std::vector<Route>& routes() const { return routes_; }
 
@@ -51,7 +51,7 @@ class Router : public HttpHandler {
   struct Found {
     const Route* route = nullptr;
     std::map<std::string, std::string> parameters;
-    std::string allow;  ///< the methods of this path when none of them was asked for
+    std::string allow;  ///< methods of this path when the requested one is not among them
   };
 
   Found Find(const HttpRequest& request) const;
@@ -65,7 +65,7 @@ class Router : public HttpHandler {
   std::vector<Route> routes_;
 };
 
-/// Matches a path against a pattern; the values of the names in braces, or nothing.
+/// Matches a path against a pattern. Returns the values of the names in braces; empty without a match.
 std::optional<std::map<std::string, std::string>> MatchPattern(std::string_view pattern, std::string_view path);
 
 }  // namespace floorloc

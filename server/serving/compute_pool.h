@@ -25,22 +25,22 @@ class QueueTimeout : public std::runtime_error {
 
 struct ComputePoolOptions {
   int threads = 0;                ///< 0: one per core
-  std::size_t queue_length = 64;  ///< jobs that wait; the excess is refused
+  std::size_t queue_length = 64;  ///< waiting jobs; further ones are refused
   std::chrono::duration<double> queue_timeout{1.0};
 
   void Check() const;
 };
 
-/// A fixed number of threads behind a bounded queue: the only place where images are decoded and localized.
+/// A fixed number of threads with a bounded queue: the only place where images are decoded and localized.
 class ComputePool {
  public:
   explicit ComputePool(const ComputePoolOptions& options);
-  /// Runs what is queued, then joins.
+  /// Runs the queued jobs, then joins the threads.
   ~ComputePool();
   ComputePool(const ComputePool&) = delete;
   ComputePool& operator=(const ComputePool&) = delete;
 
-  /// Queues a job. Empty when the queue is full. The future throws what the job threw, or QueueTimeout.
+  /// Queues a job. Empty when the queue is full. The future rethrows the job's exception, or throws QueueTimeout.
   template <typename Job>
   std::optional<std::future<std::invoke_result_t<Job>>> Submit(Job job) {
     using Result = std::invoke_result_t<Job>;

@@ -12,28 +12,28 @@
 
 namespace floorloc {
 
-/// A localization as the server answered it: what viewers need, in one object with its map, version and time.
+/// A localization as the server answered it, with its map, version and time, for viewers.
 struct FixRecord {
   std::uint64_t sequence = 0;
   double received_s = 0.0;  ///< Unix time
   double stamp_s = 0.0;     ///< of the image
-  std::string vehicle;      ///< empty: the camera came inline
+  std::string vehicle;      ///< empty: the request contained the camera
   std::string map;
   std::string map_version;
   std::string search;  ///< "prior" or "global"
   LocalizationResult result;
 };
 
-/// The last localizations of every map, for viewers. Thread-safe.
+/// The latest localizations of every map, for viewers. Thread-safe.
 class FixHistory {
  public:
   explicit FixHistory(std::size_t per_map = 256) : per_map_(per_map) {}
 
-  /// Numbers the record (from 1, ascending over all maps) and keeps it. Returns it as kept.
+  /// Sets the record's sequence number (from 1, ascending over all maps) and stores it. Returns the stored record.
   FixRecord Add(FixRecord record);
-  /// The kept records of a map with a higher number, oldest first.
+  /// The stored records of a map with a higher sequence number, oldest first.
   std::vector<FixRecord> Since(const std::string& map, std::uint64_t sequence) const;
-  /// The highest number given so far.
+  /// The highest sequence number so far.
   std::uint64_t last_sequence() const;
 
  private:

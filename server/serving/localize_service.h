@@ -27,11 +27,11 @@ struct LocalizeOutcome {
   double total_ms = 0.0;
 };
 
-/// Checks an encoded image against the camera by its header only, before it is queued.
+/// Checks an encoded image against the camera from its header alone, before it is queued.
 /// Throws Problem: 413 image_too_large, 422 invalid_image or image_size_mismatch.
 void CheckImageHeader(std::span<const std::uint8_t> bytes, const CameraModel& camera, std::int64_t max_pixels);
 
-/// Decodes and localizes. When a prior fails, the whole map is searched.
+/// Decodes and localizes an image. When the search around the prior fails, the whole map is searched.
 /// Throws Problem 422 invalid_image when the image is damaged.
 LocalizeOutcome RunLocalization(const LocalizeJob& job);
 

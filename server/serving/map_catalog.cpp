@@ -68,7 +68,7 @@ std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, cons
         [&database = *map->database](const TileId& tile) { return database.ReadMosaicTile(tile); });
   } catch (const MapError& error) {
     SetError(error, CodeOf(error), map.get());
-  } catch (const std::invalid_argument& error) {  // an extractor that this build does not have
+  } catch (const std::invalid_argument& error) {  // an extractor that this build lacks
     SetError(error, "map_unsupported", map.get());
   } catch (const std::exception& error) {
     SetError(error, "map_unavailable", map.get());

@@ -13,12 +13,12 @@
 
 namespace floorloc {
 
-/// A map as it is served; never changes. A request uses the one it started with.
+/// A loaded map; immutable. A request keeps the one that it started with.
 struct LoadedMap {
   std::string name;
   std::filesystem::path file;
-  std::string error;       ///< why it cannot be served; empty when it can
-  std::string error_code;  ///< map_damaged, map_unsupported (it takes another version) or map_unavailable
+  std::string error;       ///< why it is not served; empty when it is
+  std::string error_code;  ///< map_damaged, map_unsupported (needs another version) or map_unavailable
   std::unique_ptr<const MapDatabase> database;
   std::unique_ptr<const Localizer> localizer;
 
@@ -26,13 +26,13 @@ struct LoadedMap {
   const MapInfo& info() const { return localizer->map().info; }
 };
 
-/// What a client gets to read of an error with a map's file: the folder is none of its business.
+/// Removes the folder from an error about a map's file: clients must not learn the server's paths.
 std::string StripFolder(std::string text, const std::filesystem::path& file);
 
-/// The stable code of an error with a map's file: map_damaged, map_unsupported or map_unavailable.
+/// Error code of the API for an error about a map's file: map_damaged, map_unsupported or map_unavailable.
 std::string CodeOf(const MapError& error);
 
-/// Opens a map file and builds its search structures. A map that cannot be read comes back with its error.
+/// Opens a map file and builds its search structures. Does not throw for a bad file: sets `error` and `error_code`.
 std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, const LocalizerOptions& options);
 
 /// All maps of a folder, by name. Thread-safe.

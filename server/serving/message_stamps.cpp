@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kMaxStampNs = 4'000'000'000'000'000'000;
 
-// Numbers below it are zero; their text would only be long.
+// Far below a nanosecond: rounded to zero before formatting, which would need a long buffer.
 constexpr double kSmallestS = 1e-12;
 
 }  // namespace

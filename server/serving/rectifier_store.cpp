@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Lookup coordinates (2 x 16 bit), their fractions (16 bit) and the mask.
+// cv::remap's fixed-point maps: coordinates (2 x 16 bit) and fractions (16 bit); and the mask (8 bit).
 constexpr double kBytesPerPixel = 7.0;
 
 void Append(double value, std::string& key) {
@@ -19,7 +19,7 @@ void Append(double value, std::string& key) {
   std::memcpy(key.data() + at, &value, sizeof value);
 }
 
-// All parameters of the lookup tables, bit by bit; the camera's name does not.
+// The bit patterns of all parameters of the lookup tables; the camera's name has no influence on them.
 std::string KeyOf(const FloorCamera& camera) {
   std::string key;
   const CameraModel& c = camera.camera;
@@ -100,7 +100,7 @@ std::shared_ptr<const Rectifier> RectifierStore::FindLocked(const std::string& k
   return it->second->rectifier;
 }
 
-// Evicts the least recently used; what a vehicle or a request still holds is kept.
+// Evicts the least recently used entries that no vehicle or request holds.
 void RectifierStore::EvictLocked(std::size_t bytes) {
   std::size_t unused = 0;
   for (const Entry& entry : entries_) {

@@ -14,19 +14,19 @@
 namespace floorloc {
 
 struct RectifierStoreOptions {
-  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera image, and of the rectified one
-  std::size_t max_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
-  std::size_t max_cached = 64;                   ///< unused cameras that are kept
+  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera image and of the rectified image
+  std::size_t max_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras
+  std::size_t max_cached = 64;                   ///< cameras kept although no vehicle or request uses them
 };
 
-/// One Rectifier per different camera: vehicles with the same calibration share it, and a camera that comes inline with
-/// every request is only built once. Thread-safe.
+/// One Rectifier per calibration: vehicles with the same calibration share it, and a camera that is sent with every
+/// request is built only once. Thread-safe.
 class RectifierStore {
  public:
   explicit RectifierStore(const RectifierStoreOptions& options) : options_(options) {}
 
-  /// The rectifier of a camera; builds it when it is new, which takes compute time.
-  /// Throws Problem: 422 for a camera that makes no sense or is too large, 503 when the memory is full.
+  /// The rectifier of a camera; builds its lookup tables when there are none yet, which takes compute time.
+  /// Throws Problem: 422 for an invalid or too large camera, 503 when the memory limit is reached.
   std::shared_ptr<const Rectifier> Get(const FloorCamera& camera);
 
  private:
@@ -41,7 +41,7 @@ class RectifierStore {
 
   const RectifierStoreOptions options_;
   std::mutex mutex_;
-  std::list<Entry> entries_;  // the most recently used first
+  std::list<Entry> entries_;  // most recently used first
   std::unordered_map<std::string, std::list<Entry>::iterator> by_key_;
   std::size_t bytes_ = 0;
 };

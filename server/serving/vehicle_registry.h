@@ -15,13 +15,13 @@
 
 namespace floorloc {
 
-/// Largest jump of a fix that is accepted.
+/// Largest difference between a fix and the predicted pose that is accepted.
 struct VehicleGate {
   double max_distance_m = 0.20;
   double max_angle_rad = 0.1745;
 };
 
-/// A registered vehicle; replaced as a whole, never changed.
+/// A registered vehicle; immutable, replaced as a whole.
 struct Vehicle {
   std::string id;
   std::string map;
@@ -41,7 +41,7 @@ struct VehicleState {
 
 struct VehicleRegistryOptions {
   std::size_t max_vehicles = 2000;
-  double timeout_s = 0.0;  ///< a vehicle that was silent for longer expires, and may be evicted; 0: never
+  double timeout_s = 0.0;  ///< a vehicle without messages for longer expires and may be evicted; 0: never
 };
 
 /// Result of a registration.
@@ -50,13 +50,13 @@ struct Registration {
   bool created = false;
 };
 
-/// The registered vehicles, a bounded number. Thread-safe.
+/// The registered vehicles, at most max_vehicles. Thread-safe.
 class VehicleRegistry {
  public:
   explicit VehicleRegistry(const VehicleRegistryOptions& options) : options_(options) {}
 
-  /// Registers or replaces. The same vehicle again (map, camera, gate) keeps its pose, another one restarts. When
-  /// there are too many, the one that was silent for longest is evicted if it has expired; otherwise throws Problem
+  /// Registers or replaces a vehicle. With unchanged map, camera and gate it keeps its pose, otherwise it restarts.
+  /// At max_vehicles, the vehicle with the oldest last message is evicted if it has expired; otherwise throws Problem
   /// (409 too_many_vehicles).
   Registration Put(Vehicle vehicle);
   bool Remove(const std::string& id);
@@ -64,7 +64,7 @@ class VehicleRegistry {
   std::vector<VehicleState> All() const;
   std::size_t size() const;
 
-  /// Remembers the latest fix for display; a vehicle that is gone is ignored.
+  /// Stores the latest fix for display; does nothing when the vehicle is no longer registered.
   void SetLastFix(const std::string& id, const FixRecord& fix);
 
  private:

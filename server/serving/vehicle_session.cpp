@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// Assumed duration of an increment when no earlier message of the vehicle is known.
+// Assumed duration of an increment without an earlier message of the vehicle.
 constexpr std::int64_t kUnknownIntervalNs = 100'000'000;
 
 std::int64_t WindowNs(const TrackerOptions& options) {
@@ -73,7 +73,7 @@ VehicleView VehicleSession::View() {
   return ViewLocked();
 }
 
-// The vehicle's clock is unknown: a pose that was set before its first message gets the time of that message.
+// The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.
 void VehicleSession::StampPoseLocked(std::int64_t stamp_ns) {
   if (unstamped_pose_) {
     tracker_ = VehicleTracker(options_, resolution_m_);
@@ -88,7 +88,7 @@ bool VehicleSession::IsTooOldLocked(std::int64_t stamp_ns) const {
   return stamps_.IsTooOld(stamp_ns) || (pose_set_ns_ && stamp_ns < *pose_set_ns_ - WindowNs(options_));
 }
 
-// An image without odometry carries no motion: odometry continues from its own last stamp.
+// An image without odometry has no increment, so the next increment starts at the last stamp with odometry.
 std::optional<std::int64_t> VehicleSession::PreviousLocked(std::int64_t stamp_ns) const {
   const std::optional<std::int64_t> odometry_ns = odometry_stamps_.Before(stamp_ns);
   return odometry_ns ? odometry_ns : stamps_.Before(stamp_ns);
@@ -150,7 +150,7 @@ VehicleView VehicleSession::SetPose(PoseFix pose, std::optional<std::int64_t> st
   return ViewLocked();
 }
 
-// The time of an image that comes without odometry. The tracker detects a clock jump by odometry only.
+// Records the stamp of an image without odometry. The tracker detects clock jumps from odometry only.
 MessageOutcome VehicleSession::RecordFrameStampLocked(std::int64_t stamp_ns) {
   const bool too_old = IsTooOldLocked(stamp_ns);
   if (too_old && ++frames_before_history_ < options_.filter.clock_jump_messages) {
@@ -179,7 +179,7 @@ std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const
   RestartIfExpiredLocked();
   StampPoseLocked(stamp_ns);
   slot.stamp_ns = stamp_ns;
-  // An image that is sent again after an error repeats known odometry, but is new itself.
+  // An image that is resent after an error repeats known odometry, but the image itself is new.
   const MessageOutcome odometry = motion ? AddIncrementLocked({stamp_ns, *motion}) : MessageOutcome::kDuplicate;
   if (frames_.Contains(stamp_ns)) {
     slot.message = MessageOutcome::kDuplicate;

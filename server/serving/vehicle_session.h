@@ -25,7 +25,7 @@ constexpr std::array kFixRejections = {
 struct VehicleCounts {
   std::array<std::uint64_t, kMessageOutcomes.size()> messages{};  ///< in the order of MessageOutcome
   std::uint64_t accepted = 0;
-  std::uint64_t reanchored = 0;                                     ///< some of the accepted ones
+  std::uint64_t reanchored = 0;                                     ///< included in accepted
   std::array<std::uint64_t, kFixRejections.size() + 1> rejected{};  ///< in the order of FixRejection
 };
 
@@ -38,13 +38,14 @@ struct VehicleView {
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
 };
 
-/// A motion in the base frame since the vehicle's previous message with odometry, or since any when none had.
+/// Motion in the base frame (m, rad) since the vehicle's previous message with odometry, or since its previous image
+/// when there is none with odometry.
 struct OdometryMessage {
   std::int64_t stamp_ns = 0;
   Pose2 motion;
 };
 
-/// Exclusive permission to localize: at most one image of a vehicle is localized at a time.
+/// Lock of a vehicle's localization: at most one of its images is localized at a time.
 struct FrameSlot {
   std::unique_lock<std::mutex> lock;
   std::int64_t stamp_ns = 0;
@@ -65,21 +66,22 @@ struct OdometryReport {
   VehicleView view;
 };
 
-/// The pose of one registered vehicle. Thread-safe: its lock is held while messages are added, never while an image is
-/// localized.
+/// Tracks the pose of one registered vehicle. Thread-safe: mutex_ is held while messages are added, never while an
+/// image is localized.
 class VehicleSession {
  public:
-  /// resolution_m: of the rectified images. timeout_s: after this long without a message the pose is dropped; 0: never.
+  /// resolution_m: metres per pixel of the rectified images. timeout_s: after this time without a message the pose is
+  /// dropped; 0: never.
   VehicleSession(const TrackerOptions& options, double resolution_m, double timeout_s);
 
   OdometryReport AddOdometry(const std::vector<OdometryMessage>& increments);
-  /// stamp_ns: without it, that of the newest message, or of the first one that comes.
+  /// stamp_ns: empty means the stamp of the newest message, or before any message that of the first one to arrive.
   VehicleView SetPose(PoseFix pose, std::optional<std::int64_t> stamp_ns);
 
-  /// Adds the odometry that came with an image, and returns the prior. Empty while another image of this vehicle is
-  /// localized.
+  /// Adds the odometry sent with an image, and returns the prior for its localization. Empty while another image of
+  /// this vehicle is being localized.
   std::optional<FrameSlot> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion);
-  /// Adds the image that was localized.
+  /// Adds the result of localizing the image. features: of the image, base frame.
   FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found);
 
   VehicleView View();
@@ -104,17 +106,17 @@ class VehicleSession {
   const double resolution_m_;
   const double timeout_s_;
   std::atomic<Clock::rep> last_message_time_;
-  std::mutex frame_mutex_;  // held by the image that is localized; locked before mutex_
-  std::mutex mutex_;        // guards all below
+  std::mutex frame_mutex_;  // held while an image is localized; locked before mutex_
+  std::mutex mutex_;        // guards all members below
   VehicleTracker tracker_;
   MessageStamps stamps_;           // of all messages
   MessageStamps odometry_stamps_;  // of those with odometry
   MessageStamps frames_;           // of those with an image
   std::optional<std::int64_t> last_received_ns_;
-  std::optional<std::int64_t> pose_set_ns_;  // by hand
-  std::optional<PoseFix> unstamped_pose_;    // set by hand before the first message
+  std::optional<std::int64_t> pose_set_ns_;  // stamp of the last SetPose
+  std::optional<PoseFix> unstamped_pose_;    // from SetPose before the first message
   int frames_before_history_ = 0;
-  std::uint64_t epoch_ = 0;  // incremented whenever the history restarts
+  std::uint64_t epoch_ = 0;  // incremented when the history restarts
   VehicleCounts counts_;
 };
 

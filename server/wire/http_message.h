@@ -15,12 +15,12 @@ struct HttpPart {
   std::string content;
 };
 
-/// A request as the handlers see it: decoded, and independent of the HTTP library.
+/// A decoded request, independent of the HTTP library.
 struct HttpRequest {
   std::string method;
   std::string path;  ///< decoded, without the query
   std::multimap<std::string, std::string> query;
-  std::map<std::string, std::string> headers;  ///< names in lower case; the first of several with one name
+  std::map<std::string, std::string> headers;  ///< names in lower case; of repeated headers the first
   std::map<std::string, std::string> path_parameters;
   std::string remote_address;
   std::string body;             ///< empty for multipart/form-data
@@ -28,9 +28,9 @@ struct HttpRequest {
 
   /// Value of a header (name in lower case), or "".
   std::string Header(const std::string& name) const;
-  /// Media type of the body in lower case, without parameters; "" when there is none.
+  /// Media type of the body in lower case, without parameters, or "".
   std::string ContentType() const;
-  /// Value of a query parameter. Throws Problem when it is given twice.
+  /// Value of a query parameter. Throws Problem when it occurs more than once.
   std::optional<std::string> QueryValue(const std::string& name) const;
 };
 

@@ -7,9 +7,9 @@
 
 namespace floorloc {
 
-/// A finite decimal number and nothing else.
+/// Parses a finite decimal number; empty when there is any other text.
 std::optional<double> ParseFinite(std::string_view text);
-/// Such numbers between commas; empty when one of them is none.
+/// Parses comma-separated finite numbers; empty when any of them is invalid.
 std::vector<double> ParseNumberList(std::string_view text);
 
 }  // namespace floorloc

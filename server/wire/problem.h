@@ -13,8 +13,8 @@ class Problem : public std::runtime_error {
  public:
   enum class Retry { kNo, kSoon };
 
-  /// code: stable and for machines; detail: one sentence for people that says what to do. kSoon: the same request may
-  /// well succeed in a moment.
+  /// code: stable, for programs. detail: one sentence for people that says what to do. kSoon: the same request may
+  /// succeed in a moment.
   Problem(int status, std::string code, const std::string& detail, Retry retry = Retry::kNo)
       : std::runtime_error(detail), status_(status), code_(std::move(code)), retry_(retry) {}
 
@@ -34,10 +34,10 @@ class Overload : public Problem {
   Overload(std::string code, const std::string& detail) : Problem(503, std::move(code), detail, Retry::kSoon) {}
 };
 
-/// The problem+json answer. Retry-After says when the same request may succeed; 401 carries WWW-Authenticate.
+/// The problem+json response, with Retry-After for Retry::kSoon and WWW-Authenticate for 401.
 HttpResponse ToResponse(const Problem& problem);
 
-/// The problem for a status that the HTTP library answers by itself (malformed request line, ...).
+/// The problem for a status that the HTTP library generates (malformed request line, ...).
 Problem ProblemOfStatus(int status);
 
 }  // namespace floorloc

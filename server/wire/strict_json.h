@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// JSON text or a value in it is wrong. what() is one sentence that names the field.
+/// JSON text or a value in it is invalid. what() is one sentence that names the field.
 class JsonError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -22,17 +22,17 @@ class MalformedJson : public JsonError {
   using JsonError::JsonError;
 };
 
-/// Compact text. NaN and infinity become null, bytes that are not UTF-8 the replacement character.
+/// Compact JSON text. NaN and infinity become null, invalid UTF-8 becomes U+FFFD.
 std::string ToText(const nlohmann::json& value);
 
-/// Throws MalformedJson that says where the text stops being JSON.
+/// Throws MalformedJson with the position of the first error.
 nlohmann::json ParseJson(const std::string& text);
 
-/// Strict reader of one JSON object: every getter checks the type, RejectUnknownKeys() finds the keys that were not
-/// read. The JSON value must outlive the reader. Everything throws JsonError with the path of the field.
+/// Strict reader of one JSON object: every getter checks the type, RejectUnknownKeys() throws for keys that were not
+/// read. The JSON value must outlive the reader. All errors are JsonError with the path of the field.
 class JsonObject {
  public:
-  /// path: of the object itself, "" for the root.
+  /// path: of this object, for messages; "" for the root.
   JsonObject(const nlohmann::json& value, std::string path);
 
   bool Has(const std::string& key) const;
