@@ -8,40 +8,40 @@ PRAGMA user_version = 3;
 CREATE TABLE map (
   one             INTEGER PRIMARY KEY CHECK (one = 1),
   builder_version TEXT NOT NULL,
-  id              TEXT NOT NULL,  -- UUID; stays the same over a map's versions
-  content_version TEXT NOT NULL,  -- SHA-256 over the content, hex; schema/README.md says what counts
+  id              TEXT NOT NULL,  -- UUID, the same for all versions of a map
+  content_version TEXT NOT NULL,  -- SHA-256 over the content, hex; schema/README.md lists the columns
   name            TEXT NOT NULL,
   created         TEXT NOT NULL,  -- ISO 8601, UTC
   frame           TEXT NOT NULL,  -- 'map'
   resolution_m    REAL NOT NULL,  -- of the mosaic's finest level
   x_min REAL NOT NULL, x_max REAL NOT NULL, y_min REAL NOT NULL, y_max REAL NOT NULL,  -- surveyed floor
   area_m2         REAL NOT NULL,
-  keypoint_tile_m REAL NOT NULL,  -- side of a row of keypoint_tile
+  keypoint_tile_m REAL NOT NULL,  -- side of the tiles of keypoint_tile
   descriptor_type TEXT NOT NULL CHECK (descriptor_type IN ('binary', 'float')),
-  descriptor_length INTEGER NOT NULL,  -- bytes, or numbers of 4 bytes
+  descriptor_length INTEGER NOT NULL,  -- bytes (binary) or float32 elements (float)
   mosaic_tile_px  INTEGER NOT NULL,
   mosaic_max_zoom INTEGER NOT NULL,
   surveys_json    TEXT NOT NULL,  -- provenance, one object per survey
-  report_json     TEXT NOT NULL   -- what the builder measured
+  report_json     TEXT NOT NULL   -- the builder's measurements
 );
 
--- What this file holds beside what it says about itself. A reader refuses the map when it does not know a layer that is
--- required, and leaves alone one that is not; schema/README.md has the policy.
+-- The layers of this file beyond its metadata. A reader refuses a map with an unknown required layer and ignores an
+-- unknown optional one; schema/README.md has the policy.
 CREATE TABLE layer (
   name         TEXT PRIMARY KEY,
   version      INTEGER NOT NULL,  -- of the layer's tables
   required     INTEGER NOT NULL CHECK (required IN (0, 1)),
-  content_hash TEXT NOT NULL      -- SHA-256 of its content, hex; map.content_version covers it
+  content_hash TEXT NOT NULL      -- SHA-256 of its content, hex; included in map.content_version
 ) WITHOUT ROWID;
 
--- Map versions that this one was made from; none for a map of surveys alone.
+-- Map versions that this map was extended or merged from; empty for a map built from surveys alone.
 CREATE TABLE parent (
   relation        TEXT NOT NULL CHECK (relation IN ('extends', 'merges')),
   id              TEXT NOT NULL,
   content_version TEXT NOT NULL
 );
 
--- Every option of the feature extractor; a reader must use exactly these.
+-- All options of the feature extractor; a reader must use exactly these.
 CREATE TABLE extractor_parameter (
   name  TEXT PRIMARY KEY,
   value NOT NULL
@@ -61,25 +61,25 @@ CREATE TABLE camera (
   resolution_m     REAL NOT NULL
 );
 
--- Survey frames as they were placed.
+-- Survey frames with their optimised poses.
 CREATE TABLE frame (
   id         INTEGER PRIMARY KEY,  -- from 0
   survey     INTEGER NOT NULL,
   stamp_ns   INTEGER NOT NULL,
   filename   TEXT NOT NULL,
   x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- map_from_base
-  gain       REAL NOT NULL,        -- what evens out its exposure
+  gain       REAL NOT NULL,        -- factor that compensates its exposure
   odom_x REAL, odom_y REAL, odom_yaw REAL               -- odom_from_base of its survey; NULL without odometry
 );
 
--- Motions between frames that their images measured; the poses agree with them.
+-- Relative poses between frames, measured by registering their images: edges of the pose graph.
 CREATE TABLE link (
   first INTEGER NOT NULL, second INTEGER NOT NULL,      -- frame.id
   x REAL NOT NULL, y REAL NOT NULL, yaw REAL NOT NULL,  -- first_from_second
   covariance     BLOB NOT NULL,     -- float64[6]: upper triangle, row-major, of (x, y, yaw)
   inliers        INTEGER NOT NULL,
   rms_m          REAL NOT NULL,     -- keypoint residual
-  residual_sigma REAL NOT NULL,     -- how far the poses disagree with it, standard deviations
+  residual_sigma REAL NOT NULL,     -- residual of the frames' poses, standard deviations
   PRIMARY KEY (first, second)
 ) WITHOUT ROWID;
 
@@ -99,8 +99,8 @@ CREATE TABLE keypoint_tile (
   PRIMARY KEY (x, y)
 ) WITHOUT ROWID;
 
--- The mosaic: level mosaic_max_zoom has resolution_m, every level above twice the metres per pixel. Tile (z, x, y)
--- covers [x, x+1) * side, y counts UP.
+-- The mosaic: level mosaic_max_zoom has resolution_m, each lower z twice the metres per pixel. Tile (z, x, y) covers
+-- [x, x+1) * side by [y, y+1) * side in the map frame: y grows UP.
 CREATE TABLE mosaic_tile (
   z INTEGER NOT NULL, x INTEGER NOT NULL, y INTEGER NOT NULL,
   jpeg     BLOB NOT NULL,

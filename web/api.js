@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The HTTP contract as the page uses it. Every failure is an ApiError with a sentence for people.
+// Client of the HTTP API. Every failure is an ApiError with one sentence for people.
 
 export class ApiError extends Error {
   constructor(message, code) {
@@ -28,7 +28,7 @@ export const listMaps = async () => (await call("/v1/maps")).maps;
 export const listVehicles = async () => (await call("/v1/vehicles")).vehicles;
 export const listFixes = (map, since) => call(`${mapPath(map)}/fixes?since=${since}`);
 
-/// {z}, {x}, {y} are for the caller to fill in.
+/// Leaflet fills in {z}, {x} and {y}.
 export const tileTemplate = (map) => `${mapPath(map.name)}/tiles/{z}/{x}/{y}.jpg?v=${map.version}`;
 
 export function localize(map, vehicle, file) {

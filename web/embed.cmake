@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DASSETS="a;b" -DOUTPUT=F.cpp -P embed.cmake: writes the files into a C++ table.
+# cmake -DASSETS="a;b" -DOUTPUT=F.cpp -P embed.cmake: writes the files as a C++ table.
 set(arrays "")
 set(rows "")
 set(index 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The floor in metres: Leaflet with CRS.Simple, where a map point (x, y) is the LatLng [y, x].
+// The floor in metres: Leaflet with CRS.Simple, in which the map point (x, y) is LatLng [y, x].
 import * as L from "/web/leaflet.esm.min.js";
 
 import { tileTemplate } from "/web/api.js";
@@ -8,7 +8,7 @@ const FIXES_SHOWN = 60;
 const COLOURS = { localized: "#128a5b", ambiguous: "#b97800", tracking_odometry: "#1f6fb2", lost: "#c0392b" };
 const EMPTY_TILE = "data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==";
 
-/// Zoom 0 of Leaflet is the map's coarsest level: one tile is tile_px * resolution * 2^max_zoom metres there.
+/// Leaflet's zoom 0 is the mosaic's coarsest level, whose tiles are tile_px * resolution * 2^max_zoom metres wide.
 function metricCrs(mosaic) {
   const pixelsPerMetre = 1 / (mosaic.resolution * 2 ** mosaic.max_zoom);
   return L.extend({}, L.CRS.Simple, { transformation: new L.Transformation(pixelsPerMetre, 0, -pixelsPerMetre, 0) });
@@ -21,7 +21,7 @@ const MosaicLayer = L.TileLayer.extend({
   },
 });
 
-/// Half axes and direction of the 3-sigma ellipse of the position.
+/// Semi-axes (m) and direction (rad) of the position's 3-sigma ellipse; covariance: 3x3 of (x, y, yaw), row-major.
 export function covarianceEllipse(covariance) {
   const [xx, xy, , , yy] = covariance;
   const mean = (xx + yy) / 2;
@@ -48,7 +48,7 @@ function ellipsePoints(pose) {
   return points;
 }
 
-/// An arrowhead with its middle at the position, in map coordinates.
+/// Arrowhead centred at the pose, in map coordinates; length in metres.
 function arrowPoints(pose, length) {
   const shape = [[0.6, 0], [-0.4, 0.32], [-0.2, 0], [-0.4, -0.32]];
   const c = Math.cos(pose.yaw) * length;
@@ -64,7 +64,7 @@ export class FloorView {
     this.vehicles = [];
   }
 
-  /// Shows a map; its fixes and vehicles have to be given again.
+  /// Shows a map without fixes and vehicles; the caller adds them.
   show(map) {
     this.leaflet?.remove();
     this.fixes = [];
@@ -110,7 +110,7 @@ export class FloorView {
     this.draw();
   }
 
-  /// Vehicles with the poses that the server keeps for them.
+  /// Vehicles with their fused poses.
   showVehicles(vehicles) {
     this.vehicles = vehicles;
     this.drawVehicles();
@@ -136,7 +136,7 @@ export class FloorView {
     return this.leaflet.unproject([1, 0], this.leaflet.getZoom()).lng;
   }
 
-  /// Old fixes fade; arrows keep a readable size on the screen.
+  /// Redraws: old fixes fade, arrows keep their size on the screen.
   draw() {
     if (!this.leaflet) {
       return;

@@ -98,7 +98,7 @@ function chooseMap(name) {
   }
 }
 
-/// Loads the list of maps, and starts anew when the maps on the server are others than before.
+/// Loads the list of maps; resets the view when the server's maps have changed.
 async function refreshMaps() {
   const maps = await api.listMaps();
   const key = maps.map(({ name, version, status }) => `${name} ${version} ${status}`).join();
