@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian's cpp-httplib comes without a CMake configuration: the compiled library as httplib::httplib.
+# Debian's cpp-httplib has no CMake package: imports its compiled library as httplib::httplib.
 find_path(httplib_INCLUDE_DIR httplib.h)
 find_library(httplib_LIBRARY cpp-httplib)
 
@@ -14,7 +14,7 @@ find_package_handle_standard_args(httplib REQUIRED_VARS httplib_LIBRARY httplib_
 
 if(httplib_FOUND AND NOT TARGET httplib::httplib)
   add_library(httplib::httplib UNKNOWN IMPORTED)
-  # The header's classes have other layouts without the options that Debian's library was compiled with.
+  # The options that Debian's library was compiled with; without them the header's class layouts differ (ODR).
   set_target_properties(httplib::httplib PROPERTIES
     IMPORTED_LOCATION ${httplib_LIBRARY}
     INTERFACE_INCLUDE_DIRECTORIES ${httplib_INCLUDE_DIR}

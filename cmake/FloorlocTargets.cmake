@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# Folder = target = layer: one call per folder, and the link lines are the only arrows.
+# One library target per folder: a layer. Its link line lists all layers that it may include.
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
-# Flags that every target of the project shares.
+# Flags of all targets of the project.
 add_library(floorloc_options INTERFACE)
 target_compile_features(floorloc_options INTERFACE cxx_std_20)
 target_compile_options(floorloc_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
@@ -56,11 +56,11 @@ function(floorloc_library name)
   endif()
 endfunction()
 
-# floorloc_kernels(SOURCES...): sources of the current folder whose inner loops are the product's speed.
+# floorloc_kernels(SOURCES...): sources of the current folder whose inner loops dominate the run time.
 function(floorloc_kernels)
-  # Fused multiplications round differently: without them every processor finds the same features.
+  # Fused multiply-add rounds differently: without it every processor finds the same features.
   set(options -ffp-contract=off -fno-math-errno -fno-trapping-math)
-  # GCC's generic tuning, which the functions for several instruction sets get too, avoids gathering loads; they pay here.
+  # GCC's generic tuning, which target_clones get too, avoids gather loads; they are faster here.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     list(APPEND options -mtune=haswell)
   endif()
