@@ -17,7 +17,7 @@ constexpr int kSamplesPerSide = 4;
 constexpr unsigned char kBlack = 35;
 constexpr unsigned char kWhite = 225;
 
-// Squares and rim; the square in column 0, row 0 (from the top) is black or white.
+// Squares and rim; row 0 is the top row.
 PrintedBoard PrintSquares(const Board& board, bool top_left_black) {
   const int square = static_cast<int>(std::lround(board.square_m / kPrintResolutionM));
   const cv::Size size((board.columns + 3) * square, (board.rows + 3) * square);
@@ -102,7 +102,7 @@ Eigen::Isometry3d PlaceBoard(const CameraModel& camera, const Board& board, cons
   const Eigen::Vector2d middle = 0.5 * board.Corner(board.corner_count() - 1);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translate(placement.distance_m * ray);
-  pose.rotate(Eigen::AngleAxisd(std::acos(-1.0), Eigen::Vector3d::UnitX()));  // print towards the camera
+  pose.rotate(Eigen::AngleAxisd(std::acos(-1.0), Eigen::Vector3d::UnitX()));  // the printed side faces the camera
   pose.rotate(Eigen::AngleAxisd(placement.turn_rad, Eigen::Vector3d::UnitZ()));
   pose.rotate(Eigen::AngleAxisd(placement.tilt_x_rad, Eigen::Vector3d::UnitX()));
   pose.rotate(Eigen::AngleAxisd(placement.tilt_y_rad, Eigen::Vector3d::UnitY()));
@@ -111,7 +111,7 @@ Eigen::Isometry3d PlaceBoard(const CameraModel& camera, const Board& board, cons
 }
 
 std::vector<BoardPlacement> VariedPlacements(const CameraModel& camera, const Board& board, int count) {
-  // So far away that the board fills about half of the image's height.
+  // Distances at which the board fills about half of the image's height.
   const double side_m = std::max(board.columns, board.rows) * board.square_m;
   const double distance_m = 1.8 * camera.fy * side_m / camera.height_px;
   std::vector<BoardPlacement> placements;

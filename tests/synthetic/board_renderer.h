@@ -11,19 +11,20 @@
 
 namespace floorloc {
 
-/// A board as it comes out of the printer: seen from above, the board's y up. Its edges fall between pixels.
+/// A printed board seen from above, the board's y up. Its edges lie on pixel borders.
 struct PrintedBoard {
   cv::Mat gray;  ///< CV_8UC1
   double resolution_m = 0.0;
-  Eigen::Vector2d corner0_px = Eigen::Vector2d::Zero();  ///< corner 0, in units of pixels from the upper left edge
+  Eigen::Vector2d corner0_px =
+      Eigen::Vector2d::Zero();  ///< corner 0, pixels from the image's upper left edge (not from a pixel centre)
 };
 
-/// A chessboard, with a white rim of one square. Squares must be multiples of 0.5 mm.
+/// A chessboard with a white rim of one square. The square's side must be a multiple of 0.5 mm.
 PrintedBoard PrintChessboard(const Board& board);
-/// A ChArUco board; `black_first`: the upper left square is black, else the one in the lower left.
+/// A ChArUco board. black_first: the upper left square is black, else the lower left one.
 PrintedBoard PrintCharuco(const Board& board, bool black_first);
 
-/// Images of a board through a lens, integrated over each pixel's area; beside the board a grey ramp.
+/// Renders images of a board with lens distortion, integrated over each pixel's area. The background is a grey ramp.
 class BoardRenderer {
  public:
   explicit BoardRenderer(const CameraModel& camera);
@@ -32,11 +33,11 @@ class BoardRenderer {
 
  private:
   CameraModel camera_;
-  std::vector<Eigen::Vector2d> rays_;  // plane z = 1, for the upper left corner of every pixel, one more each way
+  std::vector<Eigen::Vector2d> rays_;  // on z = 1, through the corners of all pixels: (width + 1) x (height + 1)
 };
 
-/// A board held before the camera: its middle on the ray through raw pixel `middle_px` (undistorted) at distance_m,
-/// tilted about its own x and y axes and turned in its plane.
+/// Pose of a board in front of the camera: its centre on the ray through pixel `middle_px` (undistorted) at distance_m,
+/// rotated about its own x and y axes (tilt) and about its normal.
 struct BoardPlacement {
   Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
   double distance_m = 0.5;
@@ -46,14 +47,14 @@ struct BoardPlacement {
 };
 Eigen::Isometry3d PlaceBoard(const CameraModel& camera, const Board& board, const BoardPlacement& placement);
 
-/// Places that constrain a camera well: all over the image, near and far, tilted to all sides.
+/// Placements that constrain all camera parameters: all over the image, near and far, tilted to all sides.
 std::vector<BoardPlacement> VariedPlacements(const CameraModel& camera, const Board& board, int count);
 
-/// Where a camera shows the corners of a board that are in its image, with Gaussian noise, in the board's order.
+/// Projections of the board's corners that are inside the image, with Gaussian noise, in the board's order.
 BoardView ProjectBoard(const CameraModel& camera, const Board& board, const Eigen::Isometry3d& camera_from_board,
                        double noise_px, unsigned seed);
 
-/// 480x360 with a wide lens: plumb_bob.
+/// 480x360, wide-angle, plumb_bob.
 CameraModel MakeBoardCamera();
 
 }  // namespace floorloc

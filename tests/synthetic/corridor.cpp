@@ -10,7 +10,7 @@ namespace floorloc {
 namespace {
 
 struct Wall {
-  int axis;        // the coordinate that is constant on it
+  int axis;        // the coordinate that is constant on the plane
   double place_m;  // its value
 };
 constexpr Wall kWalls[] = {{1, 1.2}, {1, -1.3}, {0, -2.0}, {0, 2.0}, {2, 14.0}};
@@ -23,7 +23,7 @@ double RandomAt(std::int64_t x, std::int64_t y, std::uint64_t layer) {
   return static_cast<double>((h ^ (h >> 31)) >> 11) * 0x1p-53;
 }
 
-// Value noise, 0 ... 1.
+// Value noise in [0, 1].
 double Noise(double u, double v, std::uint64_t layer) {
   const double u0 = std::floor(u);
   const double v0 = std::floor(v);
@@ -83,7 +83,7 @@ cv::Mat Corridor::View(const Eigen::Isometry3d& world_from_camera, int noise_see
         hit = wall;
       }
     }
-    const bool open = !std::isfinite(nearest);  // back through the open end
+    const bool open = !std::isfinite(nearest);  // the ray leaves through the open end
     const double value = open ? 0.0 : Brightness(camera_center + nearest * ray, hit);
     gray.data[i] = cv::saturate_cast<unsigned char>(value + random.gaussian(1.5));
   }

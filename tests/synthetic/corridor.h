@@ -9,13 +9,13 @@
 
 namespace floorloc {
 
-/// A speckled corridor along +z: floor 1.2 m below, ceiling 1.3 m above, walls 2 m to either side, a wall at the end
-/// 14 m away. Axes as a camera's: x right, y down. The same pose gives the same image, but for its noise.
+/// A textured corridor along +z: floor 1.2 m below, ceiling 1.3 m above, walls 2 m to either side, end wall at 14 m.
+/// Camera axes: x right, y down, z forward. Equal poses and seeds give equal images.
 class Corridor {
  public:
   explicit Corridor(const CameraModel& camera);
 
-  /// 400x300, some barrel distortion.
+  /// 400x300, with barrel distortion.
   static CameraModel MakeCamera();
 
   /// Raw grey image, CV_8UC1, with noise of 1.5 grey values.
@@ -23,7 +23,7 @@ class Corridor {
 
  private:
   CameraModel camera_;
-  std::vector<Eigen::Vector3d> rays_;  // of every raw pixel, z = 1
+  std::vector<Eigen::Vector3d> rays_;  // one per raw pixel, on z = 1
 };
 
 }  // namespace floorloc

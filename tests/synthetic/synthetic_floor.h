@@ -12,27 +12,27 @@
 
 namespace floorloc {
 
-/// A speckled concrete floor of 1.2 x 0.9 m under a camera that looks straight down: images with exact ground truth.
-/// The same seed gives the same floor, views and recordings.
+/// A concrete floor of 1.2 x 0.9 m under a camera that looks straight down: images with exact ground truth. Equal seeds
+/// give equal floors, views and recordings.
 class SyntheticFloor {
  public:
   explicit SyntheticFloor(std::uint64_t seed = 1);
 
   const FloorCamera& camera() const { return camera_; }
 
-  /// The robot's pose at which the middle of the region of interest is at this map pose. Every heading is allowed for
+  /// map_from_base that puts the centre of the region of interest at this map pose. All headings are allowed for
   /// positions from (0.3, 0.3) to (0.9, 0.6).
   Pose2 BaseForView(double x_m, double y_m, double yaw_rad) const;
 
-  /// Raw colour image; by default perfect: even light, sharp, no noise.
+  /// Raw colour image; by default ideal: even light, no blur, no noise.
   cv::Mat View(const Pose2& map_from_base, const RenderConditions& conditions = {}) const;
 
   /// Writes a survey of 28 frames that cover the floor, with drifting odometry, under mild conditions.
   SimulationResult WriteSurvey(const std::filesystem::path& folder) const;
-  /// Writes a drive over the same floor with drifting odometry under other light.
+  /// Writes a drive over the same floor with drifting odometry under different light.
   SimulationResult WriteDrive(const std::filesystem::path& folder, int frames) const;
 
-  /// What WriteSurvey does, to be varied.
+  /// The options that WriteSurvey uses, for variations.
   SimulateOptions SurveyOptions(const std::filesystem::path& folder) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// A new empty folder that disappears with the object, whatever permissions a test gave it.
+/// A new empty folder, removed by the destructor whatever permissions a test gave it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
