@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Best fits of points of the plane, as complex numbers."""
+"""Least-squares alignment of 2D points, as complex numbers."""
 
 import cmath
 import math
 
 
 def fit_motion(source, target, with_scale):
-    """Factor and shift with target = factor * source + shift in least squares; |factor| is 1 without scale."""
+    """(factor, shift) of target = factor * source + shift by least squares; |factor| is 1 without scale."""
     count = len(source)
     source_mean = sum(source) / count
     target_mean = sum(target) / count
@@ -29,13 +29,13 @@ def rms(values):
 
 
 def geometric_error(positions, truth, with_scale):
-    """RMS and largest distance to the truth of what both dictionaries hold, after the best fit, in the truth's unit.
+    """RMS and largest error of the names in both dictionaries after alignment, in the truth's unit; None below 3 names.
 
-    with_scale: positions are in any unit, and may be mirrored, as pixels are.
+    with_scale: positions are in any unit and may be mirrored, such as pixels.
     """
     names = sorted(set(positions) & set(truth))
     if len(names) < 3:
-        return None  # two places always fit
+        return None  # two points always fit
     target = [truth[name] for name in names]
     source = [positions[name] for name in names]
     candidates = [distances_after_fit(source, target, with_scale)]

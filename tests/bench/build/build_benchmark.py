@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The map builder beside other stitchers on the same frames, and on surveys of growing size.
+"""Compares the map builder with other stitchers on the same frames, and runs it on surveys of growing size.
 
-`./run bench build` starts it. Every stitcher runs alone, with limits of time and memory.
+`./run bench build` starts it. Every stitcher runs alone, with limits on time and memory.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from limited_process import Limits, run_limited
 
 
 def read_truth(folder):
-    """Image name -> true place of its middle, and stamp -> (image name, middle in the base frame)."""
+    """Image name -> true position of its centre, and stamp -> (image name, centre in the base frame)."""
     places, by_stamp = {}, {}
     with open(folder / "truth.csv", newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -31,7 +31,7 @@ def read_truth(folder):
 
 
 def part_of_survey(survey, folder, count, with_odometry):
-    """The survey's first frames as a survey of their own; images are linked, not copied."""
+    """Writes the survey's first frames as a new survey; images are linked, not copied."""
     folder.mkdir(parents=True)
     for name in ["camera.yaml", "floor.yaml"] + (["odometry.tum"] if with_odometry else []):
         if (survey / name).exists():
@@ -43,7 +43,7 @@ def part_of_survey(survey, folder, count, with_odometry):
 
 
 class Comparison:
-    """All methods on the first frames of one survey."""
+    """Runs all methods on the first frames of one survey."""
 
     def __init__(self, arguments, survey, count):
         self.arguments = arguments
@@ -100,7 +100,7 @@ def compare(arguments):
     if without_hugin:
         print(f"bench: Hugin is left out: {', '.join(without_hugin)} missing (apt-get install hugin-tools enblend)")
     for survey in arguments.surveys:
-        # A method that failed on few frames is spared the many.
+        # A method that failed is not run on more frames.
         gave_up = set()
         for count in arguments.counts:
             comparison = Comparison(arguments, survey, count)

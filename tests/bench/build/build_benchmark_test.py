@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The benchmark's own arithmetic."""
+"""Tests of the benchmark's computations."""
 
 import cmath
 import math
@@ -64,7 +64,7 @@ class Hugin(unittest.TestCase):
     MIDDLE = 300 + 200j
 
     def project(self, places, pairs):
-        """Control points between images at these places (turn, shift), as cpfind writes them."""
+        """Control points between images at these poses (rotation, shift), as cpfind writes them."""
         lines = ["i w601 h401 f0 v10 r0 p0 y0 TrX0 TrY-1.5e-05 TrZ0 n\"a.png\""]
         for first, second in pairs:
             for point in points(8, seed=first + 10 * second):

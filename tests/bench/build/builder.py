@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""floorloc-mapbuilder as the benchmark calls it."""
+"""Runs floorloc-mapbuilder for the benchmark."""
 
 import subprocess
 
@@ -7,7 +7,7 @@ from limited_process import run_limited
 
 
 def parse_tum(text):
-    """Rows as (timestamp as written, position, heading); the rotation is about z."""
+    """Rows as (timestamp as written, position as complex number, yaw); rotations are about z."""
     rows = []
     for line in text.splitlines():
         fields = line.split()
@@ -18,7 +18,7 @@ def parse_tum(text):
 
 
 def build_map(binaries, surveys, folder, limits):
-    """Builds the surveys' map in the folder; the outcome and the poses of the frames as parse_tum gives them."""
+    """Builds the surveys' map in the folder. Returns the outcome and the frames' poses as from parse_tum."""
     program = (binaries / "floorloc-mapbuilder").resolve()
     folder.mkdir(parents=True, exist_ok=True)
     map_file = folder / "map.floormap"

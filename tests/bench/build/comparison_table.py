@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables for people."""
+"""Text tables of the results."""
 
 import dataclasses
 import typing
@@ -13,11 +13,11 @@ class Row:
     frames: int
     outcome: Outcome
     placed: int
-    error_m: typing.Optional[typing.Tuple[float, float]]  # RMS and largest, of the placed frames
+    error_m: typing.Optional[typing.Tuple[float, float]]  # RMS and largest error of the placed frames
 
 
 def print_rows(rows):
-    """One line per method; ratios of CPU time are against the first."""
+    """Prints one line per method; ratio is CPU time relative to the first method."""
     print(f"  {'':24}{'time, s':>9}{'CPU, s':>9}{'ratio':>8}{'placed':>8}{'RMS, mm':>9}{'max, mm':>9}{'peak, MB':>10}")
     for row in rows:
         rms, largest = (f"{1e3 * e:.2f}" for e in row.error_m) if row.error_m else ("-", "-")

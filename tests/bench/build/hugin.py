@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hugin's command line tools on images of a plane, seen straight from above: control points, positions, mosaic."""
+"""Runs Hugin's command line tools on top-down images of a plane: control points, positions, mosaic."""
 
 import cmath
 import collections
@@ -15,10 +15,10 @@ from limited_process import Limits, Outcome, run_limited
 
 TOOLS = ["pto_gen", "cpfind", "cpclean", "pto_var", "autooptimiser", "pano_modify", "nona", "enblend"]
 
-# A narrow lens, so that moving along the plane and turning the head can't be mistaken for each other.
+# A narrow field of view, so that translation and rotation of the camera are distinguishable.
 FIELD_OF_VIEW_DEG = 10.0
 
-# Hugin's defaults (rotating heads, half the resolution, few points) find next to nothing on floors.
+# With Hugin's defaults (rotating camera, half the resolution, few points) cpfind finds hardly any points on floors.
 CPFIND_OPTIONS = [
     "--fullscale",
     "--multirow",
@@ -28,9 +28,9 @@ CPFIND_OPTIONS = [
     "--sieve1size=300",
 ]
 
-# cpfind accepts homographies between images that share nothing, and one false pair spoils a whole mosaic. What a
-# patient user would see and delete by hand is deleted for it: pairs that are no rigid motion, and pairs whose distance
-# is not the true one.
+# cpfind accepts homographies between images that do not overlap, and one false pair ruins a whole mosaic. In Hugin's
+# favour, pairs that a user would delete by hand are removed: those that fit no rigid motion, and those whose distance
+# differs from the truth.
 MIN_POINTS_OF_PAIR = 5
 MAX_PAIR_RMS_PX = 2.0
 MAX_DISTANCE_ERROR = 0.05
@@ -59,7 +59,7 @@ def parse_control_points(text):
 
 
 def parse_images(text):
-    """Width of the images, and of each its number: (TrX, TrY)."""
+    """Width of the images, and number -> (TrX, TrY)."""
     width = 0
     positions = {}
     for line in text.splitlines():
@@ -74,7 +74,7 @@ def parse_images(text):
 @dataclasses.dataclass
 class Pair:
     points: list
-    turn: complex  # first = turn * second + shift, pixels from the middles of the images
+    turn: complex  # first = turn * second + shift, pixels from the image centres
     shift: complex
 
 
@@ -94,7 +94,8 @@ def pairs_of(points, middle):
 
 
 def chain(pairs):
-    """Images that the pairs connect to the best connected one: number -> (turn, shift). Strongest pairs first."""
+    """Poses of the images connected to the best connected one: number -> (turn, shift). A maximum spanning tree by the
+    number of control points."""
     neighbours = collections.defaultdict(list)
     for (first, second), pair in pairs.items():
         neighbours[first].append((len(pair.points), second, pair.turn, pair.shift))
@@ -116,7 +117,7 @@ def chain(pairs):
 
 
 def true_pairs(pairs, truth):
-    """Those whose images are as far from each other as in the truth (number -> place, any unit)."""
+    """The pairs whose distance agrees with the truth (number -> position, any unit)."""
     ratios = {(a, b): abs(truth[b] - truth[a]) / abs(pair.shift) for (a, b), pair in pairs.items() if pair.shift != 0}
     if not ratios:
         return {}
@@ -125,7 +126,7 @@ def true_pairs(pairs, truth):
 
 
 def keep_points(text, pairs):
-    """The project with the control points of these pairs only."""
+    """The project file with the control points of these pairs only."""
     lines = []
     for line in text.splitlines():
         found = parse_control_points(line)
@@ -139,7 +140,7 @@ def focal_px(width):
 
 
 def start_values(placed, width):
-    """Where the optimiser starts, as pto_var wants it: from all at the origin it ends in a knot."""
+    """Initial values in pto_var's syntax: with all images at the origin the optimiser does not converge."""
     values = []
     for number, (turn, shift) in sorted(placed.items()):
         at = shift / focal_px(width)
@@ -148,7 +149,7 @@ def start_values(placed, width):
 
 
 class Hugin:
-    """One project: steps with a common limit of time; the first failure ends it."""
+    """One project: a sequence of steps with a common time limit; the first failure ends it."""
 
     def __init__(self, folder, images, truth, limits):
         self.folder = folder
@@ -215,7 +216,7 @@ class Hugin:
 
 
 def stitch(folder, images, truth, limits):
-    """Outcome, and image name -> position (any unit). truth: name -> true place, to delete false control points."""
+    """Outcome, and image name -> position (any unit). truth: name -> true position, to remove false control points."""
     project = Hugin(folder, images, [truth[image.name] for image in images], limits)
     outcome = project.run()
     return outcome, {images[n].name: p for n, p in project.positions.items()}

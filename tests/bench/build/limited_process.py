@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a command with limits on its time and memory, and measures both."""
+"""Runs a command with limits on time and memory, and measures both."""
 
 import dataclasses
 import os
@@ -20,13 +20,13 @@ class Limits:
 @dataclasses.dataclass
 class Outcome:
     seconds: float
-    cpu_s: float  # of all its threads
+    cpu_s: float  # of all threads
     peak_mb: float  # largest resident set
-    failure: str  # empty: it did its work
+    failure: str  # empty: succeeded
 
 
 def run_limited(command, limits, folder=None):
-    """Runs a command alone in its own process group; what takes too long is ended, with all that it started."""
+    """Runs a command in its own process group, which is killed as a whole at the time limit."""
 
     def set_limit():
         size = int(limits.gigabytes * 2**30)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the frames of a survey as other stitchers like them best: undistorted, seen from straight above, one scale.
-// rectify_frames SURVEY OUT COUNT: OUT/0000.png ... of the first COUNT frames, and OUT/truth.csv: where the middle of
-// each image really is, and where it lies in the base frame (metres).
+// Writes the frames of a survey rectified for other stitchers: undistorted, top-down, one scale.
+// rectify_frames SURVEY OUT COUNT: OUT/0000.png ... of the first COUNT frames, and OUT/truth.csv: true position of each
+// image's centre in the ground truth's frame, and its position in the base frame (metres).
 #include <cstdio>
 #include <exception>
 #include <filesystem>

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The builder on simulated surveys of growing size: time per frame, memory, geometry against the truth."""
+"""Runs the builder on simulated surveys of growing size: time per frame, memory, error against the truth."""
 
 import math
 import shutil
@@ -13,12 +13,12 @@ from limited_process import Limits
 
 SIZES = [250, 1000, 4000, 20000]
 
-# Step of the built-in camera's images at an overlap of one half, and what the floor is larger than their centres.
+# Steps between the built-in camera's images at an overlap of one half, and the floor's margin around their centres.
 STEP_ALONG_M = 0.155
 STEP_ACROSS_M = 0.2075
 MARGIN_M = 0.47
 
-# A floor's image finer than the camera's 0.7 mm costs memory and shows nothing more.
+# The camera's resolution on the floor: a finer texture costs memory and adds no detail.
 FLOOR_RESOLUTION_M = 0.0007
 
 
@@ -27,7 +27,7 @@ def floor_side_m(frames):
 
 
 def simulate(binaries, folder, frames):
-    """A survey of about so many frames; one that is there already is used again. Seconds that it took, if it did."""
+    """Makes a survey of about this many frames. Returns the seconds it took, or None when it already existed."""
     if folder.exists():
         return None
     side = floor_side_m(frames)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenCV's Stitcher in SCANS mode, as its documentation shows it, on the images of a folder.
-// stitch_frames FOLDER OUT: writes OUT/mosaic.jpg and OUT/positions.csv (filename,x,y): where the middle of each
-// image that it placed is, pixels of its first image.
+// Runs OpenCV's Stitcher in SCANS mode, as in its documentation, on the images of a folder.
+// stitch_frames FOLDER OUT: writes OUT/mosaic.jpg and OUT/positions.csv (filename,x,y): the centre of each placed
+// image, in pixels of the first image.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -41,7 +41,7 @@ const char* ToText(cv::Stitcher::Status status) {
   return "unknown status";
 }
 
-// Camera i's R takes pixels of image i to the plane that all share.
+// In SCANS mode R of camera i maps pixels of image i to the common plane.
 void WritePositions(const fs::path& file, const cv::Stitcher& stitcher, const std::vector<fs::path>& images,
                     const cv::Size& size) {
   std::ofstream out(file);

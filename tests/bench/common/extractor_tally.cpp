@@ -31,7 +31,7 @@ constexpr Cell kCells[] = {{"keypoints", "per frame", 11},
                            {"error", "99 %, mm", 10},
                            {"heading", "deg", 9}};
 
-// "-" of NaN: nothing was counted.
+// "-" for NaN: no samples.
 std::string Number(double value, int decimals) {
   if (std::isnan(value)) {
     return "-";

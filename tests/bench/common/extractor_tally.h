@@ -12,27 +12,27 @@
 
 namespace floorloc {
 
-/// How the frames of one kind were localized by one kind of search.
+/// Results of one kind of search on the frames of one group.
 struct SearchTally {
   int frames = 0;
   int right = 0;                   ///< accepted, within the Tolerance
-  int wrong = 0;                   ///< accepted, and beyond
-  std::vector<double> inliers;     ///< of every frame; 0 where the right pose was not found
+  int wrong = 0;                   ///< accepted, beyond the Tolerance
+  std::vector<double> inliers;     ///< per frame; 0 when the right pose was not found
   std::vector<double> errors_m;    ///< of the right ones
   std::vector<double> errors_rad;  ///< of the right ones
 
   void Add(const LocalizationResult& result, const Pose2& true_map_from_base);
 };
 
-/// What an extractor did with the frames of one kind, over all floors.
+/// Results of an extractor on the frames of one group, over all floors.
 struct GroupTally {
-  std::vector<double> keypoints;   ///< of every frame
-  std::vector<double> extract_ms;  ///< of every frame: contrast and features, one thread's work
+  std::vector<double> keypoints;   ///< per frame
+  std::vector<double> extract_ms;  ///< per frame, one thread: contrast normalisation and extraction
   SearchTally global;
   SearchTally with_prior;
 };
 
-/// All about one extractor.
+/// Results of one extractor.
 struct ExtractorTally {
   std::string name;
   std::size_t map_keypoints = 0;  ///< of all maps
@@ -41,7 +41,7 @@ struct ExtractorTally {
   std::map<std::string, GroupTally> groups;
 };
 
-/// A row per extractor under a line with the name of the group, in the given order of groups.
+/// Prints one block per group, in the given order, with one row per extractor.
 void PrintTable(std::ostream& out, const std::vector<ExtractorTally>& tallies, const std::vector<std::string>& groups);
 
 }  // namespace floorloc

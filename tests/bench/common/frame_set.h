@@ -11,14 +11,14 @@
 
 namespace floorloc {
 
-/// A folder of frames with ground truth, its images in memory as they came from the camera (JPEG or PNG).
+/// The frames of a folder with ground truth; the encoded images (JPEG or PNG) are held in memory.
 struct FrameSet {
   std::string name;
   Rectifier rectifier;
   std::vector<std::vector<std::uint8_t>> encoded;
-  std::vector<Pose2> truth_from_base;  ///< of each image
+  std::vector<Pose2> truth_from_base;  ///< one per image
 
-  /// Frames that the ground truth does not cover are left out. Throws InputError, also when none is left.
+  /// Skips frames that the ground truth does not cover. Throws InputError, also when no frame is left.
   static FrameSet Read(const std::filesystem::path& folder);
 
   std::size_t size() const { return encoded.size(); }

@@ -9,8 +9,8 @@
 
 namespace floorloc {
 
-/// The rigid motion from the map's frame to the truth's, by least squares over the map's own frames, so that it does
-/// not depend on the answers that are judged. Throws std::invalid_argument when fewer than two frames have a truth.
+/// truth_from_map by least squares over the map's own frames, so that it is independent of the evaluated poses. Throws
+/// std::invalid_argument when the ground truth covers fewer than two frames.
 Pose2 AlignMapToTruth(const std::vector<MapFrame>& frames, const Trajectory& ground_truth);
 
 }  // namespace floorloc

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which extractor for which purpose? Every one that this build has, on simulated floors or on recorded ones.
-// `./run bench extractors` starts it.
+// Compares all extractors of this build on simulated or recorded floors. `./run bench extractors` starts it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
@@ -40,7 +39,7 @@ std::vector<ExtractorVariant> SelectVariants(const std::vector<std::string>& onl
   return variants;
 }
 
-// One after the other: all at once would need much memory.
+// Scenes are made one after the other to save memory.
 using SceneMakers = std::vector<std::function<Scene()>>;
 
 SceneMakers MakeSceneMakers(const Arguments& arguments) {

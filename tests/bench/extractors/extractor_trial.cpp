@@ -11,7 +11,8 @@
 namespace floorloc {
 namespace {
 
-// Of a keypoint in a map file beside its descriptor: x, y, angle, size and response as floats, observations in 16 bits.
+// Bytes of a keypoint in a map file besides its descriptor: x, y, angle, size, response (float32), observations
+// (uint16).
 constexpr std::size_t kPlaceBytes = 5 * sizeof(float) + sizeof(std::uint16_t);
 
 struct FrameOutcome {
@@ -21,7 +22,7 @@ struct FrameOutcome {
   LocalizationResult with_prior;
 };
 
-// A map to localize in.
+// The map of one trial.
 struct MapUnderTest {
   const Localizer& localizer;
   const FeatureExtractor& extractor;

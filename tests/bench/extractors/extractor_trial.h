@@ -10,8 +10,8 @@
 namespace floorloc {
 
 /// Builds the scene's map with the extractor at map_file (replaced), localizes all frames in it with and without their
-/// prior on all cores, and adds what came out to the tally. Throws what the builder throws, and std::invalid_argument
-/// when the map has fewer than two frames with a known truth.
+/// prior on all cores, and adds the results to the tally. Throws the builder's exceptions, and std::invalid_argument
+/// when the ground truth covers fewer than two of the map's frames.
 void TryExtractor(const ExtractorVariant& variant, const Scene& scene, const std::filesystem::path& map_file,
                   ExtractorTally* tally);
 

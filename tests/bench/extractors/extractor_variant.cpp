@@ -4,8 +4,7 @@
 namespace floorloc {
 namespace {
 
-// AKAZE and BRISK compare neighbouring scales and make little sense with one. OpenCV's SIFT uses all octaves,
-// whatever the options say.
+// AKAZE and BRISK need neighbouring scales. OpenCV's SIFT always uses all octaves, regardless of the options.
 bool WorksOnOneScale(ExtractorType type) { return type == ExtractorType::kOrb || type == ExtractorType::kSurf; }
 
 }  // namespace

@@ -14,7 +14,7 @@ struct ExtractorVariant {
   ExtractorOptions options;
 };
 
-/// Every extractor of this build with its defaults, and those that can do with one scale also so.
+/// All extractors of this build with their defaults; those that work on a single scale also with one.
 std::vector<ExtractorVariant> ExtractorVariants();
 
 }  // namespace floorloc

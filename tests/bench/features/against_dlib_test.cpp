@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our SURF is at least as steady as dlib's, looking at the same scales for the same number of keypoints.
+// Our SURF is at least as repeatable as dlib's with the same scales and number of keypoints.
 #include <gtest/gtest.h>
 
 #include <algorithm>

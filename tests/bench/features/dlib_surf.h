@@ -5,7 +5,8 @@
 
 namespace floorloc {
 
-/// The strongest of dlib's SURF features (4 octaves of 4 scales, first samples 2 px apart), keypoints as Surf has them.
+/// The strongest of dlib's SURF features (4 octaves of 4 scales, initial sampling step 2 px), in Surf's keypoint
+/// format.
 ImageFeatures DlibSurf(const cv::Mat& gray, double threshold, int max_keypoints);
 
 }  // namespace floorloc

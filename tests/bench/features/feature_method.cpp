@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// Low enough to leave the number of keypoints to the cap: the same for both SURFs, whose filters are the same.
+// Low enough that only max_keypoints limits their number; the same for both SURFs, whose filters are the same.
 constexpr double kSurfThreshold = 1.0;
 
 FeatureMethod SurfMethod(const std::string& name, SurfOptions options, int max_keypoints) {

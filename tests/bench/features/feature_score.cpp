@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNear = 2.0;  // px
 constexpr double kSizeFactor = 1.5;
-constexpr double kEdge = 50.0;  // px; wide enough for the methods' different reach
+constexpr double kEdge = 50.0;  // px; exceeds the descriptor radius of every method
 
 cv::Point2d Move(const cv::Matx23d& motion, const cv::Point2f& p) {
   return {motion(0, 0) * p.x + motion(0, 1) * p.y + motion(0, 2),
@@ -22,7 +22,7 @@ bool Inside(const cv::Size& size, const cv::Point2d& p) {
   return p.x >= kEdge && p.y >= kEdge && p.x <= size.width - 1 - kEdge && p.y <= size.height - 1 - kEdge;
 }
 
-// The features that are well inside the image before and after the motion.
+// The features farther than kEdge from the border before and after the motion.
 ImageFeatures VisibleInBoth(const ImageFeatures& all, const cv::Matx23d& motion, const cv::Size& size) {
   ImageFeatures visible;
   for (std::size_t i = 0; i < all.keypoints.size(); ++i) {

@@ -8,17 +8,17 @@
 
 namespace floorloc {
 
-/// Something that happens to an image between survey and drive.
+/// A change of an image between survey and drive.
 struct ImageChange {
   std::string name;
   std::function<cv::Matx23d(const cv::Size&)> motion;   ///< pixel after = motion * (pixel before, 1)
   std::function<cv::Mat(const cv::Mat& gray)> degrade;  ///< after the motion
 };
 
-/// Turns about the middle, a small change of scale, blur, noise, brightness and contrast.
+/// Rotations about the centre, a small change of scale, blur, noise, brightness and contrast.
 std::vector<ImageChange> ImageChanges();
 
-/// The changed image, of the same size; pixels that come from outside are grey.
+/// The changed image, of the same size; pixels from outside the source are grey.
 cv::Mat Apply(const ImageChange& change, const cv::Mat& gray);
 
 }  // namespace floorloc

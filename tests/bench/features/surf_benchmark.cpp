@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Speed and steadiness of features, ours beside dlib's and OpenCV's. Usage: surf_benchmark IMAGE...
+// Speed and repeatability of features: ours, dlib's and OpenCV's. Usage: surf_benchmark IMAGE...
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -22,7 +22,7 @@ struct Row {
   std::vector<FeatureScore> scores;
 };
 
-// Time that this thread has computed: what else runs on the machine counts little.
+// CPU time of this thread, less sensitive to other load than wall time.
 double ThreadMs() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -35,7 +35,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// The middle 640 x 480 pixels.
+// Reads grey images, cropped to the central 640 x 480 pixels.
 std::vector<cv::Mat> ReadImages(int count, char** names) {
   std::vector<cv::Mat> images;
   for (int i = 0; i < count; ++i) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the pairs of receptive fields that FREAK compares and prints core/vision/freak_pairs.cpp.
+// Chooses the pairs of receptive fields that FREAK compares and prints core/vision/freak_star/freak_pairs.cpp.
 // Usage: train_freak_pairs IMAGE...   (the table in use: maps/sample/survey/images/*.jpg)
 //
-// As the paper does: every pair of fields is a candidate. It is good when it is set on half of the keypoints and says
-// what the pairs before it do not. So the candidates are gone through from the mean nearest to one half to the
-// farthest, and each is taken whose correlation with every one already taken is below a limit; the limit is raised
-// until there are enough.
+// As in the FREAK paper, all pairs of fields are candidates, sorted by the distance of their mean over the keypoints
+// from 0.5 (highest variance first). A candidate is taken when its correlation with every pair already taken is below a
+// limit; the limit is raised until there are enough pairs.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -39,7 +38,7 @@ std::vector<FreakPair> AllPairs() {
   return pairs;
 }
 
-// One row per keypoint, one column per pair: 0 or 1.
+// Appends one row per keypoint with one column per pair, CV_32F, 0 or 1.
 void AddRows(const cv::Mat& gray, const std::vector<FreakPair>& pairs, cv::Mat* bits) {
   const IntegralImage image(gray);
   BoxSampler sampler(image);

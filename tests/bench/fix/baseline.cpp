@@ -13,11 +13,11 @@
 namespace floorloc {
 namespace {
 
-// SIFT on a whole mosaic would need many gigabytes, so it works on tiles that overlap by the reach of a descriptor.
+// SIFT on a whole mosaic would need many gigabytes, so it runs on tiles that overlap by a descriptor's radius.
 constexpr int kTilePx = 1024;
 constexpr int kMarginPx = 64;
 
-// OpenCV's brute-force matcher refuses more map descriptors than that: a larger floor gets a thinner map.
+// OpenCV's brute-force matcher refuses more train descriptors; on larger floors fewer per area are kept.
 constexpr double kMaxBruteForceKeypoints = (1 << 18) - 1;
 
 cv::Ptr<cv::Feature2D> CreateSift(int keypoints, double contrast_threshold) {
@@ -32,7 +32,7 @@ cv::Ptr<cv::DescriptorMatcher> CreateMatcher(BaselineMatcher matcher) {
                                             cv::makePtr<cv::flann::SearchParams>(64));
 }
 
-// A similarity x_in_map = s R x_in_base + t as a pose, unless its scale is off.
+// The pose of a similarity x_in_map = s R x_in_base + t; empty when |s - 1| exceeds max_scale_error.
 std::optional<Pose2> PoseFromSimilarity(const cv::Mat& similarity, double max_scale_error) {
   const double cosine = similarity.at<double>(0, 0);
   const double sine = similarity.at<double>(1, 0);
@@ -82,7 +82,7 @@ void Baseline::AddTile(const Mosaic& mosaic, const cv::Rect& tile) {
   const cv::Rect wide =
       cv::Rect(tile.x - kMarginPx, tile.y - kMarginPx, tile.width + 2 * kMarginPx, tile.height + 2 * kMarginPx) &
       cv::Rect({0, 0}, mosaic.gray.size());
-  // Black is where no frame has been; its outline is no floor.
+  // Black pixels are covered by no frame; their outline must give no keypoints.
   cv::Mat mask = mosaic.gray(wide) > 0;
   cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::Mat::ones(7, 7, CV_8U));
   cv::erode(mask, mask, cv::Mat::ones(9, 9, CV_8U));

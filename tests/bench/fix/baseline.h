@@ -12,7 +12,7 @@
 
 namespace floorloc {
 
-/// A floor seen from above, as `floorloc-mapbuilder export --mosaic --worldfile` writes it: map +x is right, +y is up.
+/// A mosaic exported by `floorloc-mapbuilder export --mosaic --worldfile`: map +x is right, +y is up.
 struct Mosaic {
   cv::Mat gray;
   double resolution_m = 0.0;
@@ -28,19 +28,18 @@ struct BaselineOptions {
   double map_keypoints_per_m2 = 4500.0;  ///< strongest kept per tile of the mosaic; about as dense as in a frame
   float max_ratio = 0.75F;
   double ransac_radius_m = 0.003;
-  double max_scale_error = 0.05;  ///< the floor's scale is known: other answers are wrong
+  double max_scale_error = 0.05;  ///< the scale is known, so other results are wrong
   int min_inliers = 10;
 };
 
 enum class BaselineMatcher { kBruteForce, kFlann };
 
-/// The plainly written way to localize on a floor: OpenCV's SIFT against the keypoints of the whole mosaic, ratio test,
-/// estimateAffinePartial2D.
+/// Localization with OpenCV alone: SIFT against the keypoints of the whole mosaic, ratio test, estimateAffinePartial2D.
 class Baseline {
  public:
   Baseline(const Mosaic& mosaic, BaselineMatcher matcher, const BaselineOptions& options);
 
-  /// Pose of the image's base frame in the map; empty when there is no plausible answer.
+  /// map_from_base of the image; empty when there is no plausible pose.
   std::optional<Pose2> Locate(const GroundImage& image) const;
 
   int map_keypoints() const { return static_cast<int>(points_.size()); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Speed and accuracy of a fix, beside the plain OpenCV baseline. `./run bench` builds the map and starts it.
+// Speed and accuracy of a fix, compared with an OpenCV baseline. `./run bench` builds the map and starts it.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iomanip>
@@ -22,7 +22,7 @@ struct Arguments {
   double build_seconds = 0.0;
 };
 
-// Everything that is compared; built once per map.
+// The compared methods; built once per map.
 struct Contestants {
   Localizer localizer;
   Baseline brute_force;

@@ -15,7 +15,7 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// The values of every stage, one per frame.
+// Times of every stage, one per frame.
 struct StageSamples {
   std::vector<double> decode_ms, rectify_ms, features_ms, match_ms, register_ms;
 

@@ -20,7 +20,7 @@ struct StageTimes {
   double register_ms = 0.0;
 };
 
-/// What a method did with a set of frames.
+/// Results of a method on a set of frames.
 struct MethodRun {
   std::vector<Fix> fixes;  ///< one per frame
   StageTimes stages;       ///< zero for a baseline, which is timed as a whole
@@ -30,14 +30,14 @@ using Priors = std::vector<std::optional<PosePrior>>;
 
 /// No prior for any of the frames.
 Priors NoPriors(std::size_t frames);
-/// Priors up to 0.1 m and 0.1 rad beside the truth. `truth_from_map` as in AlignMapToTruth.
+/// Priors within 0.1 m and 0.1 rad of the truth. truth_from_map: from AlignMapToTruth.
 Priors PerturbedPriors(const std::vector<Pose2>& truth_from_base, const Pose2& truth_from_map);
 
 /// Localizes the frames one after the other.
 MethodRun RunLocalizer(const Localizer& localizer, const FrameSet& frames, const Priors& priors);
 MethodRun RunBaseline(const Baseline& baseline, const FrameSet& frames);
 
-/// Localizes all frames again and again, for about two seconds, in `threads` threads.
+/// Localizes all frames repeatedly for about two seconds in `threads` threads.
 double MeasureFixesPerSecond(const Localizer& localizer, const FrameSet& frames, const Priors& priors, int threads);
 
 }  // namespace floorloc

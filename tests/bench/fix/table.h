@@ -20,7 +20,7 @@ struct Column {
   std::optional<double> fixes_per_s;  ///< on all cores
 };
 
-/// Prints the methods side by side; ratios are against the first column.
+/// Prints the methods side by side; ratios are relative to the first column.
 void PrintTable(std::ostream& out, const std::vector<Column>& columns);
 
 }  // namespace floorloc

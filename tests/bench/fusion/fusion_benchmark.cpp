@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How good is the fused pose, beside simpler ways to fuse? `./run bench fusion` starts it.
+// Accuracy of the fused pose, compared with simpler fusion methods. `./run bench fusion` starts it.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
@@ -24,7 +24,7 @@ struct Arguments {
   int repetitions = 5;
 };
 
-// One drive under one scenario, several times with other luck.
+// Scores one drive under one scenario over several random seeds.
 FusionScore ScoreDrive(const FusionRecording& recording, const FusionScenario& scenario, const FusionVariant& variant,
                        int repetitions) {
   FusionScore score;
@@ -63,7 +63,7 @@ void Run(const Arguments& arguments) {
   std::vector<FusionRow> rows;
   for (const FusionScenario& scenario : AllFusionScenarios()) {
     FusionRow row = RunScenario(scenario, recordings, variants, arguments.repetitions);
-    if (row.scores.front().samples > 0) {  // there are drives for it
+    if (row.scores.front().samples > 0) {  // there are drives for this scenario
       rows.push_back(std::move(row));
     }
   }

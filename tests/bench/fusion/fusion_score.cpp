@@ -19,10 +19,10 @@ bool IsRight(const FusionSample& sample) {
   return error.translation().norm() <= kWrongM && std::abs(error.yaw()) <= kWrongRad;
 }
 
-// A stretch of time after a kidnap.
+// A time interval after a kidnap.
 struct Interval {
   std::int64_t from_ns = 0;
-  std::int64_t to_ns = 0;  // excluded
+  std::int64_t to_ns = 0;  // exclusive
 
   bool Contains(std::int64_t stamp_ns) const { return stamp_ns >= from_ns && stamp_ns < to_ns; }
 };
@@ -32,7 +32,7 @@ bool AnyContains(const std::vector<Interval>& intervals, std::int64_t stamp_ns) 
                      [stamp_ns](const Interval& interval) { return interval.Contains(stamp_ns); });
 }
 
-// The first time within the interval from which the pose is right for a second.
+// The first time in the interval from which the pose stays right for one second.
 std::optional<std::int64_t> RecoveryTime(const std::vector<FusionSample>& samples, const Interval& interval) {
   constexpr std::int64_t kSteadyNs = 1'000'000'000;
   std::optional<std::int64_t> right_since;
@@ -52,7 +52,7 @@ std::optional<std::int64_t> RecoveryTime(const std::vector<FusionSample>& sample
   return std::nullopt;
 }
 
-// Scores the recoveries; returns how long each took, to the next kidnap or the end where there was none.
+// Scores the recoveries. Returns the intervals from each kidnap to its recovery, or to the next kidnap or the end.
 std::vector<Interval> ScoreRecoveries(const std::vector<FusionSample>& samples,
                                       const std::vector<std::int64_t>& kidnaps_ns, FusionScore& score) {
   std::vector<Interval> lost;

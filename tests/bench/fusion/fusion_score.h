@@ -13,15 +13,15 @@ namespace floorloc {
 inline constexpr double kWrongM = 0.05;
 inline constexpr double kWrongRad = 0.05235987755982988;  // 3 degrees
 
-/// How a fuser did, over one or several drives.
+/// Score of a fusion method over one or several drives.
 struct FusionScore {
   std::size_t samples = 0;      ///< with a pose
-  std::size_t called_good = 0;  ///< the fuser said "localized"
+  std::size_t called_good = 0;  ///< of these, reported as "localized"
   std::size_t wrong_called_good = 0;
-  std::size_t judged = 0;  ///< not within kSettleS after a kidnap: the next two are of these
+  std::size_t judged = 0;  ///< not within kSettleS after a kidnap; the next two sums are over these
   double squared_error_m2 = 0.0;
   double nees = 0.0;          ///< sum
-  double worst_jump_m = 0.0;  ///< largest step beyond the true motion, not between a kidnap and the recovery from it
+  double worst_jump_m = 0.0;  ///< largest step in excess of the true motion, except between a kidnap and the recovery
   std::vector<double> recovery_s;  ///< from a kidnap until the pose is right and stays so for a second
   int never_recovered = 0;
 

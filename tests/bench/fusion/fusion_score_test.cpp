@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kStepNs = 100'000'000;
 
-// Ten seconds along x at 1 m/s, answered rightly.
+// Ten seconds along x at 1 m/s, with exact estimates.
 std::vector<FusionSample> RightSamples() {
   std::vector<FusionSample> samples;
   for (int i = 0; i < 100; ++i) {
@@ -60,7 +60,7 @@ TEST(FusionScore, TimesTheRecoveryFromAKidnap) {
   EXPECT_NEAR(score.recovery_s[0], 2.0, 1e-9);
   EXPECT_EQ(score.never_recovered, 0);
   EXPECT_EQ(score.wrong_called_good, 16U);
-  EXPECT_EQ(score.judged, 80U);  // two seconds are left out
+  EXPECT_EQ(score.judged, 80U);  // two seconds are excluded
   EXPECT_NEAR(score.worst_jump_m, 0.0, 1e-9);
 }
 

@@ -9,14 +9,13 @@
 
 namespace floorloc {
 
-/// How every variant did under one scenario.
+/// Scores of all variants under one scenario.
 struct FusionRow {
   std::string scenario;
-  std::vector<FusionScore> scores;  ///< as many as there are variants
+  std::vector<FusionScore> scores;  ///< one per variant
 };
 
-/// Prints Markdown tables, one for each question, a row per scenario and a column per variant, and what the numbers
-/// mean.
+/// Prints one Markdown table per measure, with a row per scenario and a column per variant, and a legend.
 void PrintFusionTables(std::ostream& out, const std::vector<FusionVariant>& variants,
                        const std::vector<FusionRow>& rows);
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Motion between two times by wheel odometry: the prediction of visual odometry.
+// Motion between two times by wheel odometry, the initial guess of visual odometry.
 std::optional<Pose2> WheelsBetween(const Trajectory& odometry, std::int64_t from_ns, std::int64_t to_ns) {
   const std::optional<Pose2> from = InterpolatePose(odometry, from_ns);
   const std::optional<Pose2> to = InterpolatePose(odometry, to_ns);
@@ -68,7 +68,7 @@ std::vector<std::int64_t> ReadKidnaps(const fs::path& events) {
   return kidnaps_ns;
 }
 
-// Least squares, and again over the better half, so that a wrong fix cannot bend it.
+// Least squares, repeated over the better half, so that it is robust to wrong fixes.
 Pose2 MapFromTruth(const std::vector<RecordedImage>& images, const Trajectory& truth, const fs::path& drive) {
   std::vector<PosePair> pairs;
   for (const RecordedImage& image : images) {

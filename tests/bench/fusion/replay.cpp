@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// Hands over one message of any kind.
+// Passes a message of any type to the fuser.
 struct Deliver {
   PoseFuser& fuser;
   const FusionVariant& variant;

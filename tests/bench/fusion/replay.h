@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// A fusion method, as named in the table.
+/// A fusion method with its name in the table.
 struct FusionVariant {
   std::string name;
   FusionMethod method = FusionMethod::kEkf;
@@ -20,15 +20,14 @@ struct FusionVariant {
 
 std::vector<FusionVariant> AllFusionVariants();
 
-/// The fuser's estimate after a wheel increment, and the truth of that time.
+/// The fuser's estimate after a wheel increment, and the truth at that time.
 struct FusionSample {
   std::int64_t stamp_ns = 0;
   std::optional<FusedPose> estimate;
   Pose2 truth;
 };
 
-/// Hands the messages to a new fuser, one after the other. One sample per motion of
-/// the wheels; `truth` has the times of these.
+/// Passes the messages to a new fuser in order. Returns one sample per wheel increment; `truth` has their times.
 std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messages, const Trajectory& truth,
                                          const FusionVariant& variant);
 

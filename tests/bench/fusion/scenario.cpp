@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Places, and the offsets of aliased places on patterned floors.
+// Draws wrong fixes: random poses, and offsets by one tile as of perceptual aliasing on patterned floors.
 class WrongPositions {
  public:
   WrongPositions(const Trajectory& truth, std::mt19937_64& random) : random_(random) {
@@ -20,7 +20,7 @@ class WrongPositions {
     }
   }
 
-  // Half of the errors lead anywhere, half to the next tile (0.3 m), where the heading is the same.
+  // Half of the errors lead to a random pose, half to the neighbouring tile (0.3 m) with the same heading.
   Pose2 DrawError(const Pose2& right) {
     if (Uniform(0.0, 1.0) < 0.5) {
       const Pose2 anywhere(Uniform(min_.x(), max_.x()), Uniform(min_.y(), max_.y()),
@@ -40,7 +40,7 @@ class WrongPositions {
   Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e9);
 };
 
-// The motion that wheels report and that is none: slips are spread evenly over the drive.
+// Distance that slipping wheels report in excess of the motion; slips are spread evenly over the drive.
 double SlippedM(const MotionIncrement& increment, const FusionRecording& recording, int slips) {
   constexpr double kSlipS = 0.5;
   constexpr double kSlipSpeed = 0.2;
@@ -73,13 +73,13 @@ bool IsInOutage(std::int64_t stamp_ns, const FusionRecording& recording, const F
   return std::abs(static_cast<double>(stamp_ns) - middle_ns) < 0.5e9 * scenario.outage_s;
 }
 
-// Makes some fixes wrong, alone or in runs.
+// Corrupts some fixes, alone or in runs.
 class FixCorruptor {
  public:
   FixCorruptor(const FusionScenario& scenario, WrongPositions& places) : scenario_(scenario), places_(places) {}
 
   PoseFix Spoil(PoseFix fix) {
-    constexpr int kUnharmed = 5;  // at the start: whether a first fix is right, no fuser can know
+    constexpr int kUnharmed = 5;  // at the start: no fuser can detect a wrong first fix
     const bool begins = places_.Uniform(0.0, 1.0) < scenario_.wrong_rate / scenario_.wrong_run;
     if (left_in_run_ == 0 && begins && fix_count_ >= kUnharmed) {
       left_in_run_ = scenario_.wrong_run;

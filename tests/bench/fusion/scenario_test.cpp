@@ -74,7 +74,7 @@ TEST(FusionScenario, MakesFixesWrongAloneOrInRuns) {
     EXPECT_TRUE(std::none_of(fixes.begin(), fixes.begin() + 5, IsWrong));
     const auto first = std::find_if(fixes.begin(), fixes.end(), IsWrong);
     const double motion_m = first->map_from_base.Between((first + 1)->map_from_base).translation().norm();
-    EXPECT_EQ(std::abs(motion_m - 0.06) < 1e-9, run > 1);  // runs agree with how the robot moved
+    EXPECT_EQ(std::abs(motion_m - 0.06) < 1e-9, run > 1);  // within a run the fixes move as the robot does
   }
 }
 

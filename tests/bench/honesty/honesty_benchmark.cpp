@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is the localizer honest? Wrong fixes, covariance and p_wrong over very many simulated frames. `./run bench honesty`
-// starts it; it goes on where it was stopped.
+// Calibration of the localizer's confidence: wrong fixes, covariance and p_wrong over many simulated frames.
+// `./run bench honesty` starts it; it resumes where it was stopped.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kChunk = 64;  // frames between two writes
-constexpr int kProbes = 8;  // frames of a stopped run that are asked again before it goes on
+constexpr int kProbes = 8;  // frames of a stopped run that are repeated before resuming
 
 struct Arguments {
   int frames = 100000;
@@ -33,12 +33,12 @@ struct Arguments {
   bool rebuild = false;
 };
 
-// Everything that the floors share.
+// Common to all floors.
 struct Bench {
   Arguments arguments;
   std::vector<FloorCase> floors;
   std::vector<ConditionCase> conditions;
-  std::vector<GrayFloor> images;  // of each floor as it was surveyed
+  std::vector<GrayFloor> images;  // one per floor, in its surveyed state
 
   FloorFiles Files(std::size_t floor) const { return {arguments.state, floors[floor].name}; }
   fs::path Results(std::size_t floor) const { return fs::path(arguments.state) / (floors[floor].name + ".jsonl"); }
@@ -81,7 +81,7 @@ std::vector<FrameRecord> RunFrames(const FrameRunner& runner, int first, int cou
   return records;
 }
 
-// Results of two programs that answer differently must not be mixed.
+// Results of programs that give different results must not be mixed.
 void CheckStillTheSame(const FrameRunner& runner, const std::vector<FrameRecord>& records, const fs::path& file) {
   const std::size_t step = std::max<std::size_t>(1, records.size() / kProbes);
   for (std::size_t i = 0; i < records.size(); i += step) {

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kDecades = 9;  // p_wrong down to 1e-8, and all below
+constexpr int kDecades = 9;  // bins of p_wrong down to 1e-8, and one for all smaller values
 
 bool OnTheMap(FramePlace place) { return place == FramePlace::kMap || place == FramePlace::kEdge; }
 

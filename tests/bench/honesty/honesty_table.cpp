@@ -85,7 +85,7 @@ void PrintVerdict(std::ostream& out, SearchKind search, const HonestyReport& rep
       << "; p_wrong led to expect " << Scientific(report.expected_wrong.at(search)) << " wrong ones\n";
 }
 
-// Those with a wrong prior can't be helped: they are only counted.
+// Those from a wrong prior are only counted: the truth is outside the search region.
 void PrintWrongFixes(std::ostream& out, const HonestyReport& report) {
   constexpr int kMaxRows = 40;
   int listed = 0;

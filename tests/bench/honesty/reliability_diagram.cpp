@@ -13,19 +13,19 @@ namespace {
 constexpr double kSidePx = 520.0;
 constexpr double kLeftPx = 90.0;
 constexpr double kTopPx = 60.0;
-constexpr int kDecades = 8;  // what is rarer is drawn on the frame
+constexpr int kDecades = 8;  // smaller values are drawn on the border
 
 struct Series {
   SearchKind search;
   const char* label;
   const char* color;
-  double shift_px;  // apart, so that the bars don't hide each other
+  double shift_px;  // horizontal offset, so that the error bars do not overlap
 };
 
 constexpr std::array<Series, 2> kSeries = {{{SearchKind::kGlobal, "global search", "#1b6ca8", -3.0},
                                             {SearchKind::kPrior, "search with a prior", "#c2571a", 3.0}}};
 
-// 0 at 10^-kDecades, 1 at 1.
+// Logarithmic scale: 0 at 10^-kDecades, 1 at 1.
 double Share(double probability) {
   return std::clamp(1.0 + std::log10(std::max(probability, 1e-300)) / kDecades, 0.0, 1.0);
 }
@@ -68,7 +68,7 @@ void DrawSeries(std::ostream& out, const Series& series, const std::vector<Relia
     }
     const double x = X(bin.predicted) + series.shift_px;
     DrawLine(out, {x, Y(bin.observed.lower), x, Y(bin.observed.upper)}, stroke);
-    const std::string fill = bin.events > 0 ? series.color : "#fff";  // hollow: none was wrong
+    const std::string fill = bin.events > 0 ? series.color : "#fff";  // hollow: no wrong pose in the bin
     out << "<circle cx='" << x << "' cy='" << Y(bin.events > 0 ? bin.observed.rate : bin.observed.upper)
         << "' r='4.5' fill='" << fill << "' " << stroke << "><title>" << bin.events << " of " << bin.count
         << " wrong, predicted " << bin.predicted << "</title></circle>\n";

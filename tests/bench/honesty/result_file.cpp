@@ -22,7 +22,7 @@ ResultFile::ResultFile(fs::path file, const std::string& title) : file_(std::mov
 void ResultFile::Load(const std::string& title) {
   constexpr std::uint64_t kMaxBytes = 4ULL << 30;
   const std::string text = ReadTextFile(file_, kMaxBytes);
-  const std::size_t whole = text.rfind('\n') + 1;  // 0 when there is no whole line
+  const std::size_t whole = text.rfind('\n') + 1;  // 0 when there is no complete line
   if (text.substr(0, std::min(whole, text.find('\n'))) != title) {
     throw InputError(file_, "belongs to another seed or map; begin anew with --restart");
   }

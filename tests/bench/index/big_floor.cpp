@@ -48,7 +48,7 @@ double BigFloor::AngleRad(int i) const { return angles_[static_cast<std::size_t>
 std::vector<int> TrueMatches(const QueryFrame& frame, const FloorMap& real) {
   constexpr double kMaxOffM = 0.003;
   constexpr double kMaxTurnRad = 0.35;
-  constexpr double kMaxDistance = 80.0;  // beyond, chance resembles as much
+  constexpr double kMaxDistance = 80.0;  // bits; unrelated descriptors are as similar beyond that
   const std::vector<Keypoint>& map = real.keypoints.keypoints;
   std::vector<int> matches;
   for (std::size_t q = 0; q < frame.features.keypoints.size(); ++q) {

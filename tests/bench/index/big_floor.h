@@ -15,13 +15,13 @@ namespace floorloc {
 
 constexpr double kKeypointsPerM2 = 2000.0;
 
-/// A frame and where it was taken in the real map.
+/// A frame and its true pose in the real map.
 struct QueryFrame {
   Features features;
   Pose2 map_from_base;
 };
 
-/// A floor of any size: a real map in its middle, made-up keypoints everywhere. 10 bytes per keypoint besides its
+/// A floor of any size: a real map in its centre, synthetic keypoints elsewhere. 10 bytes per keypoint besides its
 /// descriptor.
 class BigFloor {
  public:
@@ -31,7 +31,7 @@ class BigFloor {
   double area_m2() const { return area_m2_; }
   Eigen::Vector2d Position(int i) const { return positions_[static_cast<std::size_t>(i)].cast<double>(); }
   double AngleRad(int i) const;
-  /// The real map's frame in that of the floor.
+  /// Transform from the real map's frame to the floor's.
   const Pose2& floor_from_map() const { return floor_from_map_; }
   double bytes_per_keypoint() const {
     return static_cast<double>(descriptors_.cols) + sizeof(Eigen::Vector2f) + sizeof(std::int16_t);
@@ -43,10 +43,11 @@ class BigFloor {
   Pose2 floor_from_map_;
   cv::Mat descriptors_;
   std::vector<Eigen::Vector2f> positions_;
-  std::vector<std::int16_t> angles_;  // of 2^15 to the half turn
+  std::vector<std::int16_t> angles_;  // units of pi / 2^15 rad
 };
 
-/// The real map's keypoint that each keypoint of the frame shows, by place, angle and likeness; -1: none.
+/// For each keypoint of the frame the index of its true match in the real map, by position, angle and descriptor
+/// distance; -1: none.
 std::vector<int> TrueMatches(const QueryFrame& frame, const FloorMap& real);
 
 }  // namespace floorloc

@@ -14,7 +14,7 @@ namespace {
 constexpr int kFactors = 48;
 constexpr int kPool = 1 << 18;
 
-// Bits as +-1, one column per descriptor.
+// Bits as +-1: bits x descriptors.
 Eigen::MatrixXf Signs(const cv::Mat& descriptors) {
   constexpr int kMaxRows = 20000;
   const int rows = std::min(descriptors.rows, kMaxRows);
@@ -28,7 +28,7 @@ Eigen::MatrixXf Signs(const cv::Mat& descriptors) {
   return signs;
 }
 
-// Correlations of the normal values whose signs have these (the arcsine law, inverted).
+// Correlations of the latent normal values from those of their signs: rho = sin(pi / 2 * r), the inverted arcsine law.
 Eigen::MatrixXf LatentCorrelations(const Eigen::MatrixXf& signs) {
   const Eigen::MatrixXf centered = signs.colwise() - signs.rowwise().mean().eval();
   const Eigen::MatrixXf covariance = centered * centered.transpose() / static_cast<float>(signs.cols());
@@ -53,7 +53,7 @@ DescriptorModel::DescriptorModel(const cv::Mat& descriptors, BitDependence depen
   normals_.resize(kPool);
   std::normal_distribution<float> normal;
   std::generate(normals_.begin(), normals_.end(), [&] { return normal(random_); });
-  // A bit is set where the normal value is above its quantile of the share of zeros.
+  // A bit is set where the normal value exceeds the quantile at the bit's share of zeros.
   std::vector<float> sorted(normals_.begin(), normals_.end());
   std::sort(sorted.begin(), sorted.end());
   threshold_.resize(bits);

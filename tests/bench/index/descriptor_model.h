@@ -9,12 +9,12 @@
 namespace floorloc {
 
 enum class BitDependence {
-  kCorrelated,   ///< bits as skewed and as correlated as in the real descriptors
-  kIndependent,  ///< as skewed, but independent of each other
+  kCorrelated,   ///< means and correlations of the bits as in the real descriptors
+  kIndependent,  ///< the same means, but independent bits
 };
 
-/// Makes up descriptors of 256 bits that have the statistics of real ones: a Gaussian copula, that is, bits are signs
-/// of normal values whose correlations give those of the real bits.
+/// Generates 256-bit descriptors with the statistics of real ones by a Gaussian copula: bits are thresholded normal
+/// values whose correlations reproduce those of the real bits.
 class DescriptorModel {
  public:
   DescriptorModel(const cv::Mat& descriptors, BitDependence dependence, std::uint32_t seed);
@@ -24,9 +24,9 @@ class DescriptorModel {
 
  private:
   Eigen::MatrixXf loadings_;   // bits x factors
-  Eigen::VectorXf noise_;      // what the factors leave of each bit's value, standard deviation
-  Eigen::VectorXf threshold_;  // of each bit's value
-  Eigen::VectorXf normals_;    // drawn once, used from random places on
+  Eigen::VectorXf noise_;      // standard deviation of each bit's value that the factors do not explain
+  Eigen::VectorXf threshold_;  // on each bit's value
+  Eigen::VectorXf normals_;    // drawn once, reused from random offsets
   std::mt19937_64 random_;
 };
 

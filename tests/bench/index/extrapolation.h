@@ -7,8 +7,8 @@
 
 namespace floorloc {
 
-/// What a method would take on a larger floor, by the power law through its two largest trials: times grow with area,
-/// everything that was counted is left out. `trials` must hold at least one.
+/// Extrapolates a method's times to a larger floor by the power law through its two largest trials; counts are not
+/// extrapolated. trials: at least one.
 IndexTrial Extrapolate(const std::vector<IndexTrial>& trials, double area_m2);
 
 }  // namespace floorloc

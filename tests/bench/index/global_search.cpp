@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// Of this thread: other work on the machine does not count.
+// CPU time of this thread.
 double ProcessorMs() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

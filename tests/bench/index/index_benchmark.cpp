@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The global search from a room to a large hall: a real map among made-up keypoints. `./run bench index` starts it.
+// Global search on floors of growing area: a real map among synthetic keypoints. `./run bench index` starts it.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <fstream>
@@ -33,7 +33,7 @@ struct Arguments {
   double baseline_area_m2 = 1000.0;
 };
 
-// Half of what the system says is available.
+// Half of the system's available memory.
 double HalfOfFreeMemoryGb() {
   std::ifstream file("/proc/meminfo");
   std::string name;
@@ -47,7 +47,7 @@ double HalfOfFreeMemoryGb() {
   return 2.0;
 }
 
-// Descriptors, places, the index, and what is needed while it is built.
+// Descriptors, positions, the index, and the temporary memory of its construction.
 double MemoryGb(double area_m2) {
   constexpr double kBytesPerKeypoint = 56.0;
   return kBytesPerKeypoint * area_m2 * kKeypointsPerM2 / 1e9;
@@ -65,7 +65,7 @@ std::vector<QueryFrame> ReadFrames(const Arguments& arguments, const FloorMap& m
   return frames;
 }
 
-// All methods on one floor; those that can't be tried are extrapolated from `history`.
+// Runs all methods on one floor; those that would take too long are extrapolated from `history`.
 void CompareOn(double area_m2, const std::vector<IndexMethod>& methods, const Arguments& arguments,
                const std::function<std::vector<IndexTrial>(double)>& try_floor,
                std::map<std::string, std::vector<IndexTrial>>* history) {

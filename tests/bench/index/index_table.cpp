@@ -17,7 +17,7 @@ void PrintCells(std::ostream& out, const std::vector<std::string>& cells) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     out << std::setw(kWidths[i]) << cells[i];
   }
-  out << std::endl;  // rows may be minutes apart
+  out << std::endl;  // flushes, as the next row may take minutes
 }
 
 std::string Number(double value, int decimals, const char* mark = "") {

@@ -8,7 +8,7 @@
 namespace floorloc {
 
 void PrintHead(std::ostream& out);
-/// baseline_ms: brute force on the same floor, for the ratio.
+/// baseline_ms: search time of brute force on the same floor, for the ratio.
 void PrintTrial(std::ostream& out, const IndexTrial& trial, double baseline_ms);
 
 }  // namespace floorloc

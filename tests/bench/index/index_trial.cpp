@@ -13,7 +13,7 @@
 namespace floorloc {
 namespace {
 
-// OpenCV's own locality-sensitive hashing, as its documentation proposes it for ORB.
+// OpenCV's locality-sensitive hashing, with the parameters that its documentation proposes for ORB.
 class OpenCvLsh final : public DescriptorIndex {
  public:
   explicit OpenCvLsh(const cv::Mat& descriptors)
@@ -51,7 +51,7 @@ bool IsRight(const Pose2& pose, const Pose2& truth) {
   return off.translation().norm() <= Tolerance().position_m && std::abs(off.yaw()) <= Tolerance().yaw_rad;
 }
 
-// How many of the true matches are among those found, and how many there are.
+// (true matches that were found, all true matches)
 std::pair<int, int> CountFound(const std::vector<int>& truth, const std::vector<Match>& matches) {
   std::set<std::pair<int, int>> found;
   for (const Match& m : matches) {
@@ -75,7 +75,7 @@ std::vector<IndexMethod> ComparedIndexes(const RegistrationOptions& registration
   GlobalSearchOptions staged;
   staged.registration = registration;
   GlobalSearchOptions once = staged;
-  once.efforts = {1};  // the others know one effort only
+  once.efforts = {1};  // the other methods have only one effort
   return {{"floorloc", create(MatcherType::kHash), staged, 1e9, 40},
           {"brute force", create(MatcherType::kBruteForce), once, baseline_area_m2, 5},
           {"FLANN clusters", create(MatcherType::kFlann), once, baseline_area_m2, 20},

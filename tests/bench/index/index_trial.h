@@ -10,26 +10,26 @@
 
 namespace floorloc {
 
-/// A way to search.
+/// A compared search method.
 struct IndexMethod {
   std::string name;
   std::function<std::unique_ptr<DescriptorIndex>(const cv::Mat&)> create;
   GlobalSearchOptions search;
-  double max_area_m2 = 0.0;  ///< larger floors take too long
-  int frames = 0;            ///< as many as are tried
+  double max_area_m2 = 0.0;  ///< not run on larger floors, which take too long
+  int frames = 0;            ///< frames to localize
 };
 
-/// baseline_area_m2: the largest floor that the slow ones are tried on.
+/// baseline_area_m2: the largest floor on which the slow methods run.
 std::vector<IndexMethod> ComparedIndexes(const RegistrationOptions& registration, double baseline_area_m2);
 
-/// What a method did on a floor. Extrapolated ones have times only.
+/// Results of a method on a floor; extrapolated ones have times only.
 struct IndexTrial {
   std::string method;
   double area_m2 = 0.0;
   bool extrapolated = false;
   double build_s = 0.0;
-  double bytes_per_keypoint = 0.0;  ///< descriptors, places and index
-  double search_ms = 0.0;           ///< median, descriptors to pose
+  double bytes_per_keypoint = 0.0;  ///< descriptors, positions and index
+  double search_ms = 0.0;           ///< median, from descriptors to pose
   double recall = 0.0;              ///< of the frames' true matches
   double effort = 0.0;              ///< median
   int right = 0;                    ///< frames found within 10 mm and 1 degree

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does a map with fewer keypoints cost in success? `./run bench keypoints` starts it.
+// Localization success against the number of keypoints in the map. `./run bench keypoints` starts it.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <functional>
@@ -32,7 +32,7 @@ std::vector<KeypointTally> MakeTallies(const std::vector<double>& budgets) {
   return tallies;
 }
 
-// One after the other: all at once would need much memory.
+// Scenes are made one after the other to save memory.
 using SceneMakers = std::vector<std::function<Scene()>>;
 
 SceneMakers MakeSceneMakers(const Arguments& arguments) {

@@ -9,7 +9,7 @@
 
 namespace floorloc {
 
-/// A row per tally under a line with the name of the group, in the given order of groups.
+/// Prints one block per group, in the given order, with one row per tally.
 void PrintTable(std::ostream& out, const std::vector<KeypointTally>& tallies, const std::vector<std::string>& groups);
 
 }  // namespace floorloc

@@ -13,7 +13,7 @@
 namespace floorloc {
 namespace {
 
-// A built map and the frames that it was made of.
+// A built map and its frames.
 struct BuiltMap {
   FloorMap map;
   std::vector<BuildFrame> frames;

@@ -8,17 +8,17 @@
 
 namespace floorloc {
 
-/// How a map that must be smaller chooses its keypoints.
+/// Rule by which a map with a keypoint budget chooses its keypoints.
 enum class PruningRule {
-  kUseful,    ///< the product's: repeat rate times distinctiveness, cells filled like water
-  kObserved,  ///< most observations, then the strongest; every cell the same hard limit (the builder's first rule)
-  kRandom,    ///< any, cells filled like water
+  kUseful,    ///< the builder's: repeat rate times distinctiveness, cells filled evenly (water filling)
+  kObserved,  ///< most observations, then response; the same hard limit for every cell (the builder's first rule)
+  kRandom,    ///< random, cells filled evenly (water filling)
 };
 
 const char* ToString(PruningRule rule);
 const std::vector<PruningRule>& AllPruningRules();
 
-/// A map's keypoints, chosen by the rule within options.pruning's budget.
+/// The fused keypoints, chosen by the rule within options.pruning's budget.
 MapKeypoints FuseByRule(PruningRule rule, const KeypointFusionInput& input, const KeypointFusionOptions& options);
 
 }  // namespace floorloc

@@ -13,7 +13,7 @@ constexpr double kStretchM = 0.5;
 constexpr double kWrongM = 0.02;
 constexpr double kWrongRad = 2.0 * std::numbers::pi / 180.0;
 
-// Errors of motions between frames that follow one another.
+// Adds the error of the motion between two consecutive frames.
 void AddMotion(const OdometryStep& from, const OdometryStep& to, const Pose2& truth, DriftTally* tally) {
   if (from.lost || to.lost || from.chain != to.chain) {
     return;
@@ -46,7 +46,7 @@ void AddStretches(const std::vector<OdometryStep>& steps, const std::vector<Pose
 void AddNees(const std::vector<OdometryStep>& steps, const std::vector<Pose2>& truth, DriftTally* tally) {
   AnchoredPose sum;
   std::size_t keyframe = 0;
-  bool whole = true;  // no frame since the keyframe was lost
+  bool whole = true;  // no frame has been lost since the keyframe
   for (std::size_t i = 1; i < steps.size(); ++i) {
     if (steps[i].motion && !steps[i - 1].lost && steps[i].chain == steps[i - 1].chain) {
       const VisualMotion& motion = *steps[i].motion;

@@ -12,17 +12,17 @@
 
 namespace floorloc {
 
-/// A recorded drive, its images rectified.
+/// A recorded drive with rectified images.
 struct Drive {
   std::string name;
   FloorCamera camera;
   std::vector<std::int64_t> stamp_ns;
   std::vector<GroundImage> images;
   std::vector<Pose2> truth_from_base;
-  std::vector<std::optional<Pose2>> odom_from_base;  ///< wheels
+  std::vector<std::optional<Pose2>> odom_from_base;  ///< wheel odometry
 };
 
-/// Frames that the ground truth does not cover are left out. Throws InputError, also when none is left.
+/// Skips frames that the ground truth does not cover. Throws InputError, also when no frame is left.
 Drive ReadDrive(const std::filesystem::path& folder);
 
 /// Every step-th frame.
@@ -33,8 +33,8 @@ struct BenchDrive {
   std::string condition;
 };
 
-/// Makes drives over five floors under mild and hard conditions, unless they are there already: 20 frames per second
-/// at 0.4 m/s. photograph: of a floor, one is quilted from it. Throws InputError when they can't be written.
+/// Simulates drives over five floors under mild and hard conditions, unless they exist: 20 frames per second at 0.4
+/// m/s. photograph: image of a floor from which one texture is quilted. Throws InputError when they cannot be written.
 std::vector<BenchDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph, int frames);
 
 }  // namespace floorloc

@@ -13,7 +13,7 @@ constexpr double kCornerDistancePx = 8.0;
 constexpr int kBorderPx = 8;
 constexpr int kWindowPx = 21;
 constexpr int kLevels = 4;
-constexpr float kMaxReturnPx = 0.5F;  // distance after tracking forth and back
+constexpr float kMaxReturnPx = 0.5F;  // distance after tracking forward and backward
 
 cv::Point2f ToPixel(const GroundGrid& grid, const Eigen::Vector2d& point) {
   const Eigen::Vector2d px = grid.PixelFromBase(point);
@@ -35,7 +35,7 @@ void KltOdometry::Detect(const cv::Mat& gray, const GroundImage& image) {
   keyframe_from_base_ = Pose2();
 }
 
-// Keeps the corners that come back to where they were.
+// Keeps the corners that pass the forward-backward check.
 void KltOdometry::TrackPoints(const std::vector<cv::Mat>& pyramid, const GroundGrid& grid) {
   std::vector<cv::Point2f> next;
   const Pose2 back_step = step_.Inverse();

@@ -12,16 +12,16 @@
 
 namespace floorloc {
 
-/// Planar odometry by corners that are tracked from image to image (pyramidal Lucas-Kanade, forward and backward):
-/// the alternative to features that the product does not use. Where corners were first seen is the keyframe; it is
-/// kept while half of them are left.
+/// Planar odometry by corners tracked from image to image (pyramidal Lucas-Kanade, forward and backward), as an
+/// alternative to the product's features. The keyframe is the image in which the corners were detected; it is replaced
+/// when fewer than half of them are left.
 class KltOdometry {
  public:
   explicit KltOdometry(const RegistrationOptions& registration) : registration_(registration) {}
 
-  /// gray: rectified image or a filtered one of its size. guess: motion since the previous frame; without it that
-  /// since the one before goes on. The base's motion since the previous frame; empty when it is lost, and for the first
-  /// frame.
+  /// gray: rectified image, or a filtered one of the same size. guess: motion since the previous frame; without it
+  /// constant velocity is assumed. Returns the base's motion since the previous frame; empty when lost and for the
+  /// first frame.
   std::optional<Pose2> Track(const cv::Mat& gray, const GroundImage& image, const std::optional<Pose2>& guess);
 
  private:
@@ -31,7 +31,7 @@ class KltOdometry {
   RegistrationOptions registration_;
   std::vector<cv::Mat> pyramid_;                  // of the previous frame
   std::vector<cv::Point2f> places_px_;            // in the previous frame
-  std::vector<Eigen::Vector2d> keyframe_places_;  // of the same corners in the keyframe, base frame, metres
+  std::vector<Eigen::Vector2d> keyframe_places_;  // the same corners in the keyframe's base frame, metres
   std::size_t detected_ = 0;
   Pose2 keyframe_from_base_;
   Pose2 step_;

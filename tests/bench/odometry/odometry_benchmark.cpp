@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planar visual odometry by features and by KLT: speed and drift at several frame rates. `./run bench odometry` starts
-// it.
+// Planar visual odometry by features and by KLT: speed and drift at several frame rates.
+// `./run bench odometry` starts it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -68,7 +68,7 @@ void PrintRow(const std::string& drives, std::size_t thinning, const std::string
               100.0 * Rms(t.drift_share), kDegrees * Rms(t.drift_rad_per_m), Mean(t.nees_alone), Mean(t.nees_summed));
 }
 
-// Drives of one name are counted together.
+// Drives of the same group are counted together.
 void RunGroup(const std::string& name, const std::vector<fs::path>& folders) {
   const std::vector<OdometryMethod> methods = OdometryMethods();
   std::map<std::pair<std::size_t, std::size_t>, DriftTally> tallies;

@@ -9,7 +9,7 @@
 namespace floorloc {
 namespace {
 
-// Milliseconds of this thread's work: other work on the machine does not count.
+// CPU time of this thread, milliseconds.
 double ThreadMs() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -10,13 +10,14 @@
 
 namespace floorloc {
 
-/// One way to measure motions, run over a drive from its first frame to its last.
+/// An odometry method, run over a whole drive.
 struct OdometryMethod {
   std::string name;
   std::function<std::vector<OdometryStep>(const Drive&)> run;
 };
 
-/// The product's with and without wheel odometry as initial guess, KLT likewise, and KLT on contrast-normalised images.
+/// PlanarOdometry with and without wheel odometry as initial guess, KLT likewise, and KLT on contrast-normalised
+/// images.
 std::vector<OdometryMethod> OdometryMethods();
 
 }  // namespace floorloc

@@ -18,7 +18,7 @@ FloorCase MakeFloor(const std::string& name, const std::string& source, double w
   return floor;
 }
 
-// A quilt repeats its photograph.
+// A quilted texture contains copies of its photograph.
 FloorCase MakeQuilt(const std::string& name, const std::string& photograph, double width_m, double height_m) {
   FloorCase floor = MakeFloor(name, photograph, width_m, height_m);
   floor.copies_itself = true;

@@ -9,28 +9,28 @@
 
 namespace floorloc {
 
-/// A floor of the benchmark: its left part is surveyed, the rest never; both are the same kind of floor.
+/// A floor of the benchmark: its left part is surveyed, the rest of the same texture is not.
 struct FloorCase {
-  std::string name;  ///< also of its files
+  std::string name;  ///< also the prefix of its files
   FloorTextureOptions texture;
   double mapped_width_m = 0.0;
-  /// What was never surveyed shows the same images, pixel by pixel: no frame is taken there, for none could be
-  /// distinguished.
+  /// The unsurveyed part repeats the surveyed part pixel by pixel: no frame is taken there, as it could not be
+  /// distinguished from a mapped one.
   bool copies_itself = false;
-  double repeat_m = 0.0;  ///< the floor nearly repeats itself after this distance; 0: it doesn't
+  double repeat_m = 0.0;  ///< distance after which the floor nearly repeats itself; 0: it does not
 };
 
-/// photograph: of a floor, for the floors that are quilted from it.
+/// photograph: image of a floor from which textures are quilted.
 std::vector<FloorCase> FloorCases(const std::string& photograph);
 
-/// What can be wrong with a frame.
+/// Conditions under which a frame is taken.
 struct ConditionCase {
   std::string name;
   ConditionLevels levels;
   double wear = 0.0;  ///< share of the floor that has changed since the survey
 };
 
-/// clean, mild, hard; and what makes hard hard, one by one, on top of mild.
+/// clean, mild, hard; and each degradation of hard alone, on top of mild.
 std::vector<ConditionCase> ConditionCases();
 
 }  // namespace floorloc

@@ -16,10 +16,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kEdgeShare = 0.08;
 constexpr double kUnmappedShare = 0.06;
 constexpr double kOtherFloorShare = 0.06;
-constexpr double kEdgeReachM = 0.12;    // of the image's middle, to both sides of the border
-constexpr double kUnmappedGapM = 0.05;  // between the surveyed floor and an image beside it
+constexpr double kEdgeReachM = 0.12;    // largest distance of the image's centre from the border, to either side
+constexpr double kUnmappedGapM = 0.05;  // between the surveyed floor and an unmapped image
 constexpr double kSpeedMPerS = 0.3;
-constexpr double kPriorFill = 0.95;  // how much of the prior's radius its error uses
+constexpr double kPriorFill = 0.95;  // largest error of a prior, as a share of its radius
 constexpr double kWrongPriorJitterM = 0.03;
 
 struct Area {
@@ -27,7 +27,7 @@ struct Area {
   Eigen::Vector2d max_m;
 };
 
-// The base pose that has the middle of the image there.
+// The base pose that puts the image's centre there.
 Pose2 PoseWithViewAt(const Eigen::Vector2d& middle_m, double yaw_rad, const RectM& roi) {
   const Eigen::Vector2d position = middle_m - Pose2(0.0, 0.0, yaw_rad) * roi.Center();
   return {position.x(), position.y(), yaw_rad};
@@ -43,7 +43,7 @@ bool ViewIsInside(const Pose2& pose, const RectM& roi, const Area& area) {
   });
 }
 
-// Uniform over the poses whose whole view is in the area.
+// Uniform over the poses whose whole image is inside the area.
 Pose2 DrawPoseInside(const Area& area, const RectM& roi, cv::RNG& rng) {
   for (;;) {
     const double x = rng.uniform(area.min_m.x(), area.max_m.x());
@@ -55,7 +55,7 @@ Pose2 DrawPoseInside(const Area& area, const RectM& roi, cv::RNG& rng) {
   }
 }
 
-// Across the right border of the surveyed floor.
+// A pose whose image crosses the right border of the surveyed floor.
 Pose2 DrawPoseOnEdge(const FloorCase& floor, const RectM& roi, cv::RNG& rng) {
   const double margin = 0.5 * std::hypot(roi.width_m(), roi.height_m());
   const double x = floor.mapped_width_m + rng.uniform(-kEdgeReachM, kEdgeReachM);
@@ -74,7 +74,7 @@ FramePlace DrawPlace(cv::RNG& rng) {
   return share < kEdgeShare + kUnmappedShare + kOtherFloorShare ? FramePlace::kOtherFloor : FramePlace::kMap;
 }
 
-// One repetition to the right, left, top or bottom.
+// A prior that is off by one repetition to the right, left, top or bottom.
 PlannedSearch DrawRepeatedPrior(const Pose2& truth, double repeat_m, cv::RNG& rng) {
   const double direction = 0.5 * kPi * rng.uniform(0, 4);
   const double jitter_x = rng.uniform(-kWrongPriorJitterM, kWrongPriorJitterM);

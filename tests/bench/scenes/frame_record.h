@@ -8,13 +8,13 @@
 
 namespace floorloc {
 
-/// What the localizer answered to one question.
+/// Result of one call of the localizer.
 struct FixRecord {
   SearchKind search = SearchKind::kGlobal;
   LocalizationStatus status = LocalizationStatus::kNotLocalized;
-  bool has_pose = false;  ///< also of a frame that was not accepted: the best guess
+  bool has_pose = false;  ///< also for a frame that was not accepted: its best hypothesis
   double p_wrong = 1.0;
-  double error_m = 0.0;  ///< of the pose; infinite when the frame is not on the map's floor
+  double error_m = 0.0;  ///< position error; infinite when the frame is not on the map's floor
   double error_rad = 0.0;
   double nees = 0.0;
   int inliers = 0;
@@ -22,7 +22,7 @@ struct FixRecord {
   double localize_ms = 0.0;
 
   bool accepted() const { return status == LocalizationStatus::kLocalized; }
-  /// The pose is beyond 10 mm or 1 degree.
+  /// True when the error exceeds 10 mm or 1 degree.
   bool wrong() const;
 };
 
@@ -34,9 +34,9 @@ struct FrameRecord {
   std::vector<FixRecord> fixes;
 };
 
-/// One JSON object, without the end of the line.
+/// One JSON object without a line break.
 std::string ToJsonLine(const FrameRecord& record);
-/// Throws std::exception of some kind when the text is not such a line.
+/// Throws an exception derived from std::exception when the text is not such a line.
 FrameRecord ParseFrameRecord(const std::string& line);
 
 }  // namespace floorloc

@@ -31,7 +31,7 @@ bool TruthIsListed(const LocalizationResult& result, const Pose2& truth) {
 
 cv::Mat RenderFrame(const GrayRenderer& renderer, const GrayFloor& floor, const ConditionCase& condition,
                     const FramePlan& plan) {
-  // Only the floor's size is asked for: lamps hang over all of it.
+  // The sampler uses only the floor's size, to place lamps over it.
   const ConditionSampler sampler(condition.levels, {floor.gray, floor.resolution_m}, renderer.camera(), plan.seed);
   return renderer.Render(floor, plan.truth_from_base, sampler.Sample(0, plan.time_s, plan.twist),
                          condition.levels.jpeg_quality);

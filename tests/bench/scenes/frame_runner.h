@@ -9,12 +9,12 @@
 
 namespace floorloc {
 
-/// The image of a planned frame (CV_8UC1). floor: what the frame is on, as the condition has left it.
+/// The image of a planned frame (CV_8UC1). floor: the floor that it shows, in the state of the condition.
 cv::Mat RenderFrame(const GrayRenderer& renderer, const GrayFloor& floor, const ConditionCase& condition,
                     const FramePlan& plan);
 
-/// Renders the planned frames of one floor and localizes them. Run may run in many threads and gives the same record
-/// (but for the times) for the same frame.
+/// Renders the planned frames of one floor and localizes them. Run is thread-safe and deterministic, except for the
+/// measured times.
 class FrameRunner {
  public:
   /// Refers to the floors, which must outlive it.
@@ -35,7 +35,7 @@ class FrameRunner {
   Rectifier rectifier_;
 };
 
-/// True when both are equal but for the times: the program still gives the same answers.
+/// True when both are equal except for the times: the program gives the same results.
 bool SameAnswers(const FrameRecord& a, const FrameRecord& b);
 
 }  // namespace floorloc

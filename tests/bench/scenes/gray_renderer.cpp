@@ -13,14 +13,14 @@
 namespace floorloc {
 namespace {
 
-constexpr double kSurroundings = 38.0;  // grey value beside the floor
+constexpr double kSurroundings = 38.0;  // grey value outside the floor
 constexpr int kLightStepPx = 8;         // light is computed at every 8th pixel
-constexpr float kLumaNoise = 0.67F;     // noise of grey from three channels with the same noise each
+constexpr float kLumaNoise = 0.67F;     // noise of grey relative to that of each channel: the norm of kLuma
 
 // Blue, green, red -> grey.
 constexpr std::array<double, 3> kLuma = {0.114, 0.587, 0.299};
 
-// Where in the pixel the samples of an exposure lie, in turn.
+// Positions of an exposure's samples within the pixel, in turn.
 constexpr std::array<std::array<double, 2>, 4> kOffsetsPx = {
     {{-0.25, -0.25}, {0.25, 0.25}, {0.25, -0.25}, {-0.25, 0.25}}};
 

@@ -16,8 +16,8 @@ struct GrayFloor {
   double resolution_m = 0.0;
 };
 
-/// The quick sibling of CameraRenderer, for very many frames: grey, fewer samples per pixel, otherwise the same optics
-/// and lights. Immutable after construction; Render may run in many threads.
+/// A faster CameraRenderer: grey, fewer samples per pixel, with the same optics and lights. Immutable after
+/// construction; Render is thread-safe.
 class GrayRenderer {
  public:
   explicit GrayRenderer(const FloorCamera& camera);
@@ -33,8 +33,8 @@ class GrayRenderer {
   cv::Mat RenderLight(const Pose2& map_from_base, const RenderConditions& conditions) const;
 
   FloorCamera camera_;
-  cv::Mat rays_;          // CV_32FC2: undistorted position of every raw pixel's centre
-  cv::Mat light_points_;  // CV_64FC2: floor points in the base frame where light is computed
+  cv::Mat rays_;          // CV_32FC2: undistorted pixel position of every raw pixel's centre
+  cv::Mat light_points_;  // CV_64FC2: floor points in the base frame at which light is computed
 };
 
 }  // namespace floorloc

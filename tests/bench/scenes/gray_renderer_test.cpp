@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Structures of a few pixels, so that a shift of a tenth of a pixel shows.
+// Structures of a few pixels, so that a shift of a tenth of a pixel is measurable.
 FloorTexture MakeFloor() {
   FloorTexture floor;
   floor.resolution_m = 0.0005;

@@ -24,7 +24,7 @@ std::vector<ConditionCase> MildAndHard() {
   return conditions;
 }
 
-// So many plans of each condition.
+// `count` plans per condition.
 std::vector<std::vector<FramePlan>> PlanFrames(const FramePlanner& planner, int count) {
   std::vector<std::vector<FramePlan>> plans(planner.conditions);
   const auto full = [&](const std::vector<FramePlan>& some) { return static_cast<int>(some.size()) == count; };

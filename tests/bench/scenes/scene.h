@@ -16,30 +16,30 @@ namespace floorloc {
 struct SceneFrame {
   cv::Mat raw;  ///< CV_8UC1
   Pose2 truth_from_base;
-  PosePrior prior;  ///< its pose is truth_from_base and errs by no more than it allows
+  PosePrior prior;  ///< its pose is truth_from_base, with an error within its bounds
 };
 
-/// Frames under the same conditions.
+/// Frames taken under the same conditions.
 struct FrameGroup {
   std::string name;
   FloorCamera camera;
   std::vector<SceneFrame> frames;
 };
 
-/// A surveyed floor and frames on it. The survey has ground truth.
+/// A surveyed floor and frames on it; the survey has ground truth.
 struct Scene {
   std::filesystem::path survey;
   std::vector<FrameGroup> groups;
 };
 
-/// Five small floors of different kinds. photograph: of a floor, one is quilted from it.
+/// Five small floors of different kinds. photograph: image of a floor from which one texture is quilted.
 std::vector<FloorCase> SceneFloors(const std::string& photograph);
 
-/// Makes the floor and its survey in the folder, and mild and hard frames of it, `frames` of either. Throws InputError
-/// when the folder can't be written.
+/// Makes the floor and its survey in the folder, and `frames` mild and `frames` hard frames of it. Throws InputError
+/// when the folder cannot be written.
 Scene SimulateScene(const std::filesystem::path& folder, const FloorCase& floor, int frames);
 
-/// Recorded folders, in the survey format with ground truth. Throws InputError.
+/// Reads recorded folders in the survey format with ground truth. Throws InputError.
 Scene ReadScene(const std::filesystem::path& survey, const std::vector<std::filesystem::path>& frames);
 
 }  // namespace floorloc
