@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// board_images OUT chessboard|charuco|flat: images of a board through a known camera, for calibrate_test.py: 12
-// held before it (flat: none of them tilted), and floor.jpg with the board on the floor; camera.yaml and floor.yaml
-// hold the truth, board_pose.txt the board's pose on the floor.
+// board_images OUT chessboard|charuco|flat: renders images of a board by a known camera for calibrate_test.py: 12 of a
+// hand-held board (flat: none of them tilted), and floor.jpg with the board on the floor. camera.yaml and floor.yaml
+// are the truth, board_pose.txt is the board's pose on the floor.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -44,7 +44,7 @@ FloorPlane TrueFloor(const CameraModel& camera) {
   return floor;
 }
 
-// As sharp as a lens makes it.
+// Blurred as by a lens.
 void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
   cv::Mat soft;
   cv::GaussianBlur(image, soft, {}, 0.6);
@@ -64,7 +64,7 @@ void Write(const std::filesystem::path& folder, const std::string& kind) {
     if (kind == "flat") {
       placement.tilt_x_rad = placement.tilt_y_rad = 0.0;
     }
-    // A chessboard must be seen whole.
+    // A chessboard must be entirely in the image.
     placement.middle_px = 0.7 * placement.middle_px + 0.3 * Eigen::Vector2d(camera.cx, camera.cy);
     placement.distance_m *= 1.15;
     const std::string name = std::to_string(100 + number++) + ".jpg";

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The main job through the real floorloc-mapbuilder: simulate, build, inspect, localize, evaluate; then everything that
-can go wrong: one sentence, exit code 1, nothing half-written."""
+"""The main workflow with the real floorloc-mapbuilder: simulate, build, inspect, localize, evaluate. Every failure must
+give one sentence, exit code 1 and no partial output."""
 
 import hashlib
 import json
@@ -34,7 +34,7 @@ def read_tum(file):
 
 
 class Recorded(Scratch):
-    """A survey, a drive over the same floor, and the survey's map in the floor's frame; made once."""
+    """Makes once: a survey, a drive over the same floor, and the survey's map in the floor's frame."""
 
     @classmethod
     def setUpClass(cls):
@@ -240,7 +240,7 @@ class Usage(unittest.TestCase):
 
 class BadInput(Recorded):
     def expect_failure(self, named, *arguments, **options):
-        """Exit code 1 and one sentence that names the file; progress and warnings may come before it."""
+        """Expects exit code 1 and one sentence that names the file, after any progress and warnings."""
         result = run(*arguments, **options)
         self.assertEqual(result.returncode, 1, result.stderr)
         sentences = [line for line in result.stderr.splitlines()
@@ -255,7 +255,7 @@ class BadInput(Recorded):
         out.parent.mkdir(exist_ok=True)
         sentence = self.expect_failure(named, "build", "--survey", survey, "--out", out, **options)
         left = {file.name for file in out.parent.iterdir()}
-        self.assertLessEqual(left, {"m.floormap.journal"}, sentence)  # worth keeping after two seconds of work
+        self.assertLessEqual(left, {"m.floormap.journal"}, sentence)  # the journal is kept after two seconds of work
         self.assertEqual("m.floormap.journal" in left, "--resume" in sentence)
         return sentence
 
@@ -372,7 +372,7 @@ class BadInput(Recorded):
     def test_verify_finds_a_flipped_bit_in_the_mosaic(self):
         damaged = self.folder / "damaged.floormap"
         content = bytearray(self.map.read_bytes())
-        place = content.rindex(b"\xff\xd8\xff") + 700  # within a JPEG
+        place = content.rindex(b"\xff\xd8\xff") + 700  # inside a JPEG
         content[place] ^= 1
         damaged.write_bytes(content)
         self.expect_failure("damaged.floormap", "verify", damaged)
@@ -381,7 +381,7 @@ class BadInput(Recorded):
         survey = self.copy_of_survey()
         (survey / "odometry.tum").unlink()
         rows = (survey / "frames.csv").read_text().splitlines()
-        # Lanes of seven frames, to and fro: without the middle two of each there is a gap across the floor.
+        # Lanes of seven frames in alternating directions: without the middle two of each, a gap divides the floor.
         kept = [row for i, row in enumerate(rows[1:]) if i % 7 not in ((3, 4) if i // 7 % 2 == 0 else (2, 3))]
         (survey / "frames.csv").write_text("\n".join([rows[0], *kept]) + "\n")
         out = self.folder / "m.floormap"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The real floorloc-mapbuilder, as people call it. Its path is the test's first argument."""
+"""Runs the real floorloc-mapbuilder, whose path is the test's first argument."""
 
 import subprocess
 import sys
@@ -23,7 +23,7 @@ def run_ok(*arguments, timeout=120):
 
 
 class Scratch(unittest.TestCase):
-    """Has a folder for all cases of the class, `root`, and one for each of them, `folder`."""
+    """Provides a folder for the class, `root`, and one for each test case, `folder`."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""calibrate through the real floorloc-mapbuilder: images of a board in, files that the rest of the product reads out;
-and everything that can go wrong. Usage: calibrate_test.py MAPBUILDER BOARD_IMAGES"""
+"""`calibrate` of the real floorloc-mapbuilder, from images of a board to camera.yaml and floor.yaml, and its failures.
+Usage: calibrate_test.py MAPBUILDER BOARD_IMAGES"""
 
 import json
 import math
@@ -125,7 +125,7 @@ class Calibrate(Scratch):
     def test_boards_without_tilt_are_refused(self):
         folder = self.out.parent / "flat"
         shutil.copytree(self.root / "flat", folder)
-        (folder / "floor.jpg").unlink()  # the only one that is tilted
+        (folder / "floor.jpg").unlink()  # the only tilted view
         self.assert_refused("--images", folder, *CHESSBOARD,
                             says="do not constrain the camera.*tilted by 20 to 45 degrees")
 

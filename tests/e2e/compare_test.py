@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The feature laboratory through the real floorloc-mapbuilder: table, JSON, page, the thesis's tests, and bad input."""
+"""The feature laboratory of the real floorloc-mapbuilder: table, JSON, page, the thesis's tests, and bad input."""
 
 import functools
 import json
@@ -17,13 +17,13 @@ NUMBERS = {
 }
 WORDS = {"detector", "descriptor", "matcher", "filter", "not_possible"}
 
-# Dozens of combinations take their time.
+# Dozens of combinations need more than the default timeout.
 run = functools.partial(builder.run, timeout=300)
 run_ok = functools.partial(builder.run_ok, timeout=300)
 
 
 class Page(HTMLParser):
-    """Counts elements, and remembers what a browser would load."""
+    """Counts elements, and collects the resources that a browser would load."""
 
     def __init__(self, text):
         super().__init__()

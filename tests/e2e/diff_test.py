@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `diff` says of two maps."""
+"""Output of `diff` for two maps."""
 
 import json
 import re

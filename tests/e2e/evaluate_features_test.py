@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The evaluation of features for visual odometry through the real floorloc-mapbuilder, on images of maps/."""
+"""Evaluation of features for visual odometry by the real floorloc-mapbuilder, on images of maps/."""
 
 import functools
 import json

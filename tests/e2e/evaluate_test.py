@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trajectory errors through the real floorloc-mapbuilder, against a second implementation of their definitions."""
+"""Trajectory errors of the real floorloc-mapbuilder, checked against a second implementation of their definitions."""
 
 import itertools
 import json
@@ -82,7 +82,7 @@ class Evaluate(builder.Scratch):
         self.expect_same(shifted, expected, "shifted back")
 
     def test_by_hand(self):
-        """A square driven at 1 m/s and an estimate that is a metre above and turns twice as much: by hand."""
+        """A square driven at 1 m/s and an estimate one metre above it that turns twice as much, computed by hand."""
         reference, estimate = self.folder / "reference.tum", self.folder / "estimate.tum"
         corners = [(0, 0, 0), (1, 0, 90), (1, 1, 180), (0, 1, 270)]
         for file, height, factor in ((reference, 0, 1), (estimate, 1, 2)):
@@ -95,7 +95,7 @@ class Evaluate(builder.Scratch):
         self.assertEqual((found["translation"]["min"], found["translation"]["max"]), (1, 1))
         self.assertAlmostEqual(found["rotation_deg"]["max"], 180)
         self.assertAlmostEqual(found["rotation_deg"]["median"], 90)
-        # Half a turn: |R - I|^2 = 4 + 4, and a metre.
+        # Rotation by 180 degrees, |R - I|^2 = 4 + 4, and translation by 1 m.
         self.assertAlmostEqual(found["full"]["max"], 3)
         flat = self.evaluate("ape", reference, estimate, "--planar")
         self.assertEqual(flat["translation"]["max"], 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`build --extend`: a new area and a worn floor are added to a map in its frame."""
+"""`build --extend` adds a new area and a worn floor to a map in the map's frame."""
 
 import json
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""localize --fuse through the real floorloc-mapbuilder, on the sample drive with two kidnaps and a slip."""
+"""`localize --fuse` of the real floorloc-mapbuilder, on the sample drive with two kidnaps and one wheel slip."""
 
 import csv
 import json
@@ -25,7 +25,7 @@ def tum(file):
 
 
 class Fused(Scratch):
-    """One map of the sample floor in the frame of the truth."""
+    """Builds one map of the sample floor in the ground truth's frame."""
 
     @classmethod
     def setUpClass(cls):
@@ -35,7 +35,7 @@ class Fused(Scratch):
                "--poses", SAMPLE / "survey" / "groundtruth.tum")
 
     def fuse(self, *arguments, frames=DRIVE):
-        """Poses and results of a run, and what it printed."""
+        """Poses, results and output of a run."""
         out, results = self.folder / "fused.tum", self.folder / "results.jsonl"
         printed = run_ok("localize", "--map", self.map, "--frames", frames, "--out", out, "--results", results,
                          "--fuse", *arguments)
@@ -46,7 +46,7 @@ class Fused(Scratch):
                                  max_diff))["translation"]["rmse"]
 
     def without(self, *names):
-        """The drive without some of its files."""
+        """A copy of the drive without some of its files."""
         folder = self.folder / "drive"
         shutil.copytree(DRIVE, folder, ignore=shutil.ignore_patterns(*names))
         return folder
@@ -60,7 +60,7 @@ class Fused(Scratch):
         self.assertLess(self.rmse_m(out), 1.5e-3)
 
     def test_says_at_each_frame_what_became_of_it(self):
-        _, results, _ = self.fuse("--no-imu")  # which would notice at once
+        _, results, _ = self.fuse("--no-imu")  # the IMU would detect it at once
         with open(DRIVE / "events.csv", newline="") as file:
             kidnaps = [float(row["timestamp"]) for row in csv.DictReader(file) if row["event"] == "kidnap"]
         for time_s in kidnaps:
@@ -78,8 +78,8 @@ class Fused(Scratch):
         poses = tum(out)
         self.assertGreater(len(poses), 1200)
         steps = [math.dist(a[1:3], b[1:3]) for a, b in zip(poses, poses[1:]) if b[0] - a[0] < 0.05]
-        jumps = [step for step in steps if step > 0.03]  # 0.35 m/s: 7 mm between messages of the wheels
-        self.assertLessEqual(len(jumps), KIDNAPS + 1)  # and the wheels slip once
+        jumps = [step for step in steps if step > 0.03]  # 0.35 m/s: 7 mm between odometry messages
+        self.assertLessEqual(len(jumps), KIDNAPS + 1)  # plus one wheel slip
 
     def test_visual_odometry_replaces_missing_wheel_odometry(self):
         out, results, _ = self.fuse(frames=self.without("odometry.tum", "imu.csv"))
@@ -87,7 +87,7 @@ class Fused(Scratch):
         self.assertLess(self.rmse_m(out), 1.5e-3)
 
     def test_simpler_methods_can_be_chosen_to_compare(self):
-        # The truth's frame is the map's: increments alone go astray, and the jump filter never comes back.
+        # The truth is in the map's frame: pure integration diverges, and the jump filter never recovers.
         ours, _, _ = self.fuse()
         ours = self.rmse_m(ours)
         for method in ("increments", "jump_filter"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A map's life through the real floorloc-mapbuilder: builds that are killed and resumed."""
+"""Builds of the real floorloc-mapbuilder that are killed and resumed."""
 
 import json
 import random
@@ -13,7 +13,7 @@ FRAMES = 28
 
 
 class Resumed(Scratch):
-    """One small survey; builds of it are killed when their progress shows a certain line."""
+    """One small survey, whose builds are killed at a certain line of their progress."""
 
     @classmethod
     def setUpClass(cls):
@@ -36,7 +36,7 @@ class Resumed(Scratch):
         return json.loads(result.stdout), result.stderr
 
     def kill_after(self, lines, *arguments):
-        """Kills a build that has shown so many lines of progress; False when it was quicker."""
+        """Kills a build after this many lines of progress; False when it finished earlier."""
         command = [BINARY, "build", "--survey", str(self.survey), "--out", str(self.out), *arguments]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as build:
             for _ in range(lines):
@@ -64,7 +64,7 @@ class Resumed(Scratch):
         for _ in range(8):
             if self.kill_after(draw.randrange(len(self.lines)), "--resume"):
                 self.assertEqual(self.out.read_bytes(), before)
-            before = self.out.read_bytes()  # a quick build may have finished
+            before = self.out.read_bytes()  # a fast build may have finished
         report, _ = self.build("--resume")
         self.assertEqual(report["content_version"], self.version)
         self.assertEqual([file.name for file in self.folder.iterdir()], ["m.floormap"])

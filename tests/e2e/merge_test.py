@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`merge`: two maps of overlapping floor, or of one frame, become one."""
+"""`merge` of two maps that overlap or share a frame."""
 
 import json
 import math
@@ -14,7 +14,7 @@ class Merged(PartialSurveys):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        # The second map's frame is its own: that of its odometry.
+        # The second map's frame is that of its own odometry.
         cls.second = cls.root / "second.floormap"
         run_ok("build", "--survey", cls.east, "--out", cls.second)
 

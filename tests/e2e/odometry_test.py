@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Visual odometry through the real floorloc-mapbuilder: on a simulated drive over a floor, scored with evaluate, and what
-can go wrong."""
+"""Visual odometry of the real floorloc-mapbuilder on a simulated drive, scored with evaluate, and its failures."""
 
 import json
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A map of format version 2, written before there were layers, is used, extended and merged by the real binary."""
+"""The real binary uses, extends and merges a map of format version 2, written before layers existed."""
 
 import json
 import math
@@ -12,7 +12,7 @@ from builder import Scratch, run, run_ok
 
 DATA = Path(__file__).parents[1] / "core" / "map" / "data"
 VERSION = "2c79d754869b150b1b27b3c48bd8ce15469004df6ad28cfe71e38f4c6b2ee166"
-# Where the frame beside the map was taken.
+# True pose (x, y, yaw) of version_2_frame.jpg.
 TRUTH = (0.279529251, 0.108079039, 2 * math.atan2(0.614691882905, 0.788767322530))
 
 
@@ -92,7 +92,7 @@ class BaseMap(Scratch):
 
 
 class Damaged(Scratch):
-    """What a crash would hide from the tests inside one process: exit codes and the sentence on stderr."""
+    """Exit codes and the sentence on stderr, which tests within one process cannot check after a crash."""
 
     def test_every_command_says_what_is_wrong(self):
         whole, damaged = DATA / "version_2.floormap", self.folder / "damaged.floormap"

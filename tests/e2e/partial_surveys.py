@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One floor, surveyed in two parts that overlap, each by a robot of its own; made once per class of tests."""
+"""One floor surveyed in two overlapping parts by two robots; made once per test class."""
 
 import json
 import math
@@ -21,7 +21,7 @@ def read_truth(folder):
 
 
 def keep_frames(source, target, keep):
-    """Copies a survey with the frames whose true pose passes."""
+    """Copies a survey, keeping the frames whose true pose passes the test."""
     shutil.copytree(source, target)
     truth = read_truth(source)
     head, *rows = (source / "frames.csv").read_text().splitlines()

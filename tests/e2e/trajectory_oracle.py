@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trajectory errors once more, from their definitions, to check `floorloc-mapbuilder evaluate` by.
+"""Independent implementation of the trajectory errors, to check `floorloc-mapbuilder evaluate`.
 
-Poses are (stamp, position, quaternion wxyz). Rotations are found by Horn's quaternion method (1987) rather than by
-Umeyama's singular value decomposition, rotation angles by quaternions and full errors by 4x4 matrices.
+Poses are (stamp, position, quaternion wxyz). Alignment uses Horn's quaternion method (1987) instead of Umeyama's
+singular value decomposition, rotation angles use quaternions and full errors 4x4 matrices.
 """
 
 import math
@@ -56,7 +56,7 @@ def about(axis, angle_rad):
 
 
 def between(a, b):
-    """a^-1 * b of (position, quaternion)."""
+    """a^-1 * b for poses (position, quaternion)."""
     inverse = conjugate(a[1])
     return rotate(inverse, sub(b[0], a[0])), multiply(inverse, b[1])
 
@@ -68,7 +68,7 @@ def matrix(motion):
 
 
 def errors_of(reference, estimate):
-    """translation, rotation and full error of one pose (or motion) against another."""
+    """Translation, rotation and full error of one pose (or motion) against another."""
     difference = between(reference, estimate)
     entries = matrix(difference)
     full = math.sqrt(sum((entries[i][j] - (i == j)) ** 2 for i in range(4) for j in range(4)))
@@ -89,8 +89,8 @@ def summary(values):
 
 
 def horn_rotation(references, estimates):
-    """The rotation that turns centred estimates onto centred references: the eigenvector of Horn's matrix for its
-    largest eigenvalue, by power iteration."""
+    """Rotation from centred estimates to centred references: the eigenvector of the largest eigenvalue of Horn's
+    matrix, by power iteration."""
     s = [[sum(e[i] * r[j] for e, r in zip(estimates, references)) for j in range(3)] for i in range(3)]
     n = [
         [s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]],
@@ -98,9 +98,9 @@ def horn_rotation(references, estimates):
         [s[2][0] - s[0][2], s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]],
         [s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]],
     ]
-    shift = sum(abs(value) for row in n for value in row)  # makes the largest eigenvalue that of largest magnitude
+    shift = sum(abs(value) for row in n for value in row)  # so that the largest eigenvalue has the largest magnitude
     powers = [[value / shift + (i == j) for j, value in enumerate(row)] for i, row in enumerate(n)]
-    for _ in range(40):  # powers of two of the matrix
+    for _ in range(40):  # repeated squaring of the matrix
         powers = [[dot(row, column) for column in zip(*powers)] for row in powers]
         largest = max(abs(value) for row in powers for value in row)
         powers = [[value / largest for value in row] for row in powers]
@@ -114,7 +114,7 @@ def centred(points):
 
 
 def alignment(pairs, mode):
-    """(scale, quaternion, translation) that moves estimates onto references."""
+    """(scale, quaternion, translation) from estimates to references."""
     identity = (1.0, [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     if mode == "none":
         return identity
@@ -140,7 +140,7 @@ def alignment(pairs, mode):
 
 
 def associate(reference, estimate, max_diff):
-    """Every pose of the shorter trajectory with the nearest in time of the longer."""
+    """Pairs every pose of the shorter trajectory with the pose of the longer one nearest in time."""
     estimate_longer = len(estimate) > len(reference)
     longer, shorter = (estimate, reference) if estimate_longer else (reference, estimate)
     pairs = []
@@ -152,7 +152,7 @@ def associate(reference, estimate, max_diff):
 
 
 def motions(poses, delta, unit, all_pairs, tolerance=0.1):
-    """Index pairs, as evo's documentation describes them; quadratic and plain."""
+    """Index pairs as described in evo's documentation; a simple quadratic implementation."""
     count = len(poses)
     if unit == "frames":
         return [(i, i + delta) for i in range(0, count - delta, 1 if all_pairs else delta)]
@@ -182,7 +182,7 @@ def motions(poses, delta, unit, all_pairs, tolerance=0.1):
 
 
 def evaluate(reference, estimate, align="none", max_diff=0.01, motions_of=None):
-    """Summaries of translation, rotation and full errors: absolute ones, or relative ones over motions_of(poses)."""
+    """Summaries of the translation, rotation and full errors: absolute, or relative over motions_of(poses)."""
     pairs = associate(reference, estimate, max_diff)
     scale, q, translation = alignment(pairs, align)
     moved = [(r, (add(scaled(scale, rotate(q, e[0])), translation), multiply(q, e[1]))) for r, e in pairs]
@@ -196,7 +196,7 @@ def evaluate(reference, estimate, align="none", max_diff=0.01, motions_of=None):
 
 
 def random_drive(seed, count=120):
-    """A drive in space that turns a lot, and an estimate of it: scaled, elsewhere, noisy, at jittered times, with gaps."""
+    """A 3D drive with large rotations, and an estimate: scaled, transformed, noisy, with jittered times and gaps."""
     rng = random.Random(seed)
     place, q = [0.0, 0.0, 0.0], about([0, 0, 1], 1.0)
     there, turned = [3.0, -2.0, 0.5], about([1, 2, -3], 0.8)
