@@ -42,7 +42,7 @@ TEST_F(DamagedMapTest, IsServedWholeOrListedWithItsReason) {
   }
 }
 
-// It stays damaged: whoever tries again in a second finds it so.
+// The map stays damaged until it is replaced, so there is no Retry-After.
 TEST_F(DamagedMapTest, IsNoReasonToTryAgainSoon) {
   Damage("UPDATE frame SET survey = 1000000");
   TestServer server({}, folder_.path());

@@ -26,7 +26,7 @@ void ExpectKnownPose(const json& answer) {
   EXPECT_GT(pose["covariance"][0].get<double>(), 0.0);
 }
 
-// A PNG file that ends after its header, announcing any size.
+// A PNG file that ends after its header, which announces the given size.
 std::string PngHeader(std::uint32_t width, std::uint32_t height) {
   std::string png = EncodeImage(cv::Mat(8, 8, CV_8UC1, cv::Scalar(0)), ".png");
   for (std::size_t i = 0; i < 4; ++i) {

@@ -130,7 +130,7 @@ TEST_F(RoutesTest, ServesEveryFileOfThePage) {
   ExpectProblem(client_.Get("/web/nothing.js"), 404, "not_found");
 }
 
-// Everything that is routed is documented, everything documented is routed, and works.
+// Every route is documented, and every documented route exists and works.
 TEST_F(RoutesTest, DocumentAndRoutesAgree) {
   std::set<std::string> routed;
   for (const Route& route : server_.app().router().routes()) {

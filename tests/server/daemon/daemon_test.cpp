@@ -15,7 +15,7 @@ DaemonOptions Options(const std::filesystem::path& maps) {
   return options;
 }
 
-// In a child process: a signal that is already pending when the server starts stops it at once.
+// Runs in a child process: a signal that is pending when the server starts stops it at once.
 void ServeWithPendingSignal(int signal) {
   sigset_t set;
   ::sigemptyset(&set);

@@ -11,7 +11,7 @@
 
 #include "server/http/listener.h"
 
-// After Eigen: through <resolv.h> it defines a macro _res, which is the name of a parameter there.
+// Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
 #include <httplib.h>
 
 namespace floorloc {
@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Answers with what it got; "/wait" waits to be released.
+/// Echoes the request; "/wait" blocks until released.
 class EchoHandler : public HttpHandler {
  public:
   std::optional<HttpResponse> Admit(const HttpRequest& head) override {
@@ -51,7 +51,7 @@ HttpLimits SmallLimits() {
   return limits;
 }
 
-/// Bytes on a socket, for what no client library would send.
+/// Sends raw bytes on a socket, for requests that no client library would send.
 class RawClient {
  public:
   explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -63,7 +63,7 @@ class RawClient {
   }
   void Send(const std::string& text) { ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL); }
   void CloseOutput() { ::shutdown(socket_.get(), SHUT_WR); }
-  /// What comes next; waits for it.
+  /// Waits for the next bytes.
   std::string ReadSome() {
     std::array<char, 4096> buffer{};
     const ssize_t count = ::recv(socket_.get(), buffer.data(), buffer.size(), 0);
@@ -158,7 +158,7 @@ TEST_F(HttpServerTest, RefusesUnannouncedBodiesThatGrowTooLarge) {
 TEST_F(HttpServerTest, RefusesBodiesBeyondTheMemoryOfAll) {
   RawClient slow(server_.port());
   slow.Send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 90000\r\nExpect: 100-continue\r\n\r\n");
-  // Once it may send its body, the slow request holds its share.
+  // When the slow request is told to send its body, its part of the body budget is reserved.
   EXPECT_THAT(slow.ReadSome(), StartsWith("HTTP/1.1 100"));
   std::string answer;
   httplib::Client client = MakeClient();

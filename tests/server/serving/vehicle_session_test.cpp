@@ -17,7 +17,7 @@ LocalizationResult FoundAt(const Pose2& pose, double p_wrong = 1e-9) {
   return found;
 }
 
-/// A vehicle whose images are made up: none has a feature, but each has an answer.
+/// A vehicle with simulated localizations: its images have no features, but each has a result.
 class VehicleSessionTest : public testing::Test {
  protected:
   FrameReport Frame(double stamp_s, const LocalizationResult& found, const std::optional<Pose2>& motion = Pose2()) {
@@ -49,7 +49,7 @@ TEST_F(VehicleSessionTest, TheFirstFixIsThePose) {
 }
 
 TEST_F(VehicleSessionTest, IncrementsBeginAtThePreviousMessage) {
-  Odometry(100.0, Pose2(5, 5, 1));  // since nothing: ignored
+  Odometry(100.0, Pose2(5, 5, 1));  // no previous message: ignored
   Frame(100.1, Pose2(1, 0, 0));
   Odometry(100.2, Pose2(0.1, 0, 0));
   const auto pose = session_.View().fused->map_from_base;
@@ -57,7 +57,7 @@ TEST_F(VehicleSessionTest, IncrementsBeginAtThePreviousMessage) {
   EXPECT_NEAR(session_.View().fused->since_fix->metres, 0.1, 1e-3);
 }
 
-// Wheels and camera run by themselves: an image between two messages of the wheels interrupts nothing.
+// Odometry and camera are independent: an image between two odometry messages does not split the increment.
 TEST_F(VehicleSessionTest, AnImageWithoutOdometryDoesNotCutAnIncrement) {
   Frame(100.0, Pose2());
   Odometry(100.1, Pose2(0.05, 0, 0));
@@ -139,7 +139,7 @@ TEST_F(VehicleSessionTest, OneImageAtATimeAndOdometryMeanwhile) {
 
 TEST_F(VehicleSessionTest, AnImageThatIsSentAgainBringsItsOdometryOnce) {
   Frame(100.0, Pose2());
-  session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));  // and failed
+  session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));  // and localization failed
   const FrameReport report = Frame(100.1, FoundAt(Pose2(0.1, 0, 0)), Pose2(0.1, 0, 0));
   EXPECT_NE(report.message, MessageOutcome::kDuplicate);
   EXPECT_TRUE(report.fix->accepted);
@@ -151,7 +151,7 @@ TEST_F(VehicleSessionTest, ASetPoseIsWhereTheNextFixIsExpected) {
   pose.map_from_base = Pose2(1, 1, 1);
   pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
   EXPECT_NEAR(session_.SetPose(pose, std::nullopt).fused->map_from_base.x(), 1.0, 1e-9);
-  // The first message defines the vehicle's time.
+  // The first message defines the vehicle's clock.
   EXPECT_EQ(Rejection(Frame(5.0, Pose2(3, 1, 1))), FixRejection::kJumpDistance);
   EXPECT_TRUE(Frame(5.1, Pose2(1.01, 1, 1)).fix->accepted);
   const auto slot = session_.BeginFrame(Ns(5.2), std::nullopt);
