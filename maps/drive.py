@@ -27,14 +27,14 @@ REQUIRED_SUCCESS = 0.90
 
 
 class Client:
-    """Speaks with one server over one connection that stays open."""
+    """HTTP client of one server with one persistent connection."""
 
     def __init__(self, server):
         address = urllib.parse.urlsplit(server)
         self.connection = http.client.HTTPConnection(address.hostname, address.port or 80, timeout=30)
 
     def call(self, method, path, body=None, content_type="application/json"):
-        """The answer as a dictionary. Exits with the server's own words when it reports an error."""
+        """Returns the response as a dictionary. Exits with the server's message on an error."""
         headers = {"Content-Type": content_type} if body else {}
         try:
             response, content = self.send(method, path, body, headers)
@@ -76,7 +76,7 @@ class Client:
 
 
 def read_yaml(file):
-    """The part of YAML that camera.yaml and floor.yaml use: nested keys, [lists] and {maps}, comments."""
+    """Parses the subset of YAML that camera.yaml and floor.yaml use: nested keys, [lists], {maps}, comments."""
     text = re.sub(r"(^|\s)#.*", "", file.read_text())
     text = re.sub(r"\[[^\]]*\]", lambda brackets: " ".join(brackets[0].split()), text)
     root = {}
@@ -122,7 +122,7 @@ def read_truth(file):
 
 
 def truth_at(truth, time_s):
-    """The pose at a time, interpolated between its neighbours; None outside of the trajectory."""
+    """The pose at a time, interpolated linearly; None outside of the trajectory."""
     times, poses = truth
     after = bisect.bisect_left(times, time_s - 1e-6)
     if after < len(times) and abs(times[after] - time_s) <= 1e-6:
@@ -139,8 +139,8 @@ def wrap(angle):
 
 
 def align(pairs):
-    """Rotation (a unit complex number) and translation that transform map positions to true positions, by least squares
-    over the best four fifths of the pairs, so that a wrong answer cannot bend them."""
+    """Rotation (unit complex number) and translation from map to true positions, by least squares over the best four
+    fifths of the pairs, so that they are robust to wrong poses."""
     kept = pairs
     for _ in range(3):
         estimate_mean = sum(estimate for estimate, _ in kept) / len(kept)
@@ -154,7 +154,7 @@ def align(pairs):
 
 
 def errors_against_truth(poses):
-    """(position error in m, yaw error in rad) of every (answered pose, true pose)."""
+    """(position error in m, yaw error in rad) of every (estimated pose, true pose)."""
     rotation, translation = align([(estimate[0], truth[0]) for estimate, truth in poses])
     turn = cmath.phase(rotation)
     return [
@@ -176,7 +176,7 @@ def show_progress(done, total, localized):
 
 
 def drive(client, map_name, folder):
-    """Sends every frame. Returns the answered poses beside the true ones, and all latencies in ms."""
+    """Sends every frame. Returns the pairs of estimated and true poses, and all latencies in ms."""
     frames, truth = read_frames(folder), read_truth(folder / "groundtruth.tum")
     poses, latencies_ms = [], []
     client.register("demo", map_name, folder)
@@ -194,7 +194,7 @@ def drive(client, map_name, folder):
 
 
 def report(poses, latencies_ms):
-    """Prints the summary; returns the share of the frames that were localized rightly."""
+    """Prints the summary; returns the share of frames that were localized correctly."""
     if len(poses) < 2:
         print(f"   {len(poses)} of {len(latencies_ms)} frames localized: nothing to compare")
         return 0.0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Drives a recorded vehicle over HTTP, as a robot would: its odometry and its images are sent in
-the order in which they happened, and every answer says where the vehicle is and how sure that is.
+"""Replays a recorded vehicle over HTTP, as a robot would: sends its odometry and images in the order in which they were
+recorded; every response has the vehicle's pose and its uncertainty.
 
 Needs a recording with odometry.tum, such as maps/sample/kidnap. Start it while a server runs:
 
@@ -30,33 +30,33 @@ STATES = ("localized", "tracking_odometry", "lost")
 
 @dataclasses.dataclass
 class Message:
-    """What the robot sends: a motion of its wheels since the message before, or an image."""
+    """A message of the robot: odometry since the previous message, or an image."""
 
     time_s: float
     stamp: str  # as written
-    motion: tuple = None  # dx, dy, dyaw in the base frame of its start
+    motion: tuple = None  # dx, dy, dyaw in the base frame at its start
     image_file: pathlib.Path = None
 
 
 @dataclasses.dataclass
 class Answer:
-    """What the server said to a message."""
+    """The server's response to a message."""
 
     time_s: float
     status: str
     pose: tuple  # position as a complex number, yaw; None when lost from the start
     latency_ms: float
-    fix: dict  # of an image, else None
+    fix: dict  # for an image, else None
 
 
 @dataclasses.dataclass
 class Kidnap:
-    """How the answers dealt with a kidnap; times since it happened."""
+    """Detection of and recovery from a kidnap; times since the kidnap."""
 
     time_s: float
     noticed_s: float = None
     found_s: float = None
-    frames: int = 0  # images until the vehicle was found again
+    frames: int = 0  # images until the vehicle was relocalized
 
 
 def motion_between(before, after):
@@ -66,7 +66,7 @@ def motion_between(before, after):
 
 
 def read_messages(folder):
-    """Odometry and images in order of time. Each image comes right after the odometry up to its time."""
+    """Odometry and images in order of time. Each image follows the odometry up to its time."""
     frames = [Message(float(stamp), stamp, image_file=image_file) for stamp, image_file in drive.read_frames(folder)]
     odometry = drive.read_truth(folder / "odometry.tum")
     times = sorted({round(time_s, 6) for time_s in odometry[0] + [frame.time_s for frame in frames]})
@@ -86,7 +86,7 @@ def read_kidnaps(folder):
 
 
 class Vehicle:
-    """One registered vehicle and what it hears."""
+    """One registered vehicle and the server's answers to it."""
 
     def __init__(self, client, name):
         self.client = client
@@ -110,7 +110,7 @@ class Vehicle:
 
 
 def narrate(answer, previous, start_s, kidnaps):
-    """Prints what changed."""
+    """Prints changes of the vehicle's state."""
     for kidnap in kidnaps:
         if previous and previous.time_s < kidnap <= answer.time_s:
             print(f"   {kidnap - start_s:6.2f} s  kidnapped: lifted and put down elsewhere")
@@ -128,7 +128,7 @@ def run(client, arguments):
     """Sends the whole drive. Returns all answers."""
     messages = read_messages(arguments.frames)
     kidnaps = read_kidnaps(arguments.frames)
-    client.send("DELETE", f"/v1/vehicles/{arguments.vehicle}")  # what an earlier drive left, if there was one
+    client.send("DELETE", f"/v1/vehicles/{arguments.vehicle}")  # left by an earlier drive, if any
     client.register(arguments.vehicle, arguments.map, arguments.frames)
     vehicle = Vehicle(client, arguments.vehicle)
     answers = []
@@ -143,7 +143,7 @@ def run(client, arguments):
 
 
 def judge(answers, truth):
-    """(answer, position error in m, yaw error in rad) of every answer with a pose, the frames' motion fitted."""
+    """(answer, position error in m, yaw error in rad) of every answer with a pose, after alignment of the frames."""
     posed = [(answer, drive.truth_at(truth, answer.time_s)) for answer in answers if answer.pose]
     posed = [(answer, true_pose) for answer, true_pose in posed if true_pose]
     fixes = [(answer.pose[0], true[0]) for answer, true in posed if (answer.fix or {}).get("accepted")]
@@ -160,7 +160,7 @@ def is_wrong(position_m, yaw_rad):
 
 
 def follow_kidnap(time_s, until_s, judged):
-    """What became of one kidnap before the next."""
+    """Outcome of one kidnap, until the next."""
     kidnap = Kidnap(time_s)
     for answer, position_m, yaw_rad in judged:
         if not time_s <= answer.time_s < until_s:
@@ -200,7 +200,7 @@ def print_errors(name, errors):
 
 
 def report(answers, judged, kidnaps):
-    """Prints the summary. Returns the problems of the answers, as sentences."""
+    """Prints the summary. Returns the problems found, as sentences."""
     good = [(answer.fix is not None, (position_m, yaw_rad))
             for answer, position_m, yaw_rad in judged if answer.status == "localized"]
     frames = [answer for answer in answers if answer.fix is not None]
