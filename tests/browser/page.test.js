@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The web page in a real browser on a real map. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS: folder for
-// images of the page.
+// Tests the web page in a browser with a real map. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS: folder
+// for screenshots.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { after, before, beforeEach, afterEach, test } from "node:test";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts the real programs: a map built from the sample survey, and a server that serves it.
+// Runs the real programs: builds a map from the sample survey and serves it.
 import { execFileSync, spawn } from "node:child_process";
 import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -27,7 +27,7 @@ function shortSurvey(folder) {
   return survey;
 }
 
-/// A temporary folder with maps/sample.floormap; FLOORLOC_MAP names a map that is used instead of building one.
+/// A temporary folder with maps/sample.floormap; FLOORLOC_MAP names an existing map to use instead.
 export function makeMaps() {
   const folder = mkdtempSync(join(tmpdir(), "floorloc-browser-"));
   const maps = join(folder, "maps");
@@ -48,7 +48,7 @@ function planarPose(row) {
   return { x, y, yaw: 2 * Math.atan2(qz, qw) };
 }
 
-/// The report of a map whose survey has a hole and lacks an image: {folder, hole: its middle in metres, remove}.
+/// The report of a map whose survey has a hole and a missing image: {folder, hole: its centre in metres, remove}.
 export function makeReport() {
   const all = mkdtempSync(join(tmpdir(), "floorloc-report-"));
   const survey = join(all, "survey");
@@ -64,7 +64,7 @@ export function makeReport() {
   const folder = join(all, "report");
   execFileSync(join(bin, "floorloc-mapbuilder"), ["build", "--survey", survey, "--out", join(all, "hall.floormap"),
     "--report", folder], { stdio: "ignore" });
-  // The map's frame is that of odometry, which starts elsewhere than the ground truth.
+  // The map's frame is that of odometry, whose origin differs from the ground truth's.
   const start = planarPose(rows("odometry.tum")[0]);
   const turn = start.yaw - poses[0].yaw;
   const [dx, dy] = [middle.x - poses[0].x, middle.y - poses[0].y];
@@ -73,7 +73,7 @@ export function makeReport() {
   return { folder, hole, remove: () => rmSync(all, { recursive: true, force: true }) };
 }
 
-/// Resolves with {url, stop} as soon as the server says where it listens.
+/// Resolves with {url, stop} when the server prints its address.
 export function startServer(maps, listen = "127.0.0.1:0") {
   const server = spawn(join(bin, "floorloc-server"), ["--maps", maps, "--listen", listen], { stdio: "pipe" });
   const ended = new Promise((resolve) => server.once("exit", resolve));
@@ -94,7 +94,7 @@ export function startServer(maps, listen = "127.0.0.1:0") {
   });
 }
 
-/// Registers a vehicle with the camera that the map was made with.
+/// Registers a vehicle with the map's camera.
 export async function registerVehicle(url, id) {
   const { camera, floor } = await (await fetch(`${url}/v1/maps/sample`)).json();
   const response = await fetch(`${url}/v1/vehicles/${id}`, {
@@ -114,7 +114,7 @@ export async function localize(url, id, image) {
   return response.json();
 }
 
-/// A message of a vehicle: an image with its stamp, or an increment.
+/// Sends an image of a vehicle with its stamp.
 export async function sendFrame(url, id, image, stamp) {
   const response = await fetch(`${url}/v1/vehicles/${id}/frames?stamp=${stamp}`, {
     method: "POST",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of a map in a real browser, opened as a file. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS:
-// folder for images of the page.
+// Tests the report of a map in a browser, opened as a file. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS:
+// folder for screenshots.
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, statSync } from "node:fs";
 import { after, before, beforeEach, afterEach, test } from "node:test";
@@ -103,7 +103,7 @@ test("the hole of the survey is to be surveyed again, and marked on the mosaic",
     assert.equal(await mark.textContent(), String(zone.number));
     assert.ok(box.width > 12 && box.x > map.x && box.x + box.width < map.x + map.width && box.y > map.y &&
       box.y + box.height < map.y + map.height, `mark ${zone.number} is on the map`);
-    // Where the mark stands is where the list says: by the browser, which knows the image's scale.
+    // The mark is at the position in the list, converted by the browser, which knows the image's scale.
     const [x, y] = await page.locator("#map").evaluate((svg, [px, py]) => {
       const p = new DOMPoint(px, py).matrixTransform(svg.getScreenCTM().inverse());
       return [p.x, -p.y];

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares what the pages say with the tree: links, paths, names, commands, options, HTTP calls, configuration keys."""
+"""Compares the pages with the tree: links, paths, names, commands, options, HTTP calls, configuration keys."""
 
 import pathlib
 import re
@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from pages import LINKS_ONLY, SPAN, Page
 
-# Words that stand for a part of a path: `tests/fuzz/NAME_fuzzer.cpp`.
+# Placeholders for a part of a path: `tests/fuzz/NAME_fuzzer.cpp`.
 PLACEHOLDER = re.compile(r"[A-Z]{3,}(?=[_./]|$)")
-# Made when something runs, not part of the tree.
+# Generated at run time, not part of the tree.
 MADE = ("maps/built/",)
 
 PATH = re.compile(r"(?<![\w./:-])[\w.-]+(?:/[\w.,{}*-]*)+")
@@ -26,7 +26,7 @@ class Problem(NamedTuple):
 
 
 def exists(tree, path):
-    """True for a path of the tree; `a/{b,c}`, `*` and placeholders in capitals stand for several."""
+    """True for a path of the tree; `a/{b,c}`, `*` and placeholders in capitals match several."""
     if path.startswith(MADE):
         return True
     alternatives = [path]
@@ -41,7 +41,7 @@ def exists(tree, path):
 
 
 def hint(tree, path):
-    """Where a file of this name is instead."""
+    """Hint with the actual path of a file of this name."""
     name = pathlib.PurePosixPath(path).name
     found = [file.relative_to(tree.root).as_posix() for folder in sorted(tree.folders - {"build"})
              for file in (tree.root / folder).rglob(name)] if "*" not in name and "{" not in name else []
@@ -65,7 +65,7 @@ def check_links(tree):
 
 
 def check_paths(tree):
-    """`core/io/survey.cpp` and the like, in code and in blocks."""
+    """Checks paths such as `core/io/survey.cpp` in code spans and blocks."""
     problems = []
     for page in tree.pages:
         for line, text in page.code():
@@ -77,7 +77,7 @@ def check_paths(tree):
 
 
 def check_identifiers(tree):
-    """Names of types and functions in code spans."""
+    """Checks names of types and functions in code spans."""
     problems = []
     for page in tree.pages:
         for line, text in page.spans:
@@ -88,7 +88,7 @@ def check_identifiers(tree):
 
 
 def check_run(tree):
-    """./run SUBCOMMAND and ./run bench NAME."""
+    """Checks ./run SUBCOMMAND and ./run bench NAME."""
     problems = []
     for page in tree.pages:
         for line, text in page.code():
@@ -102,7 +102,7 @@ def check_run(tree):
 
 
 def check_commands(tree):
-    """Subcommands and options of the programs, both ways."""
+    """Checks that mentioned subcommands and options exist, and that existing ones are mentioned."""
     problems, mentioned = [], set()
     for page in tree.pages:
         mentioned |= {option for _, text in page.code() for option in re.findall(r"--[a-z][\w-]*", text)}
@@ -141,7 +141,7 @@ def first_cells(page, heading):
 
 
 def check_server_page(tree):
-    """Configuration keys and HTTP calls, both ways."""
+    """Checks that documented configuration keys and HTTP calls exist, and that existing ones are documented."""
     pages = [page for page in tree.pages if page.name == "docs/server.md"]
     if not pages:
         return [Problem("docs/server.md", 1, "is missing")]
@@ -151,7 +151,7 @@ def check_server_page(tree):
 
 
 def check_layout(tree):
-    """Every folder with sources of the product stands in the layout of the architecture page."""
+    """Checks that every folder with sources of the product is in the layout of the architecture page."""
     page = tree.root / "docs/architecture.md"
     layout = page.read_text(encoding="utf-8") if page.exists() else ""
     folders = {file.parent for part in ("core", "mapbuilder", "server") for file in (tree.root / part).rglob("*.h")}
@@ -160,7 +160,7 @@ def check_layout(tree):
 
 
 def check_traces(tree):
-    """Where a row of a table names functions and, in its last column, files, each function stands in one of these."""
+    """Checks table rows with files in the last column: the functions in the column before must occur in these files."""
     problems = []
     for page in tree.pages:
         for number, line in enumerate(page.text.splitlines(), start=1):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The pages are true, and the check of them catches what it must. Usage: links_test.py"""
+"""Checks the pages against the tree, and tests the checks themselves. Usage: links_test.py"""
 
 import pathlib
 import sys
@@ -77,7 +77,7 @@ TREE = {
 
 
 class TheTreeTest(unittest.TestCase):
-    """One case per check, over the real pages."""
+    """One case per check, on the real pages."""
 
     def test_everything_that_the_pages_mention_is_there(self):
         tree = pages.Tree(ROOT)
@@ -91,10 +91,10 @@ class TheTreeTest(unittest.TestCase):
 
 
 class CheckDocsTest(unittest.TestCase):
-    """The checks over made-up trees."""
+    """The checks on synthetic trees."""
 
     def problems(self, readme="", **files):
-        """What is wrong with a good tree after these lines were added to its README, and files replaced."""
+        """Problems of a valid tree after adding these lines to its README and replacing files."""
         tree = dict(TREE, **files)
         tree["README.md"] += readme
         with tempfile.TemporaryDirectory() as folder:

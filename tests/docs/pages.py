@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages taken apart, and the repository as far as pages speak of it."""
+"""Parses the pages, and the parts of the repository that pages refer to."""
 
 import functools
 import pathlib
 import re
 import subprocess
 
-# Pages that are checked; the changelog speaks of the past, so its names and paths may be gone.
+# Checked pages; the changelog is not, as its names and paths may no longer exist.
 PAGES = ("README.md", "CONTRIBUTING.md", "docs/**/*.md", "tests/README.md", "schema/README.md", "maps/README.md")
 LINKS_ONLY = ("CHANGELOG.md",)
 
@@ -16,7 +16,7 @@ LINK = re.compile(r"!?\[[^\]]*\]\(([^()\s]+)\)")
 
 
 class Page:
-    """A page, its code and its prose, each with the line where it stands."""
+    """A page, its code and its prose, with line numbers."""
 
     def __init__(self, root, file):
         self.file = file
@@ -31,7 +31,7 @@ class Page:
         return 1 + self.text.count("\n", 0, position)
 
     def code(self):
-        """Every line of code: (line, text). A command that ends in a backslash is one with the next line."""
+        """Lines of code as (line, text); lines that end in a backslash are joined with the next."""
         for start, block in self.blocks:
             joined, first = "", 0
             for offset, line in enumerate(block.splitlines()):
@@ -49,7 +49,7 @@ class Page:
                 yield 1 + self.prose.count("\n", 0, match.start()), match.group(1)
 
     def anchors(self):
-        """Of the headings, as GitHub makes them."""
+        """Anchors of the headings, as GitHub generates them."""
         seen = {}
         for heading in re.findall(r"^#{1,6} +(.*?)#*$", self.prose, re.M):
             text = LINK.sub(lambda match: match.group().split("](")[0].lstrip("!["), heading).strip().lower()
@@ -59,7 +59,7 @@ class Page:
 
 
 class Tree:
-    """The repository, as far as pages speak of it."""
+    """The parts of the repository that pages refer to."""
 
     def __init__(self, root):
         self.root = pathlib.Path(root)
@@ -69,7 +69,7 @@ class Tree:
         return [Page(self.root, file) for pattern in PAGES for file in sorted(self.root.glob(pattern))]
 
     def one(self, pattern):
-        """The only file of a pattern, wherever the folders are."""
+        """The only file that matches a pattern, in any folder."""
         files = list(self.root.glob(pattern))
         if len(files) != 1:
             raise FileNotFoundError(f"{pattern} should name one file, and names {len(files)}")
@@ -81,7 +81,7 @@ class Tree:
 
     @functools.cached_property
     def words(self):
-        """Every identifier of the sources."""
+        """All identifiers of the sources."""
         words = set()
         for folder in ("core", "mapbuilder", "server", "web", "tests"):
             for file in (self.root / folder).rglob("*"):
@@ -110,7 +110,7 @@ class Tree:
 
     @functools.cached_property
     def calls(self):
-        """ "GET /v1/maps" and so on, of openapi.yaml."""
+        """The calls of openapi.yaml, such as "GET /v1/maps"."""
         calls, path = set(), None
         for line in self.one("schema/openapi.yaml").splitlines():
             if found := re.match(r"  (/\S*):$", line):
@@ -123,13 +123,13 @@ class Tree:
 
 
 def options_of(source):
-    """The options that a source of CLI11 adds."""
+    """The options that a source adds with CLI11."""
     return set(re.findall(r'"!?(--[a-z][\w-]*)"\s*,\s*[^)]', source)) | {"--help"} | (
         {"--version"} if "--version" in source else set())
 
 
 def subcommand_of(file):
-    """Name and options of the subcommand that a source adds, with those of the headers beside it that it includes."""
+    """Name and options of the subcommand that a source adds, including options from headers of the same folder."""
     source = file.read_text(encoding="utf-8")
     name = re.search(r'add_subcommand\(\s*"([\w-]+)"', source)
     options = options_of(source)
@@ -140,7 +140,7 @@ def subcommand_of(file):
 
 
 def keys_of(source):
-    """The keys that the configuration's parser asks for, with the object that they stand in."""
+    """The keys that the configuration's parser reads, prefixed with their object."""
     bodies = dict(re.findall(r"^[\w:]+ (\w+)\([^)]*\) \{\n(.*?)^\}", source, re.M | re.S))
     keys = set()
 

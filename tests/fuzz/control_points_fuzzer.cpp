@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     floorloc::ParseControlPointsCsv({reinterpret_cast<const char*>(data), size}, "fuzzed");
   } catch (const floorloc::InputError&) {
-    // The only way to refuse a text.
+    // The only exception allowed for invalid text.
   }
   return 0;
 }

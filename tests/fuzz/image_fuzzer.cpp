@@ -7,7 +7,7 @@
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 
-// Decodes whatever size the header announces, as long as a small machine can.
+// Decodes images of any size in the header up to kMaxSidePx, to limit time and memory.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr int kMaxSidePx = 1024;
   const std::span<const std::uint8_t> bytes(data, size);
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     floorloc::DecodeGray(bytes, header->width_px, header->height_px, "fuzzed");
     floorloc::DecodeColor(bytes, header->width_px, header->height_px, "fuzzed");
   } catch (const floorloc::InputError&) {
-    // The only way to refuse an image.
+    // The only exception allowed for an invalid image.
   }
   return 0;
 }

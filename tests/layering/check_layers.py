@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that includes and link lines point down only. Usage: check_layers.py [ROOT]"""
+"""Checks that includes and link lines only refer to lower layers. Usage: check_layers.py [ROOT]"""
 
 import pathlib
 import re
 import sys
 from typing import NamedTuple
 
-# Folder -> the folders it may include; what those may include follows. A folder may always include itself.
+# Folder -> the folders it may include, and transitively those that they may include. A folder may include itself.
 ARROWS = {
     "core/geometry": [],
     "core/io": ["core/geometry"],
@@ -67,7 +67,7 @@ ARROWS = {
     "web": [],
 }
 
-# Header of another library -> the only places in the product that may include it.
+# Header of an external library -> the only places in the product that may include it.
 LIBRARIES = {
     "httplib.h": ["server/http/"],
     "sqlite3.h": ["core/map/"],
@@ -96,13 +96,13 @@ class Problem(NamedTuple):
 
 
 def layer_of(path):
-    """The deepest folder of the table that holds the path; None outside of all."""
+    """The deepest folder of the table that contains the path, or None."""
     holders = [layer for layer in ARROWS if path.startswith(layer + "/")]
     return max(holders, key=len, default=None)
 
 
 def reachable(layer):
-    """The layer and everything below it."""
+    """The layer and all layers below it."""
     found, open_layers = set(), [layer]
     while open_layers:
         current = open_layers.pop()
@@ -113,7 +113,7 @@ def reachable(layer):
 
 
 def check_include(layer, path, quote, header):
-    """What is wrong with this include; empty when nothing is."""
+    """Error message for this include; empty when it is allowed."""
     if quote == '"':
         target = layer_of(header)
         if target is None:
@@ -139,7 +139,7 @@ def check_source(path, text):
 
 
 def check_own_header(file, path, text):
-    """A source includes the header of its name first: so the header is known to compile alone."""
+    """Checks that a source includes the header of its name first, so that the header compiles alone."""
     if file.suffix != ".cpp" or not file.with_suffix(".h").exists():
         return []
     own = path.removesuffix(".cpp") + ".h"
@@ -151,7 +151,7 @@ def check_own_header(file, path, text):
 
 
 def check_link_lines(path, text):
-    """A CMakeLists.txt may link only what its folder may include."""
+    """Checks that a CMakeLists.txt links only what its folder may include."""
     layer = layer_of(path)
     if layer is None:
         return []

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The layering check catches what it must and accepts what is right."""
+"""The layering check rejects violations and accepts valid trees."""
 
 import pathlib
 import sys
@@ -14,7 +14,7 @@ import check_layers  # noqa: E402
 
 class CheckLayersTest(unittest.TestCase):
     def check(self, files):
-        """What the check says about a tree of these files."""
+        """Output of the check for a tree of these files."""
         with tempfile.TemporaryDirectory() as folder:
             for path, text in files.items():
                 file = pathlib.Path(folder, path)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the demo shows, with the real programs: the sample map is built and served, and both clients are content.
+"""The demo with the real programs: builds and serves the sample map; both clients must succeed.
 Arguments: floorloc-mapbuilder, floorloc-server."""
 
 import pathlib
@@ -44,7 +44,7 @@ class DemoTest(unittest.TestCase):
         self.assertIn("120/120 frames sent, 120 localized", self.client("drive.py", "sample/drive"))
 
     def test_the_kidnapped_vehicle_is_found_again_each_time(self):
-        for _ in range(2):  # a vehicle that drives again restarts
+        for _ in range(2):  # a second drive of the same vehicle restarts it
             printed = self.client("vehicle.py", "sample/kidnap")
             self.assertEqual(printed.count("kidnapped: lifted and put down elsewhere"), 2)
             self.assertEqual(printed.count("found again after"), 2)

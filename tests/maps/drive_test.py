@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of the demo's client that need no server."""
+"""Tests of the demo's client that need no server."""
 
 import cmath
 import math

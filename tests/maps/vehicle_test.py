@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of the demo's vehicle that need no server."""
+"""Tests of the demo's vehicle that need no server."""
 
 import argparse
 import contextlib
@@ -47,7 +47,7 @@ class MessagesTest(unittest.TestCase):
 
 
 class StubClient:
-    """Answers as the server does, with the pose that the odometry sent so far amounts to."""
+    """Fake server: answers with the pose integrated from the odometry sent so far."""
 
     def __init__(self):
         self.calls = []
@@ -88,7 +88,7 @@ class RunTest(unittest.TestCase):
 
 class EvaluationTest(unittest.TestCase):
     def judged(self):
-        """A kidnap at 10 s: two answers before the next image, three uncertain ones, then found."""
+        """A kidnap at 10 s: two answers before the next image, three uncertain ones, then relocalized."""
         answers = [answer(9.9), answer(10.02), answer(10.04),
                    answer(10.1, "tracking_odometry", fix={"accepted": False}),
                    answer(10.2, "tracking_odometry"),
