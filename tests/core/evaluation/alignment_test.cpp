@@ -11,7 +11,7 @@ namespace {
 
 StampedPose3 PoseAt(const Eigen::Vector3d& position) { return {0, position, Eigen::Quaterniond::Identity()}; }
 
-// Estimates scattered in a box, references where `truth` puts them.
+// Estimates at random positions in a box; references are their images under `truth`.
 std::vector<PosePair> Scattered(const Similarity3& truth, const Eigen::Vector3d& box) {
   std::mt19937_64 rng(11);
   std::uniform_real_distribution<double> any(-1, 1);
@@ -54,7 +54,7 @@ TEST(Alignment, AStraightDriveAlignsInThePlaneOnly) {
   EXPECT_THROW(ComputeAlignment(line, AlignmentMode::kSim3), std::invalid_argument);
 }
 
-// A diagonal line has some width by rounding: a turn about it found in that would be a random one.
+// Rounding gives a diagonal line a nonzero width; a rotation about the line estimated from that would be random.
 TEST(Alignment, RoundingIsNoWidth) {
   std::vector<PosePair> line;
   for (int i = 0; i < 100; ++i) {
@@ -102,7 +102,7 @@ TEST(Alignment, NeverMirrors) {
   }
 }
 
-// By hand: a square of side 2 and the same square with each side 1, both centred: scale 2 for sim3, 1 for se3.
+// Computed by hand: centred squares of side 2 and side 1; scale 2 for sim3, 1 for se3.
 TEST(Alignment, OnlySim3Scales) {
   std::vector<PosePair> pairs;
   for (const Eigen::Vector3d& corner :

@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// A pose at each time (milliseconds); x tells which one it is.
+// A pose at each time (milliseconds), identified by x.
 Trajectory At(const std::vector<std::int64_t>& times_ms) {
   Trajectory trajectory;
   for (const std::int64_t time_ms : times_ms) {

@@ -15,7 +15,7 @@ constexpr double kPi = std::numbers::pi;
 
 TEST(Nees, IsTheSquaredErrorInStandardDeviations) {
   const Eigen::Matrix3d covariance = Eigen::Vector3d(4e-6, 9e-6, 1e-4).asDiagonal();
-  // Two, one and three standard deviations; the heading's error crosses the wrap.
+  // Errors of two, one and three standard deviations; the yaw error crosses +-pi.
   const Pose2 truth(1.0, 2.0, kPi - 0.01);
   EXPECT_NEAR(Nees(truth, Pose2(1.004, 2.003, -kPi + 0.02), covariance), 4.0 + 1.0 + 9.0, 1e-6);
 }
@@ -23,7 +23,7 @@ TEST(Nees, IsTheSquaredErrorInStandardDeviations) {
 TEST(Nees, TakesCorrelationIntoAccount) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   covariance(0, 1) = covariance(1, 0) = 0.8;
-  // Along the correlation the variance is 1.8, across it 0.2.
+  // The variance is 1.8 along the correlation and 0.2 across it.
   EXPECT_NEAR(Nees(Pose2(), Pose2(1.0, 1.0, 0.0), covariance), 2.0 / 1.8, 1e-12);
   EXPECT_NEAR(Nees(Pose2(), Pose2(1.0, -1.0, 0.0), covariance), 2.0 / 0.2, 1e-12);
 }
@@ -33,11 +33,11 @@ TEST(Nees, OfNoCovarianceIsInfinite) {
 }
 
 TEST(SummarizeNees, BoundsAreThoseOfTheChiSquareTables) {
-  // 30 degrees of freedom: 16.791 and 46.979.
+  // 95 % interval of chi-squared with 30 degrees of freedom: 16.791 to 46.979.
   const NeesSummary ten = SummarizeNees(std::vector<double>(10, 3.0));
   EXPECT_NEAR(ten.lower, 1.6791, 2e-3);
   EXPECT_NEAR(ten.upper, 4.6979, 2e-3);
-  // 300 degrees of freedom: 253.912 and 349.874.
+  // With 300 degrees of freedom: 253.912 to 349.874.
   const NeesSummary hundred = SummarizeNees(std::vector<double>(100, 3.0));
   EXPECT_NEAR(hundred.lower, 2.53912, 1e-3);
   EXPECT_NEAR(hundred.upper, 3.49874, 1e-3);

@@ -39,8 +39,8 @@ TEST(PearsonCorrelation, ByHand) {
   EXPECT_NEAR(found->p, 1 - 2 / std::numbers::pi * (std::atan(slope) + slope / (1 + slope * slope)), 1e-12);
 }
 
-// Critical values of the t distribution as printed in every table: 2.228 with 10 degrees of freedom and 2.048 with 28
-// leave 5 % in both tails, 2.763 with 28 leaves 1 %.
+// Two-sided critical values of the t distribution from standard tables: 5 % at 2.228 (10 degrees of freedom) and at
+// 2.048 (28), 1 % at 2.763 (28).
 TEST(PearsonCorrelation, HasTheCriticalValuesOfTables) {
   struct Row {
     double t, freedom, p;
@@ -65,7 +65,7 @@ TEST(PearsonCorrelation, NeedsThreeSamplesThatChange) {
   EXPECT_FALSE(PearsonCorrelation({7, 7, 7}, {1, 2, 3}).has_value());
 }
 
-// Of pairs that have nothing to do with each other, p is equally likely to be anything.
+// For independent pairs p is uniformly distributed.
 TEST(PearsonCorrelation, PIsUniformWithoutACorrelation) {
   std::mt19937_64 rng(5);
   std::normal_distribution<double> any;

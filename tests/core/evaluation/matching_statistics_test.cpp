@@ -13,7 +13,7 @@ Keypoint At(double x_m, double y_m) {
   return k;
 }
 
-// A quarter turn and a shift: (1, 0) -> (5, 1), (2, 0) -> (5, 2), (0, 1) -> (4, 0).
+// Rotation by 90 degrees and a shift: (1, 0) -> (5, 1), (2, 0) -> (5, 2), (0, 1) -> (4, 0).
 const Pose2 kTargetFromQuery(5.0, 0.0, 1.5707963267948966);
 
 TEST(Repeatability, CountsQueriesThatAreFoundAgain) {

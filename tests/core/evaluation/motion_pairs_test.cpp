@@ -55,7 +55,7 @@ TEST(SelectMotions, ByFrames) {
   EXPECT_EQ(SelectMotions({}, {.delta = 1}), Motions());
 }
 
-// The poses and the pairs expected of them are those that evo publishes for its own filters (test/test_filters.py).
+// Poses and expected pairs from evo's tests of its own filters (test/test_filters.py).
 TEST(SelectMotions, ByPathAllPairsAsPublishedForEvo) {
   const auto by_path = [](const std::vector<double>& heights, double delta, double tolerance_m) {
     return SelectMotions(
@@ -83,7 +83,7 @@ TEST(SelectMotions, ByAngleAsPublishedForEvo) {
   EXPECT_EQ(by_angle(on_and_on, kPi, 0.001, true), (Motions{{0, 3}, {0, 4}}));
 }
 
-// By hand: the path reaches 1 m at pose 2 (1.2 m), 1 m more at pose 4 and again at pose 5.
+// Computed by hand: the path reaches 1 m at pose 2 (1.2 m), one more metre at pose 4 and another at pose 5.
 TEST(SelectMotions, ByPathOneAfterTheOtherBeginsAtTheFirstMilestone) {
   EXPECT_EQ(SelectMotions(AtHeights({0, 0.6, 1.2, 1.9, 2.3, 3.4}), {.delta = 1.0, .unit = DeltaUnit::kMetres}),
             (Motions{{2, 4}, {4, 5}}));

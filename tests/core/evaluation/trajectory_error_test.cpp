@@ -24,7 +24,7 @@ TEST(AbsolutePoseErrors, ByHand) {
   EXPECT_NEAR(errors[0].full, 5.0, 1e-12);
   EXPECT_NEAR(errors[1].translation_m, 0.0, 1e-12);
   EXPECT_NEAR(errors[1].rotation_rad, 2 * std::numbers::pi - 6.0, 1e-12);
-  // A quarter turn: R - I = [-1 -1; 1 -1].
+  // Rotation by 90 degrees: R - I = [-1 -1; 1 -1].
   EXPECT_NEAR(errors[2].full, 2.0, 1e-12);
   EXPECT_NEAR(errors[2].rotation_rad, std::numbers::pi / 2, 1e-12);
 }
@@ -38,7 +38,7 @@ TEST(AbsolutePoseErrors, CountsHeightAndTilt) {
   EXPECT_NEAR(errors[0].rotation_rad, 0.3, 1e-12);
 }
 
-// The reference drives 1 m steps along x; the estimate 1.1 m steps, in a frame that is turned and far away.
+// The reference moves in 1 m steps along x; the estimate in 1.1 m steps, in a rotated and distant frame.
 std::vector<PosePair> Drive(int count) {
   const Pose2 other_frame(100, -50, 2.0);
   std::vector<PosePair> pairs;

@@ -19,7 +19,7 @@ constexpr std::int64_t kFixNs = 250'000'000;
 
 inline std::int64_t ToNs(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
 
-/// What the sensors of a simulated drive do wrong.
+/// Errors of the sensors of a simulated drive.
 struct SensorErrors {
   OdometryBias wheels;
   ImuBias imu;
@@ -31,7 +31,7 @@ struct SensorErrors {
   double fix_sigma_rad = 6e-4;
 };
 
-/// A drive with curves and changes of speed, exactly known, and what the sensors measure of it.
+/// A drive with curves and changes of speed: exact motion and simulated measurements.
 class DriveSimulation {
  public:
   explicit DriveSimulation(std::uint32_t seed, const SensorErrors& errors = {}) : random_(seed), errors_(errors) {
@@ -44,7 +44,7 @@ class DriveSimulation {
   double YawRate(double t) const { return 0.4 * std::sin(0.3 * t + phase_b_); }
   double Acceleration(double t) const { return 0.1 * std::cos(0.5 * t + phase_a_); }
 
-  /// The true motion within a stretch.
+  /// The true motion between two times.
   Pose2 Motion(double from_s, double to_s) const {
     constexpr int kPieces = 20;
     const double dt = (to_s - from_s) / kPieces;
@@ -74,7 +74,7 @@ class DriveSimulation {
                 errors_.imu.acceleration_m_s2};
   }
 
-  /// A motion as a camera measures it, with its covariance.
+  /// A motion measured by visual odometry, with its covariance.
   MotionIncrement Vision(std::int64_t from_ns, std::int64_t to_ns) {
     const Pose2 motion = Motion(Seconds(from_ns), Seconds(to_ns));
     return {from_ns, to_ns,

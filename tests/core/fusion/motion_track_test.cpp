@@ -9,7 +9,8 @@ namespace {
 TEST(MotionTrack, AnIncrementThatComesLateTakesItsPlace) {
   MotionTrack track;
   EXPECT_EQ(track.Add({0, 10, Pose2(1, 0, 0), {}}), MessageOutcome::kUsed);
-  EXPECT_EQ(track.Add({10, 30, Pose2(3, 0, 0), {}}), MessageOutcome::kUsed);  // since 20, which is not known yet
+  EXPECT_EQ(track.Add({10, 30, Pose2(3, 0, 0), {}}),
+            MessageOutcome::kUsed);  // starts at 20, which has not been measured yet
   EXPECT_EQ(track.Add({10, 20, Pose2(2, 0, 0), {}}), MessageOutcome::kUsedLate);
   EXPECT_NEAR(track.Between(10, 20).motion.x(), 2.0, 1e-12);
   EXPECT_NEAR(track.Between(20, 30).motion.x(), 3.0, 1e-12);

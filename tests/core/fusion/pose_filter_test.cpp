@@ -20,7 +20,7 @@ struct Sensors {
   bool vision = false;
 };
 
-// A drive with every message in order, the filter beside the truth.
+// A drive with all messages in order; the filter runs alongside the truth.
 class Drive {
  public:
   Drive(std::uint32_t seed, const Sensors& sensors, const SensorErrors& errors = {},
@@ -29,7 +29,7 @@ class Drive {
     filter.AddFix(simulation.Fix(kStartNs, truth));
   }
 
-  // Runs to a time; fixes every kFixNs unless they are left out.
+  // Runs to a time, with a fix every kFixNs unless with_fixes is false.
   void RunTo(double seconds, bool with_fixes = true) {
     for (const std::int64_t end = kStartNs + ToNs(seconds); now_ns < end;) {
       const std::int64_t next = now_ns + kImuNs;
@@ -79,7 +79,7 @@ SensorErrors DrawErrors(std::uint32_t seed, const PoseFilterOptions& options) {
   return errors;
 }
 
-// Mean NEES over many drives: while fixes come, and two seconds after the last one.
+// Mean NEES over many drives: with fixes, and two seconds after the last fix.
 class Consistency : public testing::TestWithParam<Sensors> {};
 
 TEST_P(Consistency, CovarianceIsHonest) {
@@ -91,8 +91,8 @@ TEST_P(Consistency, CovarianceIsHonest) {
     drive.RunTo(12.0, false);
     without.push_back(drive.Nees());
   }
-  // The filter allows for more than the simulation does wrong (vibration, slopes, wheels that slip in turns), so it may
-  // be timid, but never overconfident.
+  // The filter models errors that the simulation lacks (vibration, slopes, wheel slip in turns), so it may be
+  // underconfident, but never overconfident.
   for (const auto& values : {with_fixes, without}) {
     const NeesSummary nees = SummarizeNees(values);
     EXPECT_LT(nees.mean, nees.upper);
@@ -115,7 +115,7 @@ TEST(PoseFilter, LearnsWhatTheWheelsDoWrong) {
   EXPECT_NEAR(found.yaw_scale, errors.wheels.yaw_scale, 0.01);
   EXPECT_NEAR(found.drift_rad_per_m, errors.wheels.drift_rad_per_m, 0.003);
   drive.RunTo(70.0, false);
-  EXPECT_LT(drive.ErrorM(), 0.04);  // 4 m without a fix; 0.12 m and more with the errors as they are
+  EXPECT_LT(drive.ErrorM(), 0.04);  // over 4 m without a fix; at least 0.12 m with uncorrected errors
 }
 
 TEST(PoseFilter, LearnsTheBiasesOfTheImu) {
@@ -149,7 +149,7 @@ TEST(PoseFilter, BridgesAHoleInTheOdometryByTheImu) {
   for (Drive* drive : {&with_imu, &blind}) {
     drive->RunTo(10.0);
   }
-  // Half a second with IMU messages only.
+  // Half a second of IMU messages only.
   for (std::int64_t t = with_imu.now_ns; t < with_imu.now_ns + ToNs(0.5); t += kImuNs) {
     with_imu.filter.AddImu(with_imu.simulation.Imu(t + kImuNs));
   }
@@ -160,7 +160,7 @@ TEST(PoseFilter, BridgesAHoleInTheOdometryByTheImu) {
   EXPECT_GT(blind.filter.EstimateAt(blind.now_ns + ToNs(0.5))->covariance(2, 2), 10 * bridged.covariance(2, 2));
 }
 
-// Everything about two filters that a user sees.
+// Compares all outputs of two filters.
 void ExpectSame(const PoseFilter& a, const PoseFilter& b) {
   const FusedPose first = *a.Estimate();
   const FusedPose second = *b.Estimate();
@@ -170,7 +170,7 @@ void ExpectSame(const PoseFilter& a, const PoseFilter& b) {
   EXPECT_LT((first.covariance - second.covariance).norm(), 1e-3 * first.covariance.norm());
 }
 
-// Message i of a drive in the plane of wheels and fixes.
+// Message i of a planar drive with wheel odometry and fixes.
 struct Message {
   std::optional<MotionIncrement> wheels;
   std::optional<PoseFix> fix;
@@ -269,7 +269,7 @@ TEST(PoseFilter, IgnoresWhatIsTooOldOrInvalid) {
   EXPECT_LT(before.Between(drive.filter.Estimate()->map_from_base).Log().norm(), 1e-9);
 }
 
-// The vehicle stops within 0.2 s while its wheels spin on.
+// The vehicle stops within 0.2 s while its wheels keep turning.
 TEST(PoseFilter, TrustsVisionWhenTheWheelsSlip) {
   Drive drive(16, {true, false, true});
   drive.RunTo(10.0);
@@ -287,7 +287,7 @@ TEST(PoseFilter, TrustsVisionWhenTheWheelsSlip) {
   EXPECT_TRUE(drive.filter.AddFix(drive.simulation.Fix(end, drive.truth)).accepted);
 }
 
-// A knock turns the gyro by 20 degrees and back by 10, while the wheels roll straight on.
+// The gyro measures a rotation by 20 degrees, while the wheels measure straight motion.
 TEST(PoseFilter, GrowsUncertainWhenGyroAndWheelsContradict) {
   Drive drive(16, {true, true, false});
   drive.RunTo(10.0);
@@ -466,7 +466,7 @@ TEST(PoseFilter, SaysWhenItIsLost) {
   EXPECT_EQ(filter.Estimate()->state, TrackingState::kLocalized);
   filter.AddUnlocalizedFrame(kStartNs + 2 * kWheelNs);
   EXPECT_EQ(filter.Estimate()->state, TrackingState::kTrackingOdometry);
-  EXPECT_EQ(filter.EstimateAt(kStartNs + ToNs(5.0))->state, TrackingState::kLost);  // nothing measured its motion
+  EXPECT_EQ(filter.EstimateAt(kStartNs + ToNs(5.0))->state, TrackingState::kLost);  // its motion was not measured
 }
 
 TEST(PoseFilter, CountsSinceTheLastFix) {
@@ -491,7 +491,7 @@ TEST(PoseFilter, TakesAPoseByHand) {
   EXPECT_TRUE(drive.filter.AddFix(drive.simulation.Fix(drive.now_ns, Pose2(10.1, 10, 0.05))).accepted);
 }
 
-// All fixes of a place are off by the same error of the map, which no number of them shows.
+// All fixes at one place share the map's error there, which averaging cannot reduce.
 TEST(PoseFilter, StandingStillNeitherDriftsNorBecomesTooSure) {
   std::vector<double> nees;
   SensorErrors errors;

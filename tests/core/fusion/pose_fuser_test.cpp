@@ -12,7 +12,7 @@ namespace {
 
 using namespace fusion_test;  // NOLINT: names all of this file
 
-// A metre ahead, a wrong fix, half a metre ahead; where the method has the vehicle after each.
+// Moves 1 m, adds a wrong fix, moves 0.5 m. Returns the method's x after each.
 std::vector<double> RunMethod(FusionMethod method) {
   const auto fuser = MakePoseFuser(method, {});
   DriveSimulation simulation(1);

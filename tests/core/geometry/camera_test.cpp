@@ -70,7 +70,7 @@ TEST_P(LensTest, PrincipalPointStays) {
   EXPECT_LT((camera.Undistort(center) - center).norm(), 1e-9);
 }
 
-// Whatever Undistort answers lies on the same side as the raw pixel and is reached from the centre without folding.
+// Undistort gives NaN or a point on the same side as the raw pixel, inside the radius at which the distortion folds.
 void ExpectInverseOrNotANumberFarOutside(const CameraModel& camera) {
   const Eigen::Vector2d center(camera.cx, camera.cy);
   for (double radius = 100; radius < 20000; radius *= 1.1) {

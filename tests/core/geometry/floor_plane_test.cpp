@@ -30,7 +30,7 @@ CameraModel MakeCamera() {
   return camera;
 }
 
-// How a camera is mounted: where, and its optical axis, turned left by yaw_rad and pitch_rad below the horizon.
+// A camera's mounting: position, and optical axis at yaw_rad to the left and pitch_rad below the horizon.
 struct Mounting {
   const char* name;
   Eigen::Vector3d position;
@@ -60,7 +60,7 @@ FloorCamera Mount(const Mounting& mounting, const CameraModel& camera) {
   return result;
 }
 
-// A camera at 0.4 m above the base's origin that looks forward and down, pitch_rad below the horizon.
+// A camera 0.4 m above the base's origin, looking forward and pitch_rad below the horizon.
 FloorCamera MakeTilted(double pitch_rad) { return Mount({"tilted", {0, 0, 0.4}, 0.0, pitch_rad}, MakeCamera()); }
 
 TEST(FloorCamera, AcceptsCamerasAboveTheFloor) {
@@ -184,7 +184,8 @@ INSTANTIATE_TEST_SUITE_P(Fields, FloorCheckTest, ::testing::ValuesIn(kBrokenFloo
 
 TEST(FloorCamera, RefusesARegionBehindTheFoldOfTheLensModel) {
   FloorCamera camera = MakeTilted(1.5);
-  camera.camera.distortion = {-0.5, 0, 0, 0};  // folds at 0.82 focal lengths from the centre, inside the image
+  camera.camera.distortion = {-0.5, 0, 0,
+                              0};  // not monotonic beyond 0.82 focal lengths from the centre, inside the image
   EXPECT_NO_THROW(camera.Check());
   camera.floor.roi = {-0.6, 0.6, -0.6, 0.6};
   try {

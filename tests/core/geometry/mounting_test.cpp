@@ -13,7 +13,7 @@ constexpr int kRounds = 500;
 
 using MountingVector4 = Eigen::Vector4d;  // rotation vector, height share
 
-// Where the ray of a floor point meets the floor when the camera is turned about its centre and raised.
+// Intersection of a floor point's ray with the floor after the camera is rotated about its centre and raised.
 Eigen::Vector2d ObservedAt(const Eigen::Vector3d& center, const Eigen::Vector2d& point, const MountingVector4& error) {
   const Eigen::Vector3d rotation = error.head<3>();
   const Eigen::Vector3d ray(point.x() - center.x(), point.y() - center.y(), -center.z());
@@ -23,7 +23,7 @@ Eigen::Vector2d ObservedAt(const Eigen::Vector3d& center, const Eigen::Vector2d&
   return (raised - turned * (raised.z() / turned.z())).head<2>();
 }
 
-// Cameras at random places, and floor points from right under them to far ahead.
+// Cameras at random positions, and floor points from directly below to far ahead.
 class MountingJacobianTest : public ::testing::Test {
  protected:
   double Uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(rng_); }
@@ -59,7 +59,7 @@ TEST_F(MountingJacobianTest, PredictsTheSumOfSmallErrorsToFirstOrder) {
     const MountingVector4 error =
         1e-3 * MountingVector4(Uniform(-1, 1), Uniform(-1, 1), Uniform(-1, 1), Uniform(-1, 1));
     const Eigen::Vector2d predicted = point + MountingJacobian(center, point) * error;
-    // Points lie up to three heights from the camera, where second derivatives reach some thirty heights.
+    // At points up to three heights from the camera the second derivatives reach about thirty heights.
     EXPECT_LT((predicted - ObservedAt(center, point, error)).norm(), 60.0 * center.z() * error.squaredNorm());
   }
 }

@@ -16,7 +16,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kSeed = 20;
 constexpr int kRounds = 1000;
 
-// Random poses, half of them with tiny or extreme angles where closed forms lose digits.
+// Random poses, half of them with tiny or extreme angles, where closed forms lose precision.
 class Pose2Laws : public ::testing::Test {
  protected:
   Pose2 RandomPose() { return {Uniform(-100, 100), Uniform(-100, 100), RandomAngle()}; }
@@ -121,7 +121,7 @@ TEST_F(Pose2Laws, ExpIsAOneParameterSubgroup) {
 TEST_F(Pose2Laws, ExpIsContinuousWhereItSwitchesToTheSeries) {
   const Eigen::Vector2d velocity(3, -7);
   for (const double omega : {1e-4 * (1 - 1e-9), 1e-4 * (1 + 1e-9), -1e-4 * (1 - 1e-9), -1e-4 * (1 + 1e-9)}) {
-    // The exact motion along an arc, from half-angle formulas that need no division by a small angle squared.
+    // The exact motion along an arc by half-angle formulas, which do not divide by a small angle squared.
     const double half = omega / 2;
     const double chord = std::sin(half) / half;
     const Eigen::Vector2d expected = Pose2(0, 0, half) * Eigen::Vector2d(chord * velocity);

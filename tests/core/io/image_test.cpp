@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(All, ImageFormats, ::testing::Values(".jpg", ".png"),
 
 TEST(Image, IgnoresTheOrientationTag) {
   Bytes bytes = EncodedImage(".jpg", 40, 30);
-  // An APP1 segment with one EXIF tag: orientation 6, "turn right".
+  // An APP1 segment with one EXIF tag: orientation 6 (rotate 90 degrees clockwise).
   const Bytes exif = {0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8,
                       0,    1,    1, 18, 0,   3,   0,   0,   0, 1, 0,   6,   0, 0,  0, 0, 0, 0};
   bytes.insert(bytes.begin() + 2, exif.begin(), exif.end());
@@ -87,7 +87,7 @@ TEST(Image, ProgressiveJpegsAndTrailingBytesAreFine) {
 TEST(Image, RefusesAJpegWhoseEndIsOnlyThatOfItsThumbnail) {
   Bytes bytes = EncodedImage(".jpg", 40, 30);
   bytes.resize(bytes.size() - 100);
-  // A comment that holds a whole image, end marker included.
+  // A comment segment that contains a complete image including the end marker.
   const Bytes comment = {0xFF, 0xFE, 0, 6, 0xFF, 0xD8, 0xFF, 0xD9};
   bytes.insert(bytes.begin() + 2, comment.begin(), comment.end());
   EXPECT_THAT(DecodeError(bytes), HasSubstr("cut off"));

@@ -18,7 +18,7 @@ namespace floorloc::testing_io {
 
 using floorloc::TemporaryFolder;
 
-/// The sentence of the InputError that `work` throws; a failure of the test when it throws none or something else.
+/// The message of the InputError that `work` throws; fails the test when it throws nothing or another exception.
 inline std::string ErrorOf(const std::function<void()>& work) {
   try {
     work();
@@ -32,7 +32,7 @@ inline std::string ErrorOf(const std::function<void()>& work) {
   return {};
 }
 
-/// A grey ramp with some texture, encoded by OpenCV.
+/// A grey ramp with texture, encoded by OpenCV.
 inline std::vector<std::uint8_t> EncodedImage(const std::string& extension, int width_px, int height_px) {
   cv::Mat image(height_px, width_px, CV_8UC3);
   for (int v = 0; v < height_px; ++v) {
@@ -65,7 +65,7 @@ inline const char kFloorYaml[] =
     "roi: {x_min: 0.045, x_max: 0.355, y_min: -0.205, y_max: 0.21}\n"
     "resolution: 0.0007\n";
 
-/// `text` with the first `from` replaced by `to`.
+/// `text` with the first occurrence of `from` replaced by `to`.
 inline std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fuzzers of tests/fuzz do for hours, in a second: whatever is done to a valid input, its parser reads it or
-// throws InputError.
+// A short version of the fuzzers of tests/fuzz: for any mutation of a valid input the parser reads it or throws
+// InputError.
 #include <exception>
 #include <functional>
 #include <random>
@@ -20,7 +20,7 @@ class Mutator {
  public:
   explicit Mutator(std::uint64_t seed) : rng_(seed) {}
 
-  // One to four changes: a byte set, a piece removed, doubled, or replaced by a troublemaker.
+  // One to four mutations: set a byte; remove, duplicate or replace a piece.
   std::string operator()(std::string text) {
     for (std::size_t changes = 1 + Below(4); changes > 0; --changes) {
       const std::size_t at = Below(text.size() + 1);

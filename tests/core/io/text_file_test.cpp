@@ -66,7 +66,7 @@ TEST(TextFile, FailedWriteNamesTheFileAndLeavesNothing) {
   const TemporaryFolder folder;
   EXPECT_THAT(ErrorOf([&] { WriteFileAtomically(folder.path() / "no" / "a", "x"); }),
               ::testing::AllOf(HasSubstr("no/a: cannot be written (No such file or directory)"), HasSubstr("check")));
-  // The target is a folder: everything succeeds but the rename.
+  // The target is a folder, so that only the rename fails.
   std::filesystem::create_directory(folder.path() / "b");
   EXPECT_THAT(ErrorOf([&] { WriteFileAtomically(folder.path() / "b", "x"); }), HasSubstr("b: cannot be written"));
   EXPECT_EQ(CountEntries(folder.path()), 1u) << "a temporary file stayed";
@@ -75,7 +75,7 @@ TEST(TextFile, FailedWriteNamesTheFileAndLeavesNothing) {
 TEST(TextFile, FullDiskKeepsTheOldFile) {
   const TemporaryFolder folder;
   WriteFileAtomically(folder.path() / "a", "old");
-  // A limit on the file size makes write() fail half-way, as a full disk does.
+  // A limit on the file size makes write() fail half-way, like a full disk.
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   rlimit small = before;

@@ -153,7 +153,7 @@ TEST(StampedPose3, YawOfATiltedPose) {
 }
 
 TEST(InterpolatePose, MovesAlongTheArcBetweenTheNeighbours) {
-  // A quarter of a circle of radius 1 around (0, 1), driven in one second.
+  // A quarter circle of radius 1 around (0, 1), driven in one second.
   const double quarter = std::numbers::pi / 2;
   const Trajectory trajectory = {StampedPose3::FromPose2(0, {0, 0, 0}),
                                  StampedPose3::FromPose2(1'000'000'000, {1, 1, quarter})};

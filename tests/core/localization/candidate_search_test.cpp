@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRadiusM = 0.002;
 
-// A match of a keypoint at (x, 0) that the identity puts off_m beside its map point.
+// A match of a keypoint at (x, 0) with a residual of off_m under the identity.
 void AddMatch(int query, double x, double off_m, FrameMatches* matches) {
   matches->matches.push_back({query, static_cast<int>(matches->matches.size()), 20.0F, 0.0F});
   matches->oriented.push_back({{x, 0.0}, {x, off_m}, 0.0, 0.0});
@@ -25,7 +25,7 @@ TEST(SupportingKeypointsTest, AreThoseWhoseMatchAgreesWithThePose) {
   EXPECT_TRUE(SupportingKeypoints(matches, Pose2(1.0, 0.0, 0.0), kRadiusM).empty());
 }
 
-// The indistinct search matches a keypoint with several map points, of which two may lie side by side.
+// The indistinct search matches a keypoint with several map points, of which two may be close together.
 TEST(SupportingKeypointsTest, AKeypointSupportsAPoseOnce) {
   FrameMatches matches;
   AddMatch(3, 0.1, 0.0, &matches);

@@ -88,7 +88,7 @@ std::vector<Pose2> RandomPoses(int count, std::uint32_t seed) {
   return poses;
 }
 
-// Error where the frame looks, not at the base 0.2 m behind it.
+// Error at the centre of the image, not at the base 0.2 m behind it.
 void ExpectNear(const LocalizationResult& result, const Pose2& truth) {
   ASSERT_EQ(result.status, LocalizationStatus::kLocalized) << truth << " " << ToString(result.reason);
   EXPECT_EQ(result.reason, NotLocalizedReason::kNone);
@@ -98,7 +98,7 @@ void ExpectNear(const LocalizationResult& result, const Pose2& truth) {
   EXPECT_LT(std::abs(WrapAngle(result.map_from_base.yaw() - truth.yaw())), kMaxErrorRad) << truth;
 }
 
-// Every promise holds with the mosaic and without it.
+// All tests run with and without the mosaic.
 class LocalizerTest : public ::testing::TestWithParam<bool> {
  protected:
   static MosaicTileSource Tiles() { return GetParam() ? TheFile().Tiles() : nullptr; }
@@ -126,7 +126,7 @@ TEST_P(LocalizerTest, FindsAnyViewOnTheWholeMap) {
   }
 }
 
-// The map's floor once more, a few metres away, every descriptor changed a little.
+// Adds a copy of the map's floor, shifted by shift_m, with slightly changed descriptors.
 FloorMap WithNearDuplicate(FloorMap map, double shift_m) {
   std::mt19937 random(3);
   const std::size_t count = map.keypoints.size();
@@ -286,7 +286,7 @@ TEST_P(LocalizerTest, RefusesBadOptions) {
   EXPECT_THROW(Localizer(TheMap(), options, Tiles()), std::invalid_argument);
 }
 
-// Median error of the view's middle over views of a camera that hard conditions shake.
+// Median error at the image centre over images with the camera vibration of hard conditions.
 double MedianErrorWhenShaken(const Localizer& localizer) {
   const Rectifier rectifier(Floor().camera());
   const Eigen::Vector2d center = Floor().camera().floor.roi.Center();

@@ -21,7 +21,7 @@ constexpr int kCells = 60;
 constexpr int kCellPixels = 60;
 constexpr double kStrongLevel = 4e-3;
 
-// Frames of a downward camera as the linear problem that their pixels pose.
+// Frames of a downward camera, as the linear least-squares problem of their pixels.
 class MountingAverageTest : public ::testing::Test {
  protected:
   double Normal(double sigma) { return sigma * std::normal_distribution<double>()(rng_); }
@@ -33,7 +33,7 @@ class MountingAverageTest : public ::testing::Test {
     return truth;
   }
 
-  // Slopes of one pixel's grey level to the unknowns; the frame's middle is under the camera.
+  // Jacobian of one pixel's grey level (1x7); the frame's centre is below the camera.
   Eigen::Matrix<double, 1, 7> RandomRow() {
     const Eigen::Vector3d camera(0.2, 0.0, 0.4);
     const Eigen::Vector2d arm(Uniform(0.15), Uniform(0.2));
@@ -43,7 +43,7 @@ class MountingAverageTest : public ::testing::Test {
     return Eigen::RowVector2d(Normal(kSlopePerM), Normal(kSlopePerM)) * moves;
   }
 
-  // Residuals are taken at `unknowns`.
+  // The problem linearized at `unknowns`.
   MountingProblem Pose(const MountingVector& truth, const MountingVector& unknowns) {
     MountingProblem problem;
     problem.variance = kNoise * kNoise;
@@ -56,7 +56,7 @@ class MountingAverageTest : public ::testing::Test {
       }
       problem.gradient += pull;
     }
-    // As it is once the fit has converged.
+    // The value at convergence.
     problem.scatter = problem.variance * problem.information;
     return problem;
   }
@@ -91,7 +91,7 @@ void ExpectProper(const MountingEstimate& estimate) {
   EXPECT_GT(eigen.eigenvalues().minCoeff(), 0.0);
 }
 
-// Root mean square over rounds of each unknown's error.
+// RMS error of each unknown over all rounds.
 MountingVector RmsError(const std::vector<MountingEstimate>& estimates, const MountingVector& truth) {
   MountingVector squares = MountingVector::Zero();
   for (const MountingEstimate& estimate : estimates) {
@@ -136,7 +136,7 @@ TEST_F(MountingAverageTest, UncertaintyOfTheHeadingFollowsTheVibration) {
   const MountingEstimate shaken = MarginalizeMounting(Pose(RandomTruth(kStrongLevel)), MountingVector::Zero());
   EXPECT_GT(Sigma(shaken, 2), 5.0 * Sigma(calm, 2));
   EXPECT_GT(Sigma(shaken, 2), 1e-3);
-  // Yaw of the robot and of the camera are not separable: their sum is known, not each.
+  // The yaw of the robot and of the camera are not separable: only their sum is observable.
   const Eigen::Vector2d both(1.0, 1.0);
   const Eigen::Matrix2d together = shaken.covariance(Eigen::seq(2, 5, 3), Eigen::seq(2, 5, 3));
   EXPECT_LT(std::sqrt(both.dot(together * both)), 0.1 * Sigma(shaken, 2));

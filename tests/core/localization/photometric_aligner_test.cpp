@@ -20,7 +20,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kResolutionM = 0.0007;
 constexpr double kAccurateM = 0.2 * kResolutionM;
 
-// A speckled floor, its mosaic, and a camera over it.
+// A synthetic floor, its mosaic, and a camera above it.
 class PhotometricAlignerTest : public ::testing::Test {
  protected:
   static const FloorTexture& Floor() {
@@ -40,12 +40,12 @@ class PhotometricAlignerTest : public ::testing::Test {
   double Normal(double sigma) { return sigma * std::normal_distribution<double>()(rng_); }
   const FloorCamera& camera() const { return rectifier_.camera(); }
 
-  // The whole view lies on the floor.
+  // A pose whose whole image is on the floor.
   Pose2 RandomTruth() {
     const Eigen::Vector2d center = camera().floor.roi.Center();
     return Pose2(0.6 + Uniform(0.3), 0.45 + Uniform(0.15), Uniform(kPi)) * Pose2(-center.x(), -center.y(), 0.0);
   }
-  // Moved about the middle of the view, as the errors of keypoints do.
+  // Perturbed about the image centre, like poses from keypoints.
   Pose2 Moved(const Pose2& truth, double shift_m, double turn_rad) {
     const Eigen::Vector2d center = camera().floor.roi.Center();
     const double direction = Uniform(kPi);
@@ -67,7 +67,7 @@ class PhotometricAlignerTest : public ::testing::Test {
     return ViewError(camera(), fit.map_from_base, truth);
   }
 
-  // A view of a vibrating camera, aligned from where keypoints would put it.
+  // Aligns the image of a vibrating camera, starting at the pose that keypoints would give.
   void ExpectVibrationIsAbsorbed(const CameraVibration& vibration) {
     const Pose2 truth = RandomTruth();
     const MountingError error = ToMountingError(vibration, camera());

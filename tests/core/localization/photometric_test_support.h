@@ -20,7 +20,7 @@
 
 namespace floorloc {
 
-/// A perfect mosaic of a synthetic floor, cut into PNG tiles.
+/// An exact mosaic of a synthetic floor, in PNG tiles.
 class PerfectMosaic {
  public:
   PerfectMosaic(const FloorTexture& floor, double resolution_m) : layout_{256, 0, resolution_m} {
@@ -53,12 +53,12 @@ class PerfectMosaic {
   std::map<TileId, std::vector<std::uint8_t>> encoded_;
 };
 
-/// The mounting error that a renderer's vibration is, to first order.
+/// The mounting error equivalent to a renderer's vibration, to first order.
 inline MountingError ToMountingError(const CameraVibration& vibration, const FloorCamera& camera) {
   return {{vibration.roll_rad, vibration.pitch_rad, 0.0}, vibration.height_m / camera.CameraCenter().z()};
 }
 
-/// The pose that fits best to a vibrated view when nothing of the mounting is known: what keypoints find.
+/// The best rigid fit to a vibrated image without mounting unknowns, as keypoints give it.
 inline Pose2 RigidFit(const FloorCamera& camera, const Pose2& truth, const MountingError& error) {
   constexpr int kSteps = 10;
   const RectM& roi = camera.floor.roi;

@@ -13,12 +13,12 @@ namespace {
 
 constexpr float kMaxDistance = 60.0F;
 constexpr int kKeypoints = 120;
-constexpr int kCells = kKeypoints / 2;  // witnesses as many as keypoints with an inlier
+constexpr int kCells = kKeypoints / 2;  // as many as keypoints with an inlier
 constexpr int kSupport = 20;
 constexpr double kStrongVotes = -30.0;
 
-// Poses of one frame, `x` apart. By default each is far beyond chance by its keypoints, has votes, and explains every
-// other keypoint equally well.
+// Poses of one frame at different x. By default each is highly significant by its keypoints, has votes, and has inliers
+// of similar distance at every other keypoint.
 class PoseDecisionTest : public ::testing::Test {
  protected:
   VerifiedPose MakePose(double x) {
@@ -41,7 +41,7 @@ class PoseDecisionTest : public ::testing::Test {
     pose.support_log10_nfa = 0.0;
     return pose;
   }
-  // Its keypoints resemble the map's more.
+  // With smaller descriptor distances.
   static VerifiedPose WithNearerKeypoints(VerifiedPose pose, float nearer) {
     for (float& distance : pose.distance) {
       distance -= nearer;
@@ -57,7 +57,7 @@ class PoseDecisionTest : public ::testing::Test {
     pose.photo = fit;
     return pose;
   }
-  // Without floor in some of the image's cells, as beyond the map's edge.
+  // Without mosaic in the cells from first_cell on, as beyond the map's edge.
   static VerifiedPose WithoutFloorFrom(VerifiedPose pose, std::size_t first_cell) {
     for (std::size_t c = first_cell; c < kCells; ++c) {
       pose.photo->cell_correlation[c] = 0.0F;
@@ -100,7 +100,7 @@ void ExpectAccepted(const PoseDecision& decision, int best) {
   EXPECT_TRUE(decision.alternatives.empty());
 }
 
-// Weights are those of all hypotheses together, the best one first.
+// Weights are normalised over all hypotheses, the best one first.
 void ExpectAmbiguous(const PoseDecision& decision, std::size_t alternatives) {
   EXPECT_EQ(decision.status, RegistrationStatus::kAmbiguous);
   ASSERT_EQ(decision.alternatives.size(), alternatives);
@@ -158,7 +158,7 @@ TEST_F(PoseDecisionTest, IdenticalPosesShareEvenly) {
   }
 }
 
-// Poses of different merit, some hard to tell apart.
+// Poses of different quality, some hard to distinguish.
 TEST_F(PoseDecisionTest, TheOrderOfThePosesDoesNotMatter) {
   std::vector<VerifiedPose> poses;
   for (int i = 0; i < 6; ++i) {
@@ -260,7 +260,7 @@ TEST_F(PoseDecisionTest, OneImageAloneComparesNothing) {
   ExpectAmbiguous(Decide({WithImage(MakePose(0.0), 0.9F), MakePose(1.0)}), 2);
 }
 
-// One of several wrong poses always scores best.
+// Among several wrong poses one always has the best score.
 TEST_F(PoseDecisionTest, WithoutVotesABetterImageScoreIsNotEnough) {
   std::vector<VerifiedPose> poses;
   for (const double x : {0.0, 1.0, 2.0}) {
@@ -295,7 +295,7 @@ TEST_F(PoseDecisionTest, FloorOutsideTheMapIsExcluded) {
     at_edge.distance[i] = std::numeric_limits<float>::infinity();
   }
   std::erase_if(at_edge.supporting_keypoints, [](int keypoint) { return keypoint >= kKeypoints / 2; });
-  EXPECT_EQ(Decide({inside, at_edge}).best, 0);  // all of the image counts: half of it is missing
+  EXPECT_EQ(Decide({inside, at_edge}).best, 0);  // all of the image is compared, and half of it has no match
   ExpectAmbiguous(Decide({inside, WithoutFloorFrom(at_edge, kCells / 2)}), 2);
 }
 

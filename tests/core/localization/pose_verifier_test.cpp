@@ -14,9 +14,9 @@ namespace {
 constexpr int kBytes = 32;
 constexpr int kTilesAside = 12;
 constexpr double kKeypointsPerM2 = 6000.0;
-constexpr int kChangedBits = 6;  // of each view of a point
+constexpr int kChangedBits = 6;  // in each copy of a point
 
-// A floor of equal tiles, each copy of a point seen a little differently.
+// A floor of equal tiles; the descriptors of a point's copies differ slightly.
 class TiledFloor {
  public:
   explicit TiledFloor(int keypoints_per_tile) : side_m_(std::sqrt(keypoints_per_tile / kKeypointsPerM2)) {
@@ -69,7 +69,7 @@ class TiledFloor {
   FloorMap map_;
 };
 
-// Of random descriptors of 256 bits, one pair in a hundred differs by fewer than 128 - 2.33 * 8 bits.
+// For random 256-bit descriptors, 1 % of the pairs differ by fewer than 128 - 2.33 * 8 bits.
 TEST(PoseVerifierTest, WhatIsAlikeDoesNotDependOnTheSizeOfATile) {
   for (const int keypoints : {20, 45, 90, 110, 200, 1000}) {
     EXPECT_NEAR(static_cast<double>(TiledFloor(keypoints).MaxDistance()), 109.0, 3.0) << keypoints;
@@ -86,7 +86,7 @@ TEST(PoseVerifierTest, AViewOfATileFindsItsKeypoints) {
   for (int i = 0; i < 500; ++i) {
     view.keypoints.push_back(map.keypoints[static_cast<std::size_t>(i)]);
     cv::Mat row = map.descriptors.row(i).clone();
-    for (int flip = 0; flip < 40; ++flip) {  // a poor view: far worse than the copies differ
+    for (int flip = 0; flip < 40; ++flip) {  // noise far above the differences between copies
       row.at<std::uint8_t>(0, static_cast<int>(random() % kBytes)) ^= static_cast<std::uint8_t>(1U << (random() % 8));
     }
     view.descriptors.push_back(row);

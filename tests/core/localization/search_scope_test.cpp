@@ -42,7 +42,7 @@ TEST(SearchScopeTest, EffortGrows) {
   const auto whole = SearchScopes(std::nullopt, kRoi, false);
   ASSERT_EQ(whole.size(), 3U);
   EXPECT_GT(whole[0].probes, 0);
-  EXPECT_EQ(whole[1].probes, 0);  // as many as the index's options say
+  EXPECT_EQ(whole[1].probes, 0);  // 0: the number in the index's options
   EXPECT_FALSE(whole[1].indistinct);
   EXPECT_TRUE(whole[2].indistinct);
 }

@@ -11,8 +11,8 @@ namespace {
 constexpr int kBytes = 32;
 constexpr int kPoints = 3000;
 
-// Points all over a floor with random descriptors; then, for a share of them, a duplicate `shift_m` away whose
-// descriptor differs in a few bits.
+// Random points with random descriptors; a share of them has a duplicate `shift_m` away whose descriptor differs in a
+// few bits.
 MapKeypoints MakeMap(double duplicate_share, float shift_m) {
   std::mt19937 random(5);
   MapKeypoints map;

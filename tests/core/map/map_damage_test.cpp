@@ -63,7 +63,7 @@ TEST_F(MapDamageTest, FlippedBytesAreFoundOrHarmless) {
       ++found;
     }
   }
-  EXPECT_GT(found, 150);  // the rest hit unused bytes of the file, or its names and reports
+  EXPECT_GT(found, 150);  // the other changes hit unused bytes, names or reports
 }
 
 TEST_F(MapDamageTest, CutOffFilesAreRefused) {
@@ -100,7 +100,7 @@ TEST_F(MapDamageTest, OtherDamageIsRefusedOrHarmless) {
   }
 }
 
-// Checksums do not help against whoever can compute them.
+// Valid checksums do not protect against deliberate changes.
 TEST_F(MapDamageTest, KeypointsThatNoneCanHaveAreRefused) {
   const std::vector<std::function<void(MapKeypoints&)>> changes = {
       [](MapKeypoints& k) { k.last_survey[5] = 2; },
@@ -121,7 +121,7 @@ TEST_F(MapDamageTest, KeypointsThatNoneCanHaveAreRefused) {
   EXPECT_THAT(ErrorOfReading(), HasSubstr("is damaged (keypoint tile"));
 }
 
-// Its keypoints would be compared with what another extractor makes of the frames.
+// Such keypoints would be matched with features of another extractor.
 TEST_F(MapDamageTest, DescriptorsOfAnotherExtractorAreRefused) {
   for (const std::string type : {"brisk", "akaze", "sift", "surf"}) {
     WriteBytes(file_, bytes_);
@@ -129,7 +129,7 @@ TEST_F(MapDamageTest, DescriptorsOfAnotherExtractorAreRefused) {
     EXPECT_THAT(ErrorOfReading(), HasSubstr("descriptors are 32 bytes each, those of its extractor '" + type)) << type;
   }
   WriteBytes(file_, bytes_);
-  RunSql("UPDATE map SET descriptor_type = 'float', descriptor_length = 8");  // as many bytes
+  RunSql("UPDATE map SET descriptor_type = 'float', descriptor_length = 8");  // the same number of bytes
   EXPECT_THAT(ErrorOfReading(), HasSubstr("descriptors are 8 numbers each"));
 }
 
@@ -196,7 +196,7 @@ TEST_F(MapDamageTest, ANewerFormatIsRefusedByName) {
   EXPECT_THAT(error, HasSubstr("build the map again"));
 }
 
-// A map comes from outside: views and triggers in it must not run.
+// Map files are untrusted: their views and triggers must not run.
 TEST_F(MapDamageTest, ForeignSchemaIsNotTrusted) {
   for (const std::string schema :
        {"ALTER TABLE keypoint_tile RENAME TO hidden; CREATE VIEW keypoint_tile AS SELECT * FROM hidden",

@@ -10,7 +10,7 @@
 
 namespace floorloc::testing_map {
 
-/// Runs SQL on a map file, whose own constraints do not stop it: damage knows none.
+/// Runs SQL on a map file with its constraints disabled, to damage it.
 inline void RunSql(const std::filesystem::path& file, const std::string& sql) {
   sqlite3* handle = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &handle), SQLITE_OK);
@@ -21,8 +21,8 @@ inline void RunSql(const std::filesystem::path& file, const std::string& sql) {
   sqlite3_close(handle);
 }
 
-/// Values that no reader can use, all over the tables of a map with at least two frames, a link, keypoints and a
-/// mosaic. Reading such a map must fail.
+/// Damages with which every reader must fail, over all tables of a map with at least two frames, a link, keypoints and
+/// a mosaic.
 inline const std::vector<std::string>& FatalDamages() {
   static const std::vector<std::string> damages = {
       "DELETE FROM map",
@@ -129,8 +129,8 @@ inline const std::vector<std::string>& FatalDamages() {
   return damages;
 }
 
-/// What only some readers look at, or what makes other but possible numbers of a map: reading may go well or fail, and
-/// must come to an end.
+/// Damages of content that only some readers use, or that give other valid values: reading may succeed or fail, but
+/// must terminate.
 inline const std::vector<std::string>& OtherDamages() {
   static const std::vector<std::string> damages = {
       "UPDATE map SET id = ''",

@@ -21,7 +21,7 @@ class MapLayersTest : public ::testing::Test {
  protected:
   MapLayersTest() { version_ = WriteMap(file_, MakeContent()); }
 
-  // As a newer program would add it, the map's version included.
+  // Adds a layer as a newer program would, and updates the map's content version.
   void AddLayer(const std::string& name, int version, bool required) const {
     RunSql(file_, "CREATE TABLE " + name + " (x REAL); INSERT INTO layer VALUES ('" + name + "', " +
                       std::to_string(version) + ", " + (required ? "1" : "0") + ", '" + std::string(64, 'a') + "')");
@@ -101,7 +101,7 @@ TEST_F(MapLayersTest, VerifySaysWhichLayerIsDamaged) {
   EXPECT_THAT(ErrorOf([this] { MapDatabase(file_).VerifyContent(); }), HasSubstr("its layer 'mosaic'"));
 }
 
-// A real map of format version 2, written by floorloc before there were layers.
+// A real map of format version 2, written by floorloc before layers existed.
 class Version2MapTest : public ::testing::Test {
  protected:
   Version2MapTest() {
@@ -124,7 +124,7 @@ TEST_F(Version2MapTest, IsReadAndVerified) {
   EXPECT_EQ(database.ReadLinks().size(), 16U);
 }
 
-// By the rule of its version: it covered what decides answers.
+// The content version of format 2 covers the columns that affect localization.
 TEST_F(Version2MapTest, DamageIsFound) {
   for (const std::string damage : {"UPDATE frame SET x = x + 0.001 WHERE id = 1", "DELETE FROM mosaic_tile WHERE z = 0",
                                    "UPDATE link SET inliers = inliers + 1", "UPDATE camera SET fx = fx + 1"}) {

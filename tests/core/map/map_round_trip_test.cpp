@@ -45,7 +45,7 @@ void ExpectSame(const FloorCamera& a, const FloorCamera& b) {
   EXPECT_EQ(a.floor.resolution_m, b.floor.resolution_m);
 }
 
-// The file orders keypoints by tile: each is identified by its response, which is unique.
+// The file orders keypoints by tile, so they are identified by their unique response.
 void ExpectSame(const MapKeypoints& written, const MapKeypoints& read) {
   ASSERT_EQ(read.size(), written.size());
   ASSERT_EQ(read.observations.size(), written.size());

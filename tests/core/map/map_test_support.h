@@ -21,7 +21,7 @@ namespace floorloc::testing_map {
 
 using floorloc::TemporaryFolder;
 
-/// Everything that goes into a map file.
+/// The content of a map file.
 struct MapContent {
   MapInfo info;
   MosaicLayout mosaic;
@@ -105,7 +105,7 @@ inline MapContent MakeContent(DescriptorType type = DescriptorType::kBinary,
   return content;
 }
 
-/// Writes a whole map; returns its content version.
+/// Writes a map; returns its content version.
 inline std::string WriteMap(const std::filesystem::path& file, const MapContent& content) {
   MapWriter writer(file);
   writer.WriteFrames(content.frames);
@@ -115,7 +115,7 @@ inline std::string WriteMap(const std::filesystem::path& file, const MapContent&
   return writer.Commit(content.info, content.mosaic);
 }
 
-/// The sentence of the MapError that `work` throws; a failure of the test when it throws none or something else.
+/// The message of the MapError that `work` throws; fails the test when it throws nothing or another exception.
 inline std::string ErrorOf(const std::function<void()>& work) {
   try {
     work();

@@ -28,7 +28,7 @@ using testing_map::TemporaryFolder;
 using testing_map::WriteBytes;
 using testing_map::WriteMap;
 
-// Files of this process can't grow beyond so many bytes: a disk that is full.
+// Limits the file size of this process, to simulate a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -203,7 +203,7 @@ TEST(MapWriterTest, AFullDiskKeepsTheOldMap) {
 TEST(MapWriterTest, RefusesPlacesThatCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THAT(ErrorOf([&] { MapWriter writer(folder.path() / "missing" / "m.floormap"); }), HasSubstr("m.floormap"));
-  const std::string error = ErrorOf([&] { WriteMap(folder.path(), MakeContent()); });  // a folder is in the way
+  const std::string error = ErrorOf([&] { WriteMap(folder.path(), MakeContent()); });  // the target is a folder
   EXPECT_THAT(error, HasSubstr(folder.path().string()));
   EXPECT_FALSE(std::filesystem::exists(folder.path().string() + ".part"));
 }

@@ -26,7 +26,7 @@ constexpr double kTileM = kTilePx * kResolutionM;
 constexpr std::size_t kTileBytes = kTilePx * kTilePx;
 constexpr std::size_t kPlenty = 1 << 20;
 
-// A mosaic of bright random tiles around the map's origin; counts how often it is asked.
+// A mosaic of bright random tiles around the map's origin; counts the tile requests.
 class RandomMosaic {
  public:
   explicit RandomMosaic(int reach = 2) {
@@ -60,7 +60,7 @@ class RandomMosaic {
   }
   int calls() const { return calls_; }
 
-  // What a raster must hold at a map point.
+  // Expected value of a raster at a map point.
   std::uint8_t At(const Eigen::Vector2d& p) const {
     const int x = static_cast<int>(std::floor(p.x() / kTileM));
     const int y = static_cast<int>(std::floor(p.y() / kTileM));
@@ -228,7 +228,7 @@ class MosaicRasterMemoryTest : public ::testing::Test {
     return mosaic_.calls() - before;
   }
 
-  RandomMosaic mosaic_;  // most of the tiles that are asked for are missing: those are remembered, too
+  RandomMosaic mosaic_;  // most requested tiles do not exist, which is cached, too
   MosaicRaster raster_ = mosaic_.Raster(kKept * kTileBytes);
 };
 
@@ -255,7 +255,7 @@ TEST_F(MosaicRasterMemoryTest, ATileThatCameBackIsTheSame) {
 }
 
 TEST(MosaicRasterTest, EveryThreadGetsTheSamePatches) {
-  const RandomMosaic mosaic(8);  // 256 tiles, of which 64 are kept
+  const RandomMosaic mosaic(8);  // 256 tiles, of which 64 are cached
   const MosaicRaster raster = mosaic.Raster(0);
   std::vector<RectM> rects;
   std::vector<RasterPatch> alone;

@@ -26,7 +26,7 @@ Eigen::Isometry3d PoseAt(const Eigen::Vector3d& position, double yaw_rad) {
   return pose;
 }
 
-// Down the corridor in a slight S.
+// A slight S-curve along the corridor.
 std::vector<Eigen::Isometry3d> Walk(int frames, double step_m) {
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < frames; ++i) {
@@ -54,7 +54,7 @@ Results TrackAll(const std::vector<Eigen::Isometry3d>& poses, const MonocularOdo
   return results;
 }
 
-// From the first keyframe with a length on, every pose agrees with the truth times one scale.
+// From the first keyframe with nonzero baseline on, every pose equals the truth up to one scale.
 void ExpectSameUpToScale(const Results& results, const std::vector<Eigen::Isometry3d>& poses) {
   const Eigen::Vector3d whole = (poses.front().inverse() * poses.back()).translation();
   const double scale = whole.norm() / results.back().world_from_camera.translation().norm();

@@ -14,7 +14,7 @@ class MotionCovarianceTest : public ::testing::Test {
  protected:
   Eigen::Vector3d Draw() { return {normal_(random_), normal_(random_), normal_(random_)}; }
 
-  // Millimetres and milliradians, correlated.
+  // With a correlated covariance of millimetres and milliradians.
   AnchoredPose RandomPose() {
     Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
     for (int column = 0; column < 3; ++column) {

@@ -51,7 +51,7 @@ Features FeaturesAt(const Pose2& map_from_base, std::uint64_t noise_seed) {
   return FeaturesOf(GrayView(Floor(), map_from_base, noise_seed));
 }
 
-// Along an ellipse, once around, heading forward.
+// One round along an ellipse, heading forward.
 std::vector<Pose2> RoundTrip(int steps) {
   std::vector<Pose2> poses;
   for (int i = 0; i <= steps; ++i) {
@@ -68,7 +68,7 @@ PlanarOdometryOptions Options() {
   return options;
 }
 
-// Vibration and wrong calibration, which the rendered views do not have.
+// Options without the errors of vibration and calibration, which the rendered images lack.
 PlanarOdometryOptions WithoutSystematicErrors() {
   PlanarOdometryOptions options = Options();
   options.systematic_m = 0.0;
@@ -131,8 +131,8 @@ TEST(PlanarOdometryTest, AnInitialGuessAllowsLargeSteps) {
   }
 }
 
-// Both covariances over several trips of fresh noise: of each motion, and of the sum since the last keyframe, where
-// 3 is exact.
+// NEES of both covariances over several trips with independent noise: of each motion, and of the motion since the last
+// keyframe, where the expectation of 3 is exact.
 TEST(PlanarOdometryTest, CovariancesAreHonest) {
   const std::vector<Pose2> truth = RoundTrip(48);
   double alone = 0.0;

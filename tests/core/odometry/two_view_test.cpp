@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNoise = 1e-3;
 
-// Points before two cameras, and what these see, with noise; `wrong` of them are seen anywhere.
+// Points in front of two cameras and their noisy projections, of which `wrong` are outliers.
 struct Scene {
   Scene(const Eigen::Isometry3d& second_from_first, int count, int wrong) : motion(second_from_first) {
     std::mt19937 random(7);

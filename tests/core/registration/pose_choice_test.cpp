@@ -16,9 +16,9 @@ namespace {
 using testing_registration::Join;
 using testing_registration::MatchGenerator;
 
-constexpr double kCertain = 1e-12;  // no chance
+constexpr double kCertain = 1e-12;  // no false alarm
 
-// The pose of number i stands at x = i.
+// Pose i is at x = i.
 PoseContest Contest(const std::vector<double>& odds, std::size_t best = 0) {
   PoseContest contest;
   for (std::size_t i = 0; i < odds.size(); ++i) {
@@ -125,7 +125,7 @@ TEST(PoseChoiceTest, WithoutEnoughInliersThereIsNoBest) {
   EXPECT_EQ(Choose(contest).status, RegistrationStatus::kTooFewInliers);
 }
 
-// The registration's odds follow the same laws.
+// The same must hold for the odds from registration.
 TEST(PoseChoiceTest, ThreeEqualMotionsHaveAThirdEach) {
   MatchGenerator draw(21);
   const Pose2 one(0.3, 0.2, 0.5);

@@ -23,7 +23,7 @@ RegistrationResult Register(const std::vector<OrientedMatch>& matches, const Sea
   return RegisterSe2(matches, region, RegistrationOptions{});
 }
 
-// Error of a pose in the middle of the source points, where it is best known: metres, radians.
+// Error of a pose at the centroid of the source points, where it is most certain: metres, radians.
 std::pair<double, double> ErrorOf(const Pose2& estimate, const Pose2& truth) {
   const Eigen::Vector2d middle(0.25, 0.0);
   return {(estimate * middle - truth * middle).norm(), std::abs(WrapAngle(estimate.yaw() - truth.yaw()))};
@@ -83,7 +83,8 @@ TEST(RegistrationTest, CovarianceMatchesTheScatter) {
     const Eigen::Vector3d error(pose.x() - truth.x(), pose.y() - truth.y(), WrapAngle(pose.yaw() - truth.yaw()));
     nees += error.dot(result.covariance.inverse() * error);
   }
-  // Mean of kTrials chi-squares of 3 degrees of freedom, 95 % bounds; sigma itself is estimated from 200 residuals.
+  // 95 % bounds of the mean of kTrials chi-squared values with 3 degrees of freedom; sigma is estimated from 200
+  // residuals.
   const double spread = 1.96 * std::sqrt(2.0 * 3.0 / kTrials);
   EXPECT_GT(nees / kTrials, 3.0 - spread);
   EXPECT_LT(nees / kTrials, 3.0 * 200.0 / 195.0 + spread);
@@ -175,7 +176,7 @@ TEST(RegistrationTest, SameInputSameAnswer) {
   EXPECT_EQ(once.p_wrong, again.p_wrong);
 }
 
-// The answer moves with the frames: no place or heading of the map is special.
+// Equivariance: the result transforms with the target frame.
 TEST(RegistrationTest, AnswerMovesWithTheTargetFrame) {
   MatchGenerator draw(13);
   const Pose2 truth(0.2, 0.1, 0.4);
@@ -193,7 +194,7 @@ TEST(RegistrationTest, AnswerMovesWithTheTargetFrame) {
 
 TEST(RegistrationTest, DegenerateMatchesAreNoPose) {
   const OrientedMatch match{{0.2, 0.1}, {1.0, 1.0}, 0.0, 0.3};
-  EXPECT_FALSE(Register(std::vector<OrientedMatch>(50, match)).ok());  // one point fixes no heading
+  EXPECT_FALSE(Register(std::vector<OrientedMatch>(50, match)).ok());  // one point does not determine the yaw
 }
 
 TEST(RegistrationTest, WildMatchesAreHarmless) {
@@ -239,8 +240,7 @@ TEST(RegistrationOptions, LengthsFollowTheResolution) {
 TEST(KeypointNoise, CountsTheFittedParameters) {
   RegistrationOptions options;
   options.position_noise_floor_m = 1e-9;
-  // Many inliers: each of the two coordinates has its share of the squared residual. Few: three of them went into the
-  // fit.
+  // Variance per coordinate is rms^2 * n / (2 n - 3): 2 n coordinates, 3 fitted parameters.
   EXPECT_NEAR(KeypointNoise(1e-3, 100000, options), 1e-3 / std::sqrt(2.0), 1e-8);
   EXPECT_NEAR(KeypointNoise(1e-3, 6, options), 1e-3 * std::sqrt(6.0 / 9.0), 1e-8);
 }

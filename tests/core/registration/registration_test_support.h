@@ -10,7 +10,7 @@
 
 namespace floorloc::testing_registration {
 
-/// Draws poses and matches of a frame of 0.4 x 0.3 m.
+/// Draws random poses and matches of a frame of 0.4 x 0.3 m.
 class MatchGenerator {
  public:
   explicit MatchGenerator(std::uint32_t seed) : random_(seed) {}
@@ -20,7 +20,7 @@ class MatchGenerator {
   double Angle() { return Uniform(-std::numbers::pi, std::numbers::pi); }
   Pose2 RandomPose() { return {Uniform(-20.0, 20.0), Uniform(-20.0, 20.0), Angle()}; }
 
-  /// Right matches under a pose, each coordinate with noise; keypoint angles are always a little unsteady.
+  /// Inliers of a pose, with noise on each coordinate and on the keypoint angles.
   std::vector<OrientedMatch> Right(int count, const Pose2& target_from_source, double sigma_m) {
     std::vector<OrientedMatch> matches;
     for (int i = 0; i < count; ++i) {
@@ -34,7 +34,7 @@ class MatchGenerator {
     return matches;
   }
 
-  /// Matches with targets anywhere in a square around a point.
+  /// Outliers: targets are uniform in a square around a point.
   std::vector<OrientedMatch> Wrong(int count, const Eigen::Vector2d& middle, double side_m) {
     std::vector<OrientedMatch> matches;
     for (int i = 0; i < count; ++i) {

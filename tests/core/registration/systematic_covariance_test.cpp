@@ -6,7 +6,7 @@
 namespace floorloc {
 namespace {
 
-// A turn about the middle of the view by d moves a base two metres to its left by 2 d, to the side.
+// A rotation by d about the image centre displaces a base 2 m away in +y by 2 d along x.
 TEST(SystematicCovariance, TurnsAboutTheMiddleOfTheView) {
   const Pose2 pose(1.0, 5.0, 0.3);
   const Eigen::Matrix3d covariance = SystematicCovariance(pose, {1.0, 3.0}, {0.001, 0.01});

@@ -13,9 +13,9 @@ namespace {
 using testing_registration::Join;
 using testing_registration::MatchGenerator;
 
-const Eigen::Vector2d kMiddle(0.25, 0.0);  // of the source points that MatchGenerator draws
+const Eigen::Vector2d kMiddle(0.25, 0.0);  // centre of the source points of MatchGenerator
 
-// Wherever the pose lies between the borders of cells, the seam at +-pi included.
+// For any position of the pose relative to the cell borders, including the yaw wrap at +-pi.
 TEST(VotingTest, APeakHoldsAllRightMatches) {
   MatchGenerator draw(1);
   const RegistrationOptions options;

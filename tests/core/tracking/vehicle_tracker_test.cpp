@@ -40,7 +40,7 @@ const Localizer& TheLocalizer() {
   return *localizer;
 }
 
-// A vehicle on the floor. Frame i is taken i frame times after the start.
+// A vehicle on the floor. Frame i is taken i frame intervals after the start.
 class VehicleTrackerTest : public testing::Test {
  protected:
   VehicleTrackerTest() : tracker_(TrackerOptions{}, Floor().camera().floor.resolution_m) {}
@@ -66,7 +66,7 @@ class VehicleTrackerTest : public testing::Test {
                              TheLocalizer().LocalizeWithGlobalFallback(observation, prior_));
   }
 
-  // Slowly to the left along the middle of the floor.
+  // A slow path along the middle of the floor, turning left.
   static Pose2 PoseAt(int frame) { return Floor().BaseForView(0.4 + 0.02 * frame, 0.45, 0.1 * frame); }
 
   void ExpectNear(const Pose2& truth, double tolerance_m = 2e-3) const {
@@ -84,7 +84,7 @@ TEST_F(VehicleTrackerTest, SearchesTheWholeMapFirstAndThenAroundThePose) {
   EXPECT_TRUE(Send(0, PoseAt(0)).fix->first);
   EXPECT_FALSE(prior_.has_value());
   EXPECT_TRUE(Send(1, PoseAt(1)).fix->accepted);
-  EXPECT_TRUE(Send(2, PoseAt(2)).fix->accepted);  // how fast it goes is known now
+  EXPECT_TRUE(Send(2, PoseAt(2)).fix->accepted);  // the velocity is known now
   ASSERT_TRUE(prior_.has_value());
   EXPECT_LE(prior_->radius_m, 0.5);
   EXPECT_LT(prior_->map_from_base.Between(PoseAt(2)).translation().norm(), prior_->radius_m);
@@ -92,19 +92,19 @@ TEST_F(VehicleTrackerTest, SearchesTheWholeMapFirstAndThenAroundThePose) {
 }
 
 TEST_F(VehicleTrackerTest, VisualOdometryBridgesUnmappedFloor) {
-  // The map's floor has changed for good where the vehicle is now, but it can see that it moves.
+  // The floor has changed completely at the vehicle's place, but visual odometry still works.
   const SyntheticFloor other(7);
   for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(Send(i, PoseAt(i)).fix->accepted);
   }
   ASSERT_FALSE(
-      SendFromOtherFloor(4, other, PoseAt(3)).fix.has_value());  // here the other floor begins: nothing in common
+      SendFromOtherFloor(4, other, PoseAt(3)).fix.has_value());  // the other floor begins here, without any match
   for (int i = 5; i < 12; ++i) {
     EXPECT_FALSE(SendFromOtherFloor(i, other, PoseAt(i - 1)).fix.has_value());
   }
   const FusedPose pose = *tracker_.Estimate();
   EXPECT_NE(pose.state, TrackingState::kLocalized);
-  // Its motion between frames 3 and 4 was not measured; from there on images measure it.
+  // The motion between frames 3 and 4 was not measured; later motions are measured by images.
   const Pose2 moved = tracker_.EstimateAt(Stamp(6))->map_from_base.Between(pose.map_from_base);
   const Pose2 truth = PoseAt(5).Between(PoseAt(10));
   EXPECT_LT(moved.Between(truth).translation().norm(), 3e-3);

@@ -7,14 +7,14 @@
 
 namespace floorloc::testing_vision {
 
-/// A round Gaussian spot.
+/// A round Gaussian blob.
 struct Blob {
   cv::Point2d middle;  ///< px
   double sigma_px = 3.0;
-  double height = 80.0;  ///< grey levels above the ground; negative: a dark spot
+  double height = 80.0;  ///< grey levels above the background; negative: a dark blob
 };
 
-/// Blobs on grey ground (128).
+/// Blobs on a grey background (128).
 inline cv::Mat DrawBlobs(const cv::Size& size, const std::vector<Blob>& blobs) {
   cv::Mat gray(size, CV_8UC1);
   for (int y = 0; y < size.height; ++y) {
@@ -30,7 +30,7 @@ inline cv::Mat DrawBlobs(const cv::Size& size, const std::vector<Blob>& blobs) {
   return gray;
 }
 
-/// Where a pixel goes when the image is turned by 90 degrees clockwise.
+/// Position of a pixel after rotating the image by 90 degrees clockwise.
 inline cv::Point2f TurnedRight(const cv::Size& before, const cv::Point2f& p) {
   return {static_cast<float>(before.height - 1) - p.y, p.x};
 }

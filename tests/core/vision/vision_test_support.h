@@ -15,7 +15,7 @@ namespace floorloc::testing_vision {
 
 constexpr double kResolutionM = 0.0007;
 
-/// Blobs of 2 to 8 pixels, as floors have: an image of the given mean and standard deviation, grey levels.
+/// A texture with structures of 2 to 8 px as on floors, with the given mean and standard deviation (grey levels).
 inline cv::Mat MakeTexture(const cv::Size& size, double mean, double deviation, std::uint64_t seed) {
   cv::RNG random(seed);
   cv::Mat sum = cv::Mat::zeros(size, CV_32F);
@@ -33,7 +33,8 @@ inline cv::Mat MakeTexture(const cv::Size& size, double mean, double deviation, 
   return gray;
 }
 
-/// A wholly seen image whose middle is the origin of the base frame: turning the image turns it about the base.
+/// An image without masked pixels whose centre is the base frame's origin: rotating the image rotates it about the
+/// base.
 inline GroundImage CenteredImage(const cv::Mat& gray) {
   GroundImage image;
   image.grid.resolution_m = kResolutionM;
@@ -71,7 +72,7 @@ inline cv::Mat RandomFloats(int rows, int columns, std::uint64_t seed) {
   return floats;
 }
 
-/// A copy with this share of all bits flipped.
+/// A copy with this share of its bits flipped.
 inline cv::Mat FlipBits(const cv::Mat& bits, double share, std::uint64_t seed) {
   cv::RNG random(seed);
   cv::Mat flipped = bits.clone();
@@ -85,7 +86,7 @@ inline cv::Mat FlipBits(const cv::Mat& bits, double share, std::uint64_t seed) {
   return flipped;
 }
 
-/// Runs `work` in `count` threads at once.
+/// Runs `work` in `count` threads concurrently.
 template <typename Work>
 void InThreads(int count, const Work& work) {
   std::vector<std::jthread> threads;

@@ -26,9 +26,9 @@ TEST(DescriptorLayoutTest, EveryExtractorHasItsOwn) {
   }
 }
 
-// Queries that are read as if they were as long as the indexed descriptors: shorter, longer, of the other kind.
+// Queries of another layout than the indexed descriptors: shorter, longer, or of the other type.
 TEST(DescriptorLayoutTest, NoIndexTakesOtherDescriptors) {
-  constexpr int kMany = 2500;  // above the size where an exact search replaces any index
+  constexpr int kMany = 2500;  // above the size up to which any index searches exactly
   for (const MatcherType type : {MatcherType::kBruteForce, MatcherType::kFlann, MatcherType::kHash}) {
     const auto index = CreateDescriptorIndex(RandomBits(kMany, 64, 1), {.type = type});
     for (const cv::Mat& queries : {RandomBits(3, 32, 2), RandomBits(3, 61, 2), RandomBits(3, 128, 2),

@@ -28,13 +28,13 @@ ExtractorOptions OptionsOf(ExtractorType type) {
   return options;
 }
 
-// A keypoint of an image and where its duplicate in the turned image should be and is, pixels and radians.
+// A keypoint's match in the rotated image: position and angle error, pixels and radians.
 struct TurnedPair {
   Eigen::Vector2d offset_px;  // duplicate minus expectation, base frame's axes
   double angle_rad = 0.0;
 };
 
-// Matches features with those of the same image turned about the base frame's origin.
+// Matches features with those of the same image rotated about the base frame's origin.
 std::vector<TurnedPair> MatchTurned(const Features& upright, const Features& turned, double turn_rad) {
   const Pose2 turn(0.0, 0.0, turn_rad);
   const auto index = CreateDescriptorIndex(upright.descriptors, {.type = MatcherType::kBruteForce});
@@ -83,8 +83,8 @@ TEST_P(Extractor, DescribesEveryKeypoint) {
   }
 }
 
-// An offset of the keypoints to one side shows twice when the image is turned by 180 degrees. Sides that no pyramid
-// divides evenly are the hard ones: rounded levels stretch the coordinates.
+// A systematic offset of the keypoints appears twice when the image is rotated by 180 degrees. Image sides that the
+// pyramid does not divide evenly are critical: rounded level sizes scale the coordinates.
 TEST_P(Extractor, KeypointsHaveNoSystematicOffset) {
   for (const cv::Size size : {cv::Size(420, 400), cv::Size(421, 401), cv::Size(593, 443)}) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -116,7 +116,7 @@ TEST_P(Extractor, KeypointsTurnWithTheImage) {
   for (const TurnedPair& pair : pairs) {
     close += std::abs(pair.angle_rad) < 0.17 ? 1 : 0;
   }
-  EXPECT_GT(close, 0.7 * static_cast<double>(pairs.size()));  // BRISK's angle is the least steady
+  EXPECT_GT(close, 0.7 * static_cast<double>(pairs.size()));  // BRISK's angle is the least repeatable
 }
 
 TEST_P(Extractor, SameImageSameFeatures) {

@@ -13,7 +13,7 @@ namespace {
 constexpr int kBorder = 10;
 const cv::Size kSize(90, 70);
 
-// A round spot of the given height, sigma 3 px, on grey ground.
+// A Gaussian blob of the given height, sigma 3 px, on a grey background.
 cv::Mat Spot(const cv::Size& size, const cv::Point2d& middle, double height) {
   constexpr double kSigmaPx = 3.0;
   cv::Mat smooth(size, CV_32F);
@@ -41,8 +41,8 @@ TEST(HessianDetectorTest, FindsASpotToAFractionOfAPixel) {
 }
 
 TEST(HessianDetectorTest, ResponseIsTheDeterminant) {
-  // In the middle of a Gaussian of height h and sigma s both second derivatives are -h / s^2; taken over whole pixels
-  // they are a little less.
+  // At the centre of a Gaussian of height h and sigma s both second derivatives are -h / s^2; finite differences over
+  // pixels are slightly smaller.
   const auto found = DetectHessian(Spot(kSize, {41.0, 33.0}, 90.0), kBorder, 0.5F);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].response, 100.0, 8.0);
@@ -69,7 +69,7 @@ TEST(HessianDetectorTest, ALineIsNoSpot) {
         line.at<float>(v, u) = static_cast<float>(128.0 + 60.0 * std::exp(-0.5 * std::pow(across / 3.0, 2)));
       }
     }
-    EXPECT_TRUE(DetectHessian(line, kBorder, 1.0F).empty()) << degrees;  // a spot of that height has 42
+    EXPECT_TRUE(DetectHessian(line, kBorder, 1.0F).empty()) << degrees;  // a blob of that height has 42
   }
 }
 

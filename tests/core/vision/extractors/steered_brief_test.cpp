@@ -68,8 +68,8 @@ TEST(OrientByCentroidTest, PointsUpTheSlope) {
 
 TEST(OrientByCentroidTest, LooksAtADiscOnly) {
   cv::Mat image(kSize, CV_8UC1, cv::Scalar(100));
-  image.at<std::uint8_t>(60, 95) = 200;            // right, at the rim of the disc
-  image.at<std::uint8_t>(60 + 12, 80 + 12) = 250;  // in the square about the disc, not in it
+  image.at<std::uint8_t>(60, 95) = 200;            // to the right, at the border of the disc
+  image.at<std::uint8_t>(60 + 12, 80 + 12) = 250;  // in the square around the disc, outside the disc
   image.at<std::uint8_t>(60, 80 - 16) = 250;
   std::vector<cv::KeyPoint> keypoints{KeypointAt(80.0F, 60.0F, -1.0F)};
   OrientByCentroid(image, &keypoints);
@@ -83,7 +83,7 @@ TEST(OrientByCentroidTest, WorksAsNearToTheEdgeAsItSays) {
   const std::vector<cv::KeyPoint> corners{KeypointAt(kBriefReachPx, kBriefReachPx, 45.0F),
                                           KeypointAt(far_u, kBriefReachPx, 45.0F),
                                           KeypointAt(kBriefReachPx, far_v, 45.0F), KeypointAt(far_u, far_v, 45.0F)};
-  cv::Mat padded;  // what lies beyond the edge must not matter
+  cv::Mat padded;  // pixels beyond the image must have no influence
   cv::copyMakeBorder(gray, padded, 40, 40, 40, 40, cv::BORDER_CONSTANT, cv::Scalar(255));
   std::vector<cv::KeyPoint> here = corners;
   std::vector<cv::KeyPoint> there = corners;

@@ -29,7 +29,7 @@ int CellOf(const cv::KeyPoint& k) {
 
 TEST(SpreadTest, TakesTheStrongestOfEveryCellFirst) {
   const auto keypoints = RandomKeypoints(2000, 1);
-  const std::vector<int> picked = SpreadEvenly(keypoints, kCellPx, 100);  // as many as there are cells
+  const std::vector<int> picked = SpreadEvenly(keypoints, kCellPx, 100);  // the number of cells
   ASSERT_EQ(picked.size(), 100U);
   std::set<int> cells;
   for (const int i : picked) {

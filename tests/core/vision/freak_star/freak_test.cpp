@@ -59,7 +59,7 @@ TEST_F(FreakTest, TurnsWithTheImage) {
     angles_deg += AngleBetween(after[i].angle, before[i].angle + 90.0F);
     bits += BitsApart(after_rows, before_rows, i);
   }
-  // A ring of six fields turned by 90 degrees is not the same ring: nearly, not exactly.
+  // A ring of six fields is not invariant to a rotation by 90 degrees, so the result is only approximate.
   EXPECT_LT(angles_deg / static_cast<double>(before.size()), 12.0);
   EXPECT_LT(bits / static_cast<double>(before.size()), 60.0);
 }

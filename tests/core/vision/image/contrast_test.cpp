@@ -17,7 +17,7 @@ cv::Mat FullMask() { return {kSize, CV_8UC1, cv::Scalar(255)}; }
 
 double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
-// The definition, pixel by pixel in doubles.
+// Reference implementation of the definition, per pixel in double.
 cv::Mat PlainlyNormalized(const cv::Mat& gray, const ContrastOptions& options) {
   cv::Mat levels;
   gray.convertTo(levels, CV_64F);
@@ -48,7 +48,7 @@ cv::Mat PlainlyNormalized(const cv::Mat& gray, const ContrastOptions& options) {
 
 void ExpectAsDefined(const cv::Mat& gray, const ContrastOptions& options) {
   const cv::Mat seen(gray.size(), CV_8UC1, cv::Scalar(255));
-  // A value may lie between two grey levels: floats round it one way, doubles the other.
+  // A value near the middle of two grey levels may be rounded differently in float and double.
   EXPECT_LE(LargestDifference(NormalizeContrast(gray, seen, options), PlainlyNormalized(gray, options)), 1.0)
       << gray.size() << ", radius " << options.radius_px << ", sigma " << options.smooth_sigma_px;
 }
@@ -109,7 +109,8 @@ TEST(ContrastTest, SlowLightDoesNotMatter) {
   lit.convertTo(lit, CV_8U);
   cv::Mat difference;
   cv::absdiff(NormalizeContrast(flat, FullMask(), {}), NormalizeContrast(lit, FullMask(), {}), difference);
-  const cv::Rect inside(16, 16, kSize.width - 32, kSize.height - 32);  // a mirrored slope is not a slope
+  const cv::Rect inside(16, 16, kSize.width - 32,
+                        kSize.height - 32);  // at the border the mirrored light gradient is not a gradient
   EXPECT_LT(cv::mean(difference(inside))[0], 6.0);
 }
 

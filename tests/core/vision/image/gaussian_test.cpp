@@ -10,7 +10,7 @@ namespace {
 
 using testing_vision::MakeTexture;
 
-// The same by OpenCV, whose kernel is as long.
+// The same with OpenCV, whose kernel has the same length.
 cv::Mat OpenCvSmooth(const cv::Mat& image, double sigma_px) {
   cv::Mat levels;
   image.convertTo(levels, CV_32F);
@@ -47,7 +47,7 @@ TEST(GaussianTest, TakesFloatsAndPartsOfImages) {
   cv::Mat levels;
   image.convertTo(levels, CV_32F, 1.0, 0.25);
   ExpectAsOpenCv(levels, 2.0);
-  const cv::Mat part = image(cv::Rect(10, 20, 53, 41));  // its rows don't follow each other in memory
+  const cv::Mat part = image(cv::Rect(10, 20, 53, 41));  // not continuous in memory
   EXPECT_TRUE(testing_vision::Same(SmoothGaussian(part, 2.0), SmoothGaussian(part.clone(), 2.0)));
 }
 

@@ -16,7 +16,7 @@ namespace {
 using testing_vision::InThreads;
 using testing_vision::Same;
 
-// 0.4 m above the floor, 0.2 m ahead of the base, tilted forward from straight down.
+// A camera 0.4 m above the floor and 0.2 m ahead of the base, tilted forward from straight down.
 Eigen::Matrix3d BaseFromPixel(const CameraModel& camera, double tilt_rad) {
   const Eigen::Vector3d center(0.2, 0.0, 0.4);
   Eigen::Matrix3d base_from_camera;
@@ -131,7 +131,7 @@ TEST(RectifierTest, GridCoversTheRegionOfInterest) {
 
 TEST(RectifierTest, MaskIsWhereTheCameraLooks) {
   FloorCamera camera = MakeCamera(DistortionModel::kPlumbBob);
-  camera.floor.roi = {0.1, 0.5, -0.4, 0.1};  // farther to the right than the image
+  camera.floor.roi = {0.1, 0.5, -0.4, 0.1};  // extends beyond the right border of the image
   const Rectifier rectifier(camera);
   const GroundImage image = rectifier.Rectify(cv::Mat(480, 640, CV_8UC1, cv::Scalar(200)));
   int seen = 0;

@@ -18,7 +18,7 @@ using testing_vision::InThreads;
 using testing_vision::RandomBits;
 using testing_vision::RandomFloats;
 
-constexpr int kMany = 6000;  // above the size where an exact search replaces any index
+constexpr int kMany = 6000;  // above the size up to which any index searches exactly
 
 using Found = std::vector<std::vector<Neighbour>>;
 
@@ -41,7 +41,7 @@ bool Same(const Found& a, const Found& b) {
   });
 }
 
-// A train set and queries that are noisy copies of some of its rows: row i of the queries is row 5 i.
+// A train set and noisy copies of some of its rows: query i is a copy of row 5 i.
 struct NoisyCopies {
   cv::Mat train;
   cv::Mat queries;

@@ -32,7 +32,7 @@ Features RandomMap(int count, bool binary, std::uint32_t seed) {
   return map;
 }
 
-// The map's keypoints within 0.3 m of the pose, as a robot there sees them.
+// The map's keypoints within 0.3 m of the pose, in the base frame.
 Features FeaturesSeenFrom(const Features& map, const Pose2& map_from_base) {
   Features seen;
   const Pose2 base_from_map = map_from_base.Inverse();
@@ -126,7 +126,7 @@ TEST_P(GuidedMatcherTest, WildPriorsAreHarmless) {
   for (const double wild : {1e300, -1e300, 1e18, -1e10, kNan, kInfinity, -kInfinity}) {
     EXPECT_TRUE(matcher.FindNearest(query, {Pose2(wild, 0.0, 0.0), 0.1, 0.3}).empty()) << wild;
     EXPECT_TRUE(matcher.FindNearest(query, {Pose2(0.0, wild, 0.0), 0.1, 0.3}).empty()) << wild;
-    // A huge radius or turn may find everything or nothing, but only keypoints that exist.
+    // A huge radius or angle may match all keypoints or none, but only existing ones.
     for (const MatchGuide& guide : {MatchGuide{Pose2(), wild, 0.3}, MatchGuide{Pose2(), 0.1, wild},
                                     MatchGuide{Pose2(0.0, 0.0, wild), 0.1, 0.3}}) {
       for (const Match& match : matcher.FindNearest(query, guide)) {

@@ -14,10 +14,10 @@ namespace {
 
 using testing_vision::RandomBits;
 
-// Every instruction set that this processor has, on rows of this many bytes.
+// All kernels that this processor supports, on rows of this many bytes.
 class HammingKernelsTest : public ::testing::TestWithParam<int> {
  protected:
-  static constexpr int kRows = 301;  // no multiple of any block
+  static constexpr int kRows = 301;  // not a multiple of any block size
 
   cv::Mat train_bits_ = RandomBits(kRows, GetParam(), 1);
   cv::Mat query_bits_ = RandomBits(1, GetParam(), 2);

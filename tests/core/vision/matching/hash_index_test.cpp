@@ -17,8 +17,8 @@ using testing_vision::RandomBits;
 
 constexpr int kBits = 256;
 
-// Descriptors as floors give them: each bit compares two values of an image that varies in few ways, so that bits are
-// correlated. A second view adds noise to the values.
+// Realistic descriptors with correlated bits: signs of linear combinations of few normal values. A second view adds
+// noise before thresholding.
 class Views {
  public:
   Views(int count, std::uint64_t seed) {
@@ -109,7 +109,7 @@ TEST_F(HashIndexTest, ProbingMostBucketsFindsNearlyEverything) {
   EXPECT_GE(same, 0.99 * kQueries);
 }
 
-// Tiles: many places of the floor look the same. What they cost is bounded, and what differs is still found.
+// Many equal descriptors, as on tiled floors: the search cost stays bounded and other descriptors are still found.
 TEST_F(HashIndexTest, EqualDescriptorsHideNoOther) {
   cv::Mat train = train_->clone();
   for (int i = 0; i < 20000; ++i) {

@@ -29,7 +29,7 @@ class SurfTest : public ::testing::Test {
     }
   }
 
-  // Of odd sides: the second octave uses the same pixels when the image is turned.
+  // Odd sides, so that the second octave samples the same pixels when the image is rotated.
   const cv::Mat texture_ = MakeTexture({421, 401}, 110.0, 14.0, 1);
 };
 
@@ -44,7 +44,7 @@ TEST_F(SurfTest, FindsBlobsToAFractionOfAPixel) {
   }
 }
 
-// Box filters are a little wider than the Gaussians of their scale: the answer to a blob is a smaller scale.
+// Box filters are slightly wider than the Gaussians of their scale, so the detected scale of a blob is smaller.
 TEST_F(SurfTest, SizeFollowsTheBlob) {
   const auto size = [](double sigma_px) {
     return Surf({.octaves = 3, .layers = 4}).Detect(DrawBlobs({240, 240}, {{{120.0, 120.0}, sigma_px, 80.0}}))[0].size;
@@ -84,7 +84,7 @@ TEST_F(SurfTest, TurnsWithTheImage) {
   EXPECT_GT(static_cast<double>(found), 0.97 * static_cast<double>(before.size()));
 }
 
-// Angles run clockwise from the image's right, as OpenCV's do.
+// Angles are clockwise from the image's +x axis, as in OpenCV.
 TEST_F(SurfTest, AnglePointsWhereBrightnessRises) {
   cv::Mat ramp(120, 120, CV_8UC1);
   for (int y = 0; y < ramp.rows; ++y) {
