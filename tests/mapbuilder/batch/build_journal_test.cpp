@@ -41,7 +41,7 @@ class BuildJournalTest : public ::testing::Test {
     }
     journal.Flush();
   }
-  // How many of the first `count` pieces are there; each as it was put, or not at all.
+  // Number of the first `count` entries that exist; each must be unchanged or missing.
   int CountIntact(BuildJournal* journal, int count) const {
     int whole = 0;
     for (int i = 0; i < count; ++i) {
@@ -131,7 +131,7 @@ TEST_F(BuildJournalTest, WhateverIsOverwrittenNothingWrongIsRead) {
       damaged[i] = static_cast<char>(random());
     }
     Overwrite(damaged);
-    EXPECT_LE(Resume(10), 10);  // CountIntact compares the pieces
+    EXPECT_LE(Resume(10), 10);  // CountIntact compares the entries
   }
   EXPECT_THAT(warnings_.str(), HasSubstr("is damaged"));
 }
@@ -236,7 +236,7 @@ TEST(JournalBytesTest, ValuesComeBack) {
 
 TEST(JournalBytesTest, AMatrixWhoseSizeWrapsAroundIsRefused) {
   const Bytes no_pixels;
-  // 2^30 x 2^30 cells of 16 bytes are 2^64 bytes, which count as none.
+  // 2^30 x 2^30 cells of 16 bytes are 2^64 bytes, which overflows to 0.
   const Bytes bytes = ByteWriter().Add(1 << 30).Add(1 << 30).Add(CV_32FC4).Add(no_pixels).Take();
   ByteReader reader(bytes);
   cv::Mat mat;

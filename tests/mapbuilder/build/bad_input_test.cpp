@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with a survey is named, left out or refused.
+// Errors in a survey are reported, skipped or refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ class BadInputTest : public ::testing::Test {
     return "built";
   }
 
-  // Rows of frames.csv, to be changed and written back.
+  // Rows of frames.csv, to be modified and written back.
   std::vector<std::string> Rows() const {
     std::istringstream text(ReadTextFile(survey_ / "frames.csv"));
     std::vector<std::string> rows;
@@ -84,7 +84,7 @@ class BadInputTest : public ::testing::Test {
     WriteFileAtomically(survey_ / "frames.csv", text);
   }
 
-  // Changes where floor.yaml says that points of the floor are, about the middle of the view.
+  // Applies `change` about the centre of the region of interest to the floor points of floor.yaml's homography.
   void ChangeHomography(const Eigen::Affine2d& change) const {
     FloorPlane floor = ReadSurvey(survey_).camera.floor;
     const Eigen::Vector2d center = floor.roi.Center();
@@ -240,9 +240,9 @@ TEST_F(BadInputTest, MirroredImagesAreRefused) {
       Write(ImageFile(i), image);
     }
   };
-  flip_all(1);  // left and right
+  flip_all(1);  // horizontally
   EXPECT_THAT(Error(), AllOf(HasSubstr("floor.yaml"), HasSubstr("mirrored")));
-  flip_all(-1);  // together with the first: top and bottom
+  flip_all(-1);  // both axes: with the first flip, only vertically
   EXPECT_THAT(Error(), AllOf(HasSubstr("floor.yaml"), HasSubstr("mirrored")));
 }
 

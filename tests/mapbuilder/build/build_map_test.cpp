@@ -44,7 +44,7 @@ class BuildMapTest : public ::testing::Test {
   BuildReport Build() { return BuildMap(options_); }
   std::vector<MapFrame> Frames() const { return MapDatabase(options_.out).ReadFrames(); }
 
-  // Pairs of where the map has the middle of a frame's view and where it really is.
+  // Pairs of the estimated and the true map position of each frame's centre.
   std::vector<OrientedMatch> ViewPairs(const std::vector<MapFrame>& frames) const {
     const Eigen::Vector2d center = ReadSurvey(survey_).camera.floor.roi.Center();
     std::vector<OrientedMatch> pairs;
@@ -68,7 +68,7 @@ class BuildMapTest : public ::testing::Test {
     return RmsResidual(pairs, all, Pose2());
   }
 
-  // Keeps the frames whose view's middle passes the test, and no odometry.
+  // Keeps the frames whose centre passes the test, and removes the odometry.
   void KeepViews(const std::function<bool(const Eigen::Vector2d&)>& keep) {
     const Survey survey = ReadSurvey(survey_);
     std::string csv = "timestamp,filename\n";
@@ -101,14 +101,14 @@ TEST_F(BuildMapTest, WithOdometryTheGeometryIsTrue) {
   const auto pairs = ViewPairs(Frames());
   ASSERT_EQ(pairs.size(), 28U);
   EXPECT_LT(RmsAfterAlignment(pairs), 1e-3);
-  // The map's frame is that of the first frame's odometry pose.
+  // The map's frame is the odometry frame of the first frame.
   const Pose2 first = Frames().front().map_from_base;
   const Pose2 odometry = ReadTum(survey_ / "odometry.tum").front().ToPose2();
   EXPECT_LT((first.translation() - odometry.translation()).norm(), 1e-9);
   EXPECT_NEAR(first.yaw(), odometry.yaw(), 1e-9);
 }
 
-// Another camera, at another resolution, on another day: images alone tie the sessions together.
+// Another camera, another resolution, another day: only images connect the sessions.
 TEST_F(BuildMapTest, SessionsOfSeveralCamerasMakeOneMap) {
   SimulateOptions second = SyntheticFloor(1).SurveyOptions(folder_.path() / "second");
   second.camera = MakeForwardCamera();
@@ -262,7 +262,7 @@ TEST_F(BuildMapTest, EveryExtractorBuildsAMap) {
 TEST_F(BuildMapTest, TwoSurveysOfOneFloorBecomeOneMap) {
   options_.surveys = {survey_, folder_.path() / "second"};
   SimulateOptions second = SyntheticFloor(1).SurveyOptions(options_.surveys[1]);
-  second.seed = 99;  // other light, other drift
+  second.seed = 99;  // different light and drift
   Simulate(second);
   fs::remove(options_.surveys[1] / "odometry.tum");
   const BuildReport report = Build();

@@ -16,7 +16,7 @@ namespace {
 
 const cv::Scalar kBodyColor(20, 20, 230);
 
-// A survey whose every image shows the same red, spotted part of the robot at its left edge.
+// A survey whose images all show the same red, spotted part of the robot at the left edge.
 class FloorMaskTest : public ::testing::Test {
  protected:
   FloorMaskTest() {

@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::IsEmpty;
 
-// A survey whose frames have their true poses.
+// A survey with frames at their true poses.
 class HeldOutTest : public ::testing::Test {
  protected:
   HeldOutTest() {
@@ -86,7 +86,7 @@ TEST_F(HeldOutTest, AFrameOfAnotherFloorIsNotFound) {
   const int frame = ChooseHeldOut(Placed(), options_).front();
   const TemporaryFolder folder;
   SyntheticFloor(2).WriteSurvey(folder.path() / "survey");
-  // Its image is read again: from the other floor's folder.
+  // The image is read again, now from the other floor's folder.
   surveys_.front().survey.folder = folder.path() / "survey";
   const std::vector<HeldOutFrame> results = LocalizeHeldOut(Placed(), options_);
   EXPECT_EQ(results.front().filename, frames_[static_cast<std::size_t>(frame)].info.filename);

@@ -31,7 +31,7 @@ CameraCalibration Calibrate(const CameraModel& camera, std::optional<DistortionM
   return CalibrateCamera(MakeInput(camera, VariedPlacements(camera, kBoard, 18)), options);
 }
 
-// Farthest that the two cameras disagree about an undistorted point, as far out as boards were seen.
+// Largest difference of the two cameras' undistorted points, within the radius covered by boards.
 double WorstDisagreementPx(const CameraModel& truth, const CameraModel& found) {
   double worst = 0.0;
   for (int i = 0; i <= 20; ++i) {
@@ -105,7 +105,7 @@ TEST(CalibrateCamera, LeavesK3AtZeroUnlessTheLensHasOne) {
   EXPECT_NEAR(Calibrate(strong, DistortionModel::kPlumbBob).camera.distortion[4], -0.025, 0.01);
 }
 
-// Over many sets of noise the errors must be as large as the standard deviations say.
+// Over many noise samples the errors must agree with the standard deviations.
 TEST(CalibrateCamera, StandardDeviationsAreHonest) {
   const CameraModel truth = MakeBoardCamera();
   CameraCalibrationInput input = MakeInput(truth, VariedPlacements(truth, kBoard, 10));
@@ -130,7 +130,7 @@ TEST(CalibrateCamera, LeavesOutAnImageThatDisagrees) {
   CameraCalibrationInput input = MakeInput(truth, VariedPlacements(truth, kBoard, 12));
   for (std::size_t i = 0; i < input.views[7].view.raw_px.size(); ++i) {
     const double u = input.views[7].view.raw_px[i].x() / truth.width_px;
-    input.views[7].view.raw_px[i].y() += 3.0 * std::sin(20.0 * u);  // a wavy board
+    input.views[7].view.raw_px[i].y() += 3.0 * std::sin(20.0 * u);  // a warped board
   }
   const CameraCalibration found = CalibrateCamera(input, {});
   for (std::size_t i = 0; i < found.views.size(); ++i) {

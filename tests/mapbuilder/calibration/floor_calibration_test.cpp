@@ -15,7 +15,7 @@ namespace {
 
 const Board kBoard{9, 6, 0.02, {}};
 
-// A camera that looks forward and down, 0.4 m above the floor and 0.1 m before the base.
+// A camera 0.4 m above the floor and 0.1 m ahead of the base, looking forward and down.
 Eigen::Isometry3d BaseFromCamera(double pitch_down_deg) {
   Eigen::Matrix3d forward;  // optical axis forward, v down
   forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -31,7 +31,7 @@ BoardOnFloorObservation ObserveBoard(const CameraModel& camera, const Eigen::Iso
   board.translation() << base_from_board.x(), base_from_board.y(), height_m;
   board.rotate(Eigen::AngleAxisd(base_from_board.yaw(), Eigen::Vector3d::UnitZ()));
   const Eigen::Isometry3d camera_from_board = base_from_camera.inverse() * board;
-  // The guess is off, as a single image's pose is.
+  // The initial guess has the error of a single image's pose.
   return {"floor.jpg", ProjectBoard(camera, kBoard, camera_from_board, 0.03, 3), base_from_board,
           camera_from_board * Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitX())};
 }
@@ -98,7 +98,7 @@ Eigen::Matrix3d Homography(const CameraModel& camera, const Eigen::Isometry3d& b
 TEST(ChooseFloorRegion, TakesWhatADownwardCameraSees) {
   const CameraModel camera = MakeBoardCamera();
   const FloorPlane floor = ChooseFloorRegion(camera, Homography(camera, BaseFromCamera(90)), {});
-  // 0.4 m above the floor: 0.4 / 440 = 0.9 mm per pixel in the middle, more outside.
+  // At 0.4 m above the floor: 0.4 / 440 = 0.9 mm per pixel at the centre, more outside.
   EXPECT_DOUBLE_EQ(floor.resolution_m, 0.001);
   EXPECT_GT(floor.roi.width_m() * floor.roi.height_m(), 0.9 * 480 * 360 * 0.0009 * 0.0009);
   for (const double x : {floor.roi.x_min, floor.roi.x_max}) {

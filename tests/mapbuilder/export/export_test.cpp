@@ -30,7 +30,7 @@ constexpr int kTilePx = 64;
 constexpr double kPixelM = 0.01;
 constexpr double kTileM = kTilePx * kPixelM;
 
-// Smooth colours that name the place, so that JPEG changes them little. No floor east of x = 0.9 and on the lower left.
+// Position-dependent smooth colours, which JPEG hardly changes. No floor at x > 0.9 and at the lower left.
 cv::Vec3b ColorAt(double x, double y) {
   if (x > 0.9 || (x < 0.0 && y < -kTileM)) {
     return {0, 0, 0};
@@ -183,7 +183,7 @@ TEST_F(ExportTest, MapServersSeeSurveyedFloorAsFree) {
   EXPECT_EQ(at(-0.6, -0.6), OccupancyGrid::kFree);
   EXPECT_EQ(at(-0.6, -0.7), OccupancyGrid::kUnknown) << "the missing tile";
   EXPECT_EQ(at(0.05, -1.25), OccupancyGrid::kFree);
-  // As map servers do it: free below free_thresh.
+  // As in Nav2's map_server: free below free_thresh.
   EXPECT_LT((255.0 - OccupancyGrid::kFree) / 255.0, free_thresh);
   EXPECT_GT((255.0 - OccupancyGrid::kUnknown) / 255.0, free_thresh);
 }
@@ -218,7 +218,7 @@ TEST_F(ExportTest, ThePoseGraphWeighsErrorsAsTheLinksDo) {
         }
       }
       const Pose2 measured(x, y, yaw);
-      // g2o's error is (measured^-1 * first^-1 * second); ours the difference of the numbers.
+      // g2o's error is measured^-1 * first^-1 * second; ours is the difference of (x, y, yaw).
       const Pose2 off(x + 3e-4, y - 2e-4, yaw + 1e-3);
       const Pose2 difference = measured.Inverse() * off;
       const Eigen::Vector3d g2o_error(difference.x(), difference.y(), difference.yaw());

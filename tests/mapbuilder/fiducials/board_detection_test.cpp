@@ -19,8 +19,8 @@ class BoardDetection : public ::testing::Test {
   static void SetUpTestSuite() { renderer_ = new BoardRenderer(MakeBoardCamera()); }
   static void TearDownTestSuite() { delete renderer_; }
 
-  // Largest distance of a detected corner of a sharp, small image from where the corner of that number truly is;
-  // infinite when corners are missing or the board isn't found.
+  // Largest error of the detected corners in a sharp, small image; infinite when corners are missing or the board is
+  // not found.
   static double WorstErrorPx(const PrintedBoard& print, const Board& board, const BoardPlacement& placement) {
     const CameraModel camera = MakeBoardCamera();
     const Eigen::Isometry3d pose = PlaceBoard(camera, board, placement);
@@ -95,7 +95,7 @@ TEST(Board, SaysWhatMakesNoSense) {
   EXPECT_NO_THROW(check(kChessboard));
   EXPECT_NO_THROW(check(kCharuco));
   EXPECT_THROW(check({2, 6, 0.02, {}}), std::invalid_argument);
-  EXPECT_THROW(check({9, 6, 20.0, {}}), std::invalid_argument);  // millimetres
+  EXPECT_THROW(check({9, 6, 20.0, {}}), std::invalid_argument);  // given in millimetres
   EXPECT_THROW(check({9, 6, 0.0, {}}), std::invalid_argument);
   EXPECT_THROW(check({8, 5, 0.03, CharucoPattern{"DICT_5X5_100", 0.04}}), std::invalid_argument);
   EXPECT_THROW(check({8, 5, 0.03, CharucoPattern{"DICT_9X9", 0.02}}), std::invalid_argument);

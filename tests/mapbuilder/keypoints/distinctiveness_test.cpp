@@ -12,7 +12,7 @@ namespace {
 
 struct Case {
   bool binary = true;
-  int count = 0;  ///< few are searched by brute force, many by an index
+  int count = 0;  ///< few keypoints are searched by brute force, many by an index
 };
 
 class DistinctivenessTest : public ::testing::TestWithParam<Case> {};
@@ -21,7 +21,7 @@ TEST_P(DistinctivenessTest, DuplicatesElsewhereCountNearbyOnesDoNot) {
   FloorPoints floor(GetParam().count, GetParam().binary, 1);
   floor.points[0].x_m = floor.points[1].x_m = 0.2F;
   floor.points[0].y_m = floor.points[1].y_m = 0.2F;
-  floor.descriptors.row(0).copyTo(floor.descriptors.row(1));  // one place
+  floor.descriptors.row(0).copyTo(floor.descriptors.row(1));  // at the same place
   floor.points[2].x_m = 0.2F;
   floor.points[3].x_m = 0.7F;
   floor.descriptors.row(2).copyTo(floor.descriptors.row(3));
@@ -52,7 +52,7 @@ TEST(DistinctivenessTest, NearDuplicatesAreInBetween) {
   floor.points[1].x_m = 0.7F;
   floor.descriptors.row(0).copyTo(floor.descriptors.row(1));
   for (int byte = 0; byte < 4; ++byte) {
-    floor.descriptors.at<std::uint8_t>(1, byte) ^= 0xFF;  // 32 of 256 bits, chance makes 128
+    floor.descriptors.at<std::uint8_t>(1, byte) ^= 0xFF;  // 32 of 256 bits; unrelated descriptors differ by 128
   }
   EXPECT_NEAR(MeasureDistinctiveness(floor.points, floor.descriptors, {})[0], 64, 2);
 }

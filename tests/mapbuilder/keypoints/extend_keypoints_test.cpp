@@ -15,7 +15,7 @@ const Pose2 kPose(0.3, 0.5, 0.4);
 
 using Poses = std::vector<std::optional<Pose2>>;
 
-// A map that holds every point of the floor, seen by three frames.
+// A map with all points of the floor, each observed by three frames.
 MapKeypoints BuildMapOf(const FloorPoints& floor) {
   MapKeypoints map;
   map.keypoints = floor.points;
@@ -33,7 +33,7 @@ MapKeypoints Extend(const MapKeypoints& base_map, const std::vector<BuildFrame>&
   return FuseKeypoints({frames, poses, floors, &base_map, nullptr, kOldSurveys}, options);
 }
 
-// Index of the map's keypoint with this place, or -1.
+// Index of the map's keypoint at this position, or -1.
 int Find(const MapKeypoints& map, const Keypoint& point) {
   for (std::size_t i = 0; i < map.size(); ++i) {
     if ((map.keypoints[i].Position() - point.Position()).norm() < 1e-3) {
@@ -73,7 +73,7 @@ TEST_P(ExtendKeypointsTest, PositionsAreAveragedByTheNumbersOfObservations) {
 TEST_P(ExtendKeypointsTest, WhatManyFramesMissIsRemoved) {
   FloorPoints floor(200, GetParam(), 3);
   const MapKeypoints base_map = BuildMapOf(floor);
-  FloorPoints worn(100, GetParam(), 3);  // half of the points are there no more
+  FloorPoints worn(100, GetParam(), 3);  // half of the points no longer exist
   worn.points.assign(floor.points.begin(), floor.points.begin() + 100);
   worn.descriptors = floor.descriptors.rowRange(0, 100);
   const MapKeypoints few = Extend(base_map, {worn.Observe(kPose, 0.0), worn.Observe(kPose, 0.0)});
@@ -92,7 +92,7 @@ TEST_P(ExtendKeypointsTest, WhatManyFramesMissIsRemoved) {
   EXPECT_GE(gone, static_cast<int>(worn_in_view) * 3 / 4) << "but for those at the edge of the view";
 }
 
-// A point that the base map's frames seldom observed in view need not be gone when some more miss it.
+// A point that the base map's frames rarely observed although in view is not removed when a few more frames miss it.
 TEST_P(ExtendKeypointsTest, RarelyObservedPointsAreRemovedLater) {
   FloorPoints floor(200, GetParam(), 4);
   MapKeypoints base_map = BuildMapOf(floor);

@@ -14,7 +14,7 @@ namespace floorloc {
 /// Region of interest of the frames, base frame.
 inline const RectM kFloorInView{0.0, 0.4, -0.2, 0.2};
 
-/// Keypoints of a floor, a square metre from (0, 0), and frames that see those within their region of interest.
+/// Keypoints of a floor of 1 m^2 from (0, 0), and frames that observe those within their region of interest.
 class FloorPoints {
  public:
   FloorPoints(int count, bool binary, std::uint32_t seed) : random_(seed) {

@@ -110,7 +110,7 @@ TEST(FuseKeypointsTest, BitsAreDecidedByTheMajority) {
   std::vector<BuildFrame> frames(3, floor.Observe(pose, 0.0));
   for (std::size_t i = 0; i < 3; ++i) {
     frames[i].features.descriptors = frames[i].features.descriptors.clone();
-    frames[i].features.descriptors.at<std::uint8_t>(0, static_cast<int>(i)) ^= 0x11;  // each errs elsewhere
+    frames[i].features.descriptors.at<std::uint8_t>(0, static_cast<int>(i)) ^= 0x11;  // each has different bit errors
   }
   const MapKeypoints map = Fuse(frames, {pose, pose, pose});
   ASSERT_EQ(map.size(), 1U);

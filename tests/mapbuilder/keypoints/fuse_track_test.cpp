@@ -16,21 +16,21 @@ TEST(FuseTrackTest, OneOutlierHardlyMovesTheMean) {
   positions.push_back({{1.0, 2.009}, 1.0});
   const Eigen::Vector2d mean = RobustMean(positions, 3e-4);
   EXPECT_NEAR(mean.x(), 1.0, 1e-5);
-  EXPECT_NEAR(mean.y(), 2.0, 1e-4);  // the plain mean is off by a millimetre
+  EXPECT_NEAR(mean.y(), 2.0, 1e-4);  // the arithmetic mean has an error of 1 mm
 }
 
 TEST(FuseTrackTest, WeightsCount) {
   EXPECT_NEAR(RobustMean({{{0.0, 0.0}, 3.0}, {{4e-4, 0.0}, 1.0}}, 3e-4).x(), 1e-4, 1e-9);
 }
 
-// As the definition says, bit by bit.
+// Reference implementation of the definition, bit by bit.
 TEST(DescriptorVoteTest, EveryBitIsDecidedByTheMajority) {
   for (const int views : {1, 2, 3, 4, 7, 30}) {
     cv::Mat descriptors(views, 61, CV_8U);
     cv::RNG(static_cast<std::uint64_t>(views)).fill(descriptors, cv::RNG::UNIFORM, 0, 256);
     DescriptorVote vote(descriptors);
     cv::Mat fused(2, 61, CV_8U);
-    for (const int row : {0, 1}) {  // it starts again
+    for (const int row : {0, 1}) {  // it is reusable
       for (int i = 0; i < views; ++i) {
         vote.Add(descriptors, i);
       }

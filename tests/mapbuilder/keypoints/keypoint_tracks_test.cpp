@@ -14,7 +14,7 @@ namespace {
 
 using Poses = std::vector<std::optional<Pose2>>;
 
-// Point of the floor that a frame's keypoint is, by its descriptor.
+// Index of the floor's point that a frame's keypoint shows, by its descriptor.
 int PointOf(const FloorPoints& floor, const BuildFrame& frame, int keypoint) {
   for (int i = 0; i < floor.descriptors.rows; ++i) {
     if (cv::norm(floor.descriptors.row(i), frame.features.descriptors.row(keypoint), cv::NORM_INF) == 0.0) {
@@ -56,7 +56,7 @@ TEST_P(KeypointTracksTest, EveryViewOfAPointIsInItsTrack) {
 TEST_P(KeypointTracksTest, DescriptorsMustAgree) {
   FloorPoints floor(1, GetParam(), 2);
   FloorPoints other(1, GetParam(), 3);
-  other.points = floor.points;  // another image of the same place
+  other.points = floor.points;  // a different floor texture at the same place
   const Pose2 pose(floor.points[0].x_m - 0.2, floor.points[0].y_m, 0.0);
   EXPECT_EQ(FindTracks({floor.Observe(pose, 0.0), other.Observe(pose, 0.0)}, {pose, pose}, {}).size(), 2U);
   EXPECT_EQ(FindTracks({floor.Observe(pose, 0.0), floor.Observe(pose, 0.0)}, {pose, pose}, {}).size(), 1U);
@@ -96,8 +96,8 @@ TEST_P(KeypointTracksTest, BaseMapPointsAreJoined) {
 INSTANTIATE_TEST_SUITE_P(Kinds, KeypointTracksTest, ::testing::Bool(),
                          [](const auto& name) { return name.param ? "binary" : "float"; });
 
-// A frame has two similar keypoints at one place, and two tracks are there: each gets its own, in whatever order the
-// frame lists them.
+// A frame has two similar keypoints at one place with two tracks: each joins its own track, in any order of the
+// keypoints.
 TEST(KeypointTracksTest, TheMostSimilarViewJoins) {
   FloorPoints floor(1, true, 6);
   const Pose2 pose(floor.points[0].x_m - 0.2, floor.points[0].y_m, 0.0);
@@ -109,7 +109,7 @@ TEST(KeypointTracksTest, TheMostSimilarViewJoins) {
   both.features.keypoints.push_back(duplicate.features.keypoints[0]);
   cv::vconcat(one.features.descriptors, duplicate.features.descriptors, both.features.descriptors);
   BuildFrame swapped = both;
-  swapped.features.descriptors = cv::Mat();  // not the same memory
+  swapped.features.descriptors = cv::Mat();  // separate memory
   cv::vconcat(duplicate.features.descriptors, one.features.descriptors, swapped.features.descriptors);
   const std::vector<KeypointTrack> tracks = FindTracks({both, swapped}, {pose, pose}, {});
   ASSERT_EQ(tracks.size(), 2U);

@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Points of response 0 to 1 that a frame sees with this probability, each known from one view more.
+// Points that a frame detects with probability equal to their response (0 to 1), plus one more observation each.
 std::vector<PointHistory> MakePoints(int count, int frames) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
@@ -46,7 +46,7 @@ TEST(KeypointUsefulnessTest, DuplicatesAreOfLittleUse) {
   EXPECT_GT(usefulness[0], usefulness[2]);
 }
 
-// Two cells of ten points: in the first all but three have duplicates, in the second one has.
+// Two cells of ten points: in the first seven have duplicates, in the second one has.
 TEST(KeypointUsefulnessTest, WhereDuplicatesAreCommonTheyCountLikeTheOthers) {
   std::vector<Eigen::Vector2d> positions;
   std::vector<PointHistory> points;

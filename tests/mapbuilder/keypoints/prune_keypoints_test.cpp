@@ -9,10 +9,10 @@
 namespace floorloc {
 namespace {
 
-// A metre by a metre of covered floor.
+// 1 m x 1 m of covered floor.
 CoverageGrid SquareMetre() { return CoverageGrid({Pose2()}, {RectM{0.0, 1.0, 0.0, 1.0}}); }
 
-// The left half of the square metre has so many points, the right one so many others; usefulness is their order.
+// Random points with random usefulness, `left` of them in the left half of the square metre and `right` in the right.
 struct TwoHalves {
   TwoHalves(int left, int right) {
     std::mt19937 random(1);
@@ -82,7 +82,7 @@ TEST(PruneKeypointsTest, TheMostUsefulOfEachCellStay) {
   }
 }
 
-// A cell at the edge of the map, of which frames saw a tenth, gets a tenth.
+// A cell at the edge of the map that is covered to one fifth gets one fifth of a cell's budget.
 TEST(PruneKeypointsTest, PartsOfCellsGetPartsOfTheBudget) {
   const CoverageGrid coverage({Pose2()}, {RectM{0.0, 0.12, 0.0, 0.1}});
   std::vector<Eigen::Vector2d> points;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kResolutionM = 0.001;
 
-// Blobs of several sizes on grey: 0.6 x 0.5 m.
+// Blobs of several sizes on a grey floor of 0.6 x 0.5 m.
 FloorImage MakeFloor() {
   cv::RNG random(5);
   cv::Mat gray(500, 600, CV_8UC1, cv::Scalar(120));
@@ -28,7 +28,7 @@ FloorImage MakeFloor() {
   return FloorImage::FromMosaic(gray, mask, {0.0, 0.5}, kResolutionM);
 }
 
-// What a camera at the pose would see: 0.24 x 0.24 m before it.
+// The image of a camera at the pose: 0.24 x 0.24 m ahead of it.
 TestFrame MakeFrame(const FloorImage& map, const Pose2& map_from_base) {
   GroundImage image;
   image.grid = {0.24, 0.12, kResolutionM, 240, 240};
@@ -152,7 +152,7 @@ TEST_F(ExperimentTest, TheBudgetBoundsKeypoints) {
 }
 
 TEST(Detector, MserGivesKeypointsThatCanBeDescribed) {
-  // Grain like that of wood: long thin regions, and ellipses fitted to them may be as long as they like.
+  // Texture like wood grain: its long thin regions give ellipses of arbitrary length.
   cv::Mat noise(600, 600, CV_32F), gray;
   cv::RNG(3).fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
   cv::GaussianBlur(noise, noise, cv::Size(), 20.0, 1.0);

@@ -19,7 +19,7 @@ namespace {
 constexpr DetectorKind kKinds[] = {DetectorKind::kOrb, DetectorKind::kAkaze, DetectorKind::kBrisk, DetectorKind::kSift,
                                    DetectorKind::kSurf};
 
-// Discs and squares of many sizes, with the contrast of an image or that of a dull floor.
+// Discs and squares of many sizes, with normal contrast or the low contrast of a floor.
 cv::Mat Shapes(double contrast) {
   cv::Mat image(300, 400, CV_8UC1, cv::Scalar(128));
   cv::RNG rng(11);
@@ -52,7 +52,7 @@ TEST_P(EveryKind, FindsAboutAsManyAsWanted) {
     for (const int wanted : {50, 300}) {
       const FeatureSetting setting = SettingFor(GetParam(), image, wanted);
       const auto found = TunedFeature(setting).DetectAndDescribe(image);
-      // BRISK's whole grey levels are coarse steps where contrast is low.
+      // BRISK's integer threshold is coarse at low contrast.
       EXPECT_NEAR(static_cast<double>(found.keypoints.size()), wanted, contrast == 1.0 ? 0.06 * wanted : 0.2 * wanted)
           << ToString(setting) << ", contrast " << contrast;
       EXPECT_EQ(found.descriptors.rows, static_cast<int>(found.keypoints.size()));
@@ -103,7 +103,7 @@ TEST(MeasureSequence, MatchesOfAnotherSceneAreNotConsistent) {
   const cv::Mat image = Shapes(1.0);
   cv::Mat other;
   cv::rotate(image, other, cv::ROTATE_180);
-  cv::flip(other, other, 0);  // mirrored: no homography that keeps the hand has it
+  cv::flip(other, other, 0);  // mirrored: not related by an orientation-preserving homography
   cv::resize(other, other, {}, 0.37, 0.37);
   const SequenceScore score = MeasureSequence({image, other}, DetectorKind::kOrb, 300);
   EXPECT_GT(score.matched_percent[0], 10) << "the matcher finds partners anyway";

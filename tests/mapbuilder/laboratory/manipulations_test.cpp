@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Grey noise around 120 with detail of a few pixels.
+// Grey noise around 120 with structures of a few pixels.
 cv::Mat Noise() {
   cv::Mat noise(120, 160, CV_8UC1);
   cv::RNG rng(3);
@@ -21,7 +21,7 @@ cv::Mat Noise() {
 
 double Mean(const cv::Mat& image) { return cv::mean(image)[0]; }
 
-// How much there is to see: mean curvature of the grey levels, to which the slow changes of the veil add nothing.
+// Amount of detail: mean absolute Laplacian, to which the smooth veil adds nothing.
 double Detail(const cv::Mat& image) {
   cv::Mat curvature;
   cv::Laplacian(image, curvature, CV_32F);

@@ -10,7 +10,8 @@ namespace {
 
 const Pose2 kTruth(1.2, 0.7, 2.5);
 
-// A frame of 40 keypoints in a map: the first `right` matches are right and clear, the others wrong and unclear.
+// A frame of 40 keypoints in a map: the first `right` matches are inliers with a low ratio, the others outliers with a
+// high one.
 struct Scene {
   Features frame, map;
   std::vector<Match> matches;

@@ -34,7 +34,7 @@ using ::testing::Not;
 constexpr double kMarkerM = 0.04;
 constexpr double kRimM = 0.01;
 
-// A marker as it lies on the test floor; quarter turns counter-clockwise.
+// A marker on the test floor, rotated counter-clockwise in steps of 90 degrees.
 struct PlacedMarker {
   int id = 0;
   Eigen::Vector2d center_m;
@@ -59,7 +59,7 @@ void DrawMarkers(FloorTexture* floor) {
     }
     marker = 0.7 * marker + 20.0;
     cv::cvtColor(marker, marker, cv::COLOR_GRAY2BGR);
-    // Its middle falls between pixels.
+    // The marker's centre is on a pixel border.
     const Eigen::Vector2d px = floor->PixelFromMap(placed.center_m) + Eigen::Vector2d(0.5, 0.5);
     const int half = side / 2 + rim;
     marker.copyTo(floor->bgr(cv::Rect(static_cast<int>(std::lround(px.x())) - half,
@@ -67,7 +67,7 @@ void DrawMarkers(FloorTexture* floor) {
   }
 }
 
-// 18 frames over a floor with five markers; odometry without drift, but in a frame of its own.
+// 18 frames over a floor with five markers; odometry without drift, in its own frame.
 void WriteSurvey(const fs::path& folder) {
   FloorTextureOptions options;
   options.width_m = 1.2;

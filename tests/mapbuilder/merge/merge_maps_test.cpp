@@ -13,7 +13,7 @@
 namespace floorloc {
 namespace {
 
-// A map of two frames, a keypoint and one tile of noise.
+// A map with two frames, one keypoint and one mosaic tile of noise.
 class MapDeformationTest : public ::testing::Test {
  protected:
   MapDeformationTest() {
@@ -78,7 +78,7 @@ TEST(JoinKeypointsTest, SharedPointsBecomeOne) {
       add(&first, k, i, 3);
     }
     if (i >= 100) {
-      k.x_m += 4e-4F;  // the second map's view of it
+      k.x_m += 4e-4F;  // its position in the second map
       add(&second, k, i, 1);
     }
   }

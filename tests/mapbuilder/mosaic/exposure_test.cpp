@@ -16,7 +16,7 @@
 namespace floorloc {
 namespace {
 
-// Surveys of one floor in bad light, at their true poses; every two frames that overlap well are linked.
+// Surveys of one floor in uneven light, at their true poses; all pairs of frames with large overlap are linked.
 class ExposureTest : public ::testing::Test {
  protected:
   void Record(const ConditionLevels& conditions, std::uint64_t seed) {
@@ -74,7 +74,7 @@ class ExposureTest : public ::testing::Test {
     return mosaic;
   }
 
-  // Log of mosaic over floor, without detail, per channel: what is left of light.
+  // Remaining light: log ratio of the smoothed mosaic to the smoothed floor, per channel.
   std::vector<cv::Vec3f> LightLeft(const cv::Mat& mosaic) const {
     cv::Mat soft_mosaic;
     cv::Mat soft_floor;
@@ -98,7 +98,7 @@ class ExposureTest : public ::testing::Test {
     return left;
   }
 
-  // Standard deviations over the floor: of the brightness, and of blue against red.
+  // Standard deviations over the floor of the brightness and of the difference of blue and red.
   static std::pair<double, double> Spread(const std::vector<cv::Vec3f>& left) {
     cv::Scalar mean;
     cv::Scalar brightness;
@@ -176,7 +176,7 @@ TEST_F(ExposureTest, CamerasOfDifferentExposureMakeOneFloor) {
 
 TEST_F(ExposureTest, FramesTakeOnTheExposureOfTheBackground) {
   Record(BadExposure(), 3);
-  // Known in the west only; the east follows over the links.
+  // The light is known in the west only and is propagated to the east by the links.
   const Exposure exposure = Estimate([this](const RectM& square, int side_px) {
     MosaicPatch patch = MosaicPatch::Empty(side_px);
     cv::Mat soft;

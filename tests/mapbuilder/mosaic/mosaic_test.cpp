@@ -16,7 +16,7 @@
 namespace floorloc {
 namespace {
 
-// The synthetic floor's mosaic from frames at their true poses under perfect conditions.
+// The synthetic floor's mosaic from frames at their true poses under ideal conditions.
 class MosaicTest : public ::testing::Test {
  protected:
   using Tiles = std::map<TileId, cv::Mat>;
@@ -27,7 +27,7 @@ class MosaicTest : public ::testing::Test {
     Tiles tiles;
     std::vector<Pose2> upper_poses;  // of the frames in the floor's upper half
     RectM floor_in_base;
-    Tiles over_background;  // of those, over a background that is known west of kKnownWest only
+    Tiles over_background;  // of these, over a background that exists only west of kKnownWest
   };
   struct Recipe {
     int threads = 0;
@@ -119,7 +119,7 @@ class MosaicTest : public ::testing::Test {
     return shared;
   }
 
-  // What the texture shows where a tile lies.
+  // The texture of a tile's area.
   static cv::Mat TextureOf(const Shared& s, const TileId& tile) {
     const double side_m = s.layout.TileSide(tile.z);
     const double step_m = side_m / s.layout.tile_px;
@@ -194,7 +194,7 @@ TEST_F(MosaicTest, TilesCoverTheSurveyAndNoMore) {
   }
 }
 
-// How deep a point lies in the view of any frame of the upper half, metres; negative outside.
+// Largest distance of a point from the border of the images of the upper half, metres; negative outside.
 double DepthInViews(const std::vector<Pose2>& poses, const RectM& view, const Eigen::Vector2d& point) {
   double depth = -1.0;
   for (const Pose2& pose : poses) {
@@ -253,7 +253,7 @@ TEST_F(MosaicTest, EveryLevelIsTheFinerOneShrunk) {
       continue;
     }
     cv::Mat four(2 * s.layout.tile_px, 2 * s.layout.tile_px, CV_8UC3);
-    for (int i = 0; i < 4; ++i) {  // y counts up, rows count down
+    for (int i = 0; i < 4; ++i) {  // y grows up, rows grow down
       const TileId child{id.z + 1, 2 * id.x + i % 2, 2 * id.y + i / 2};
       s.tiles.at(child).copyTo(
           four(cv::Rect(i % 2 * s.layout.tile_px, (1 - i / 2) * s.layout.tile_px, s.layout.tile_px, s.layout.tile_px)));
@@ -273,7 +273,7 @@ TEST(MosaicLayoutTest, TheCoarsestLevelIsFewTiles) {
     EXPECT_EQ(layout.tile_px, 256);
     EXPECT_EQ(layout.resolution_m, 0.001);
     EXPECT_NEAR(layout.TileSide(layout.max_zoom), 0.256, 1e-12);
-    EXPECT_GE(layout.TileSide(0), width_m);  // so at most two tiles wide, wherever the extent begins
+    EXPECT_GE(layout.TileSide(0), width_m);  // so at most two tiles wide for any origin of the extent
     EXPECT_LE(layout.TileSide(0), std::max(2.0 * width_m, 0.256) * (1.0 + 1e-9));
   }
 }

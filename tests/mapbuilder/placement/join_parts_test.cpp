@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Two rows of frames 0.15 m apart, the second row 0.2 m beside the first.
+// Two rows of frames at steps of 0.15 m, 0.2 m apart.
 constexpr int kPerRow = 10;
 constexpr double kTileM = 0.3;
 
@@ -34,10 +34,10 @@ std::vector<Link> Rows() {
   return links;
 }
 
-// The same floor as it looks from one tile further.
+// A false link on a tiled floor, off by one tile.
 Link OneTileOff(Link link) {
   link.first_from_second = Pose2(0.0, -kTileM, 0.0) * link.first_from_second;
-  link.inliers = 150;  // the overlap seems larger
+  link.inliers = 150;  // more than a true link: the apparent overlap is larger
   return link;
 }
 
@@ -70,7 +70,7 @@ TEST(JoinPartsTest, UnorderedFramesAreJoined) {
   EXPECT_EQ(component, std::vector<int>(2 * kPerRow, 0));
 }
 
-// More inliers, and many that agree with each other: only the lower similarity of the images reveals them.
+// False links with more inliers that agree with each other: only the lower similarity of the images distinguishes them.
 TEST(JoinPartsTest, OnRepetitiveFloorsLessSimilarLinksDoNotJoin) {
   std::vector<Link> candidates;
   for (Link link : Rows()) {

@@ -18,7 +18,7 @@ struct MapFramesAndLinks {
   std::vector<RectM> floor_in_base;
 };
 
-// Frames of two cameras on a hall of 6 x 4 m around the origin; every tenth has no place.
+// Frames of two cameras in a hall of 6 x 4 m around the origin; every tenth has no pose.
 MapFramesAndLinks RandomFrames(int count, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -11,7 +11,7 @@ namespace {
 
 class PlacementJournalTest : public ::testing::Test {
  protected:
-  // What a resumed build of three frames gets.
+  // The placement that a resumed build of three frames restores.
   std::optional<Placement> StoreAndRestore(const Placement& placement) {
     {
       BuildJournal journal(file_, false, nullptr);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kSigmaM = 5e-4;
 constexpr double kSigmaRad = 1e-3;
 
-// A robot drives twice around a circle of 2 m; every frame is linked to the next ones and to the other round's.
+// Two rounds on a circle of 2 m; every frame is linked to the next ones and to those of the other round.
 class Loop {
  public:
   explicit Loop(std::uint32_t seed) : random_(seed) {
@@ -114,7 +114,7 @@ TEST(PoseGraphTest, FalseLinksDoNotBendTheMap) {
 
 TEST(PoseGraphTest, ControlPointsPinTheFrame) {
   Loop loop(4);
-  const Pose2 elsewhere(100.0, -50.0, 2.0);  // where the surveyor's frame has the start
+  const Pose2 elsewhere(100.0, -50.0, 2.0);  // the start in the surveyor's frame
   for (const int frame : {3, 20, 45, 70}) {
     const Eigen::Vector2d point(0.2, 0.1);
     loop.graph.control_points.push_back(
@@ -179,7 +179,7 @@ TEST(SpanningForestTest, ComponentsAreNumberedByTheirSmallestFrame) {
 TEST(SpanningForestTest, ChainsTheStrongestLinks) {
   const Pose2 step(1.0, 0.0, 0.0);
   const Pose2 weak(9.0, 9.0, 9.0);
-  // 0 - 1 - 2 by strong links; the weak direct link 0 - 2 and the odometry 1 - 2 lose; odometry alone reaches 3.
+  // 0 - 1 - 2 are chained by strong links, not by the weak link 0 - 2 or the odometry 1 - 2; only odometry reaches 3.
   const std::vector<Link> links = {MakeLink(0, 2, weak, 10), MakeLink(0, 1, step, 50), MakeLink(2, 1, step, 40)};
   const std::vector<Link> odometry = {MakeLink(1, 2, weak, 0), MakeLink(2, 3, Pose2(0.0, 1.0, 0.0), 0)};
   const Pose2 root(5.0, 5.0, 0.5 * std::numbers::pi);
@@ -190,9 +190,9 @@ TEST(SpanningForestTest, ChainsTheStrongestLinks) {
   };
   expect_at(0, 5.0, 5.0);
   expect_at(1, 5.0, 6.0);
-  expect_at(2, 5.0, 5.0);  // link 2 - 1 points the other way
+  expect_at(2, 5.0, 5.0);  // link 2 - 1 is inverted
   expect_at(3, 4.0, 5.0);
-  expect_at(4, 7.0, 7.0);  // nothing reaches it
+  expect_at(4, 7.0, 7.0);  // not connected
 }
 
 }  // namespace

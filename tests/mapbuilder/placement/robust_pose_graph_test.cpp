@@ -19,7 +19,8 @@ constexpr double kStepM = 0.15;
 constexpr double kLaneM = 0.2;
 constexpr double kTileM = 0.3;
 
-// A survey in lanes, to and fro. Odometry joins consecutive frames, images these and the neighbouring lanes.
+// A survey in lanes of alternating direction. Odometry connects consecutive frames; links connect these and
+// neighbouring lanes.
 class Lanes {
  public:
   explicit Lanes(std::uint32_t seed) : random_(seed) {
@@ -40,7 +41,7 @@ class Lanes {
     graph.fixed = {0};
   }
 
-  // Loop closures that are wrong by one tile: all in the same way, so that they bear each other out.
+  // Loop closures that are wrong by the same tile, so that they agree with each other.
   void AddTileClosures(int count) {
     for (int i = 0; i < count; ++i) {
       Link link = RandomClosure();
@@ -60,7 +61,7 @@ class Lanes {
     }
   }
 
-  // From poses as the builder chains them: the links of most inliers first, false or not.
+  // Starts from chained poses as the builder does: by the links with most inliers, true or false.
   RobustPoseGraphSummary Solve() {
     graph.map_from_base =
         ChainPoses(std::vector<Pose2>(static_cast<std::size_t>(Count()), truth_.front()), graph.links, graph.odometry);
@@ -96,7 +97,7 @@ class Lanes {
     link.inliers = 100 + static_cast<int>(random_() % 100);
     return link;
   }
-  // No pair twice, or a single frame would have more false links than true ones.
+  // Never repeats a pair, so that no frame gets more false than true links.
   Link RandomClosure() {
     constexpr int kCoprime = 59;
     closure_ = (closure_ + kCoprime) % (Count() - kPerLane);

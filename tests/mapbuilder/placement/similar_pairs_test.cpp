@@ -10,7 +10,7 @@
 namespace floorloc {
 namespace {
 
-// Every frame is a part of its own.
+// Every frame is its own part.
 std::vector<int> Alone(std::size_t count) {
   std::vector<int> part(count);
   std::iota(part.begin(), part.end(), 0);
@@ -40,7 +40,7 @@ TEST(SimilarPairsTest, AreFramesWithTheSameDescriptors) {
   EXPECT_LE(found.size(), 40U);
 }
 
-// Two drives over the same floor: each frame is most like its neighbours of the same drive.
+// Two drives over the same floor: each frame is most similar to its neighbours of the same drive.
 TEST(SimilarPairsTest, AFramesOwnPartDoesNotHideTheOthers) {
   constexpr std::size_t kHalf = 60;
   std::vector<BuildFrame> frames(2 * kHalf);
@@ -51,7 +51,7 @@ TEST(SimilarPairsTest, AFramesOwnPartDoesNotHideTheOthers) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const int start = 40 * static_cast<int>(i % kHalf);
     cv::Mat descriptors = floor.rowRange(start, start + 200).clone();
-    descriptors.col(0) = cv::Scalar(i < kHalf ? 0 : 255);  // the drives differ a little
+    descriptors.col(0) = cv::Scalar(i < kHalf ? 0 : 255);  // the drives differ slightly
     frames[i].features.descriptors = descriptors;
     part.push_back(i < kHalf ? 0 : 1);
   }

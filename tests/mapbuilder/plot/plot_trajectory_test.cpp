@@ -14,7 +14,7 @@
 namespace floorloc {
 namespace {
 
-// A drive along a circle whose error grows from 0 to 10 mm.
+// A drive along a circle with an error growing from 0 to 10 mm.
 ErrorPlot Drive(int count) {
   ErrorPlot plot{"ape of a circle", "mm", {}, {}};
   for (int i = 0; i < count; ++i) {

@@ -24,7 +24,7 @@ namespace {
 using testing_map::FatalDamages;
 using testing_map::OtherDamages;
 
-// What the commands do with a map, one after the other on the same damaged file.
+// Runs the commands that read maps on a damaged file.
 class DamagedMapTest : public ::testing::Test {
  protected:
   DamagedMapTest() {
@@ -41,7 +41,7 @@ class DamagedMapTest : public ::testing::Test {
     testing_map::RunSql(damaged_, sql);
   }
 
-  // Those that take the whole map.
+  // Commands that read the whole map.
   std::map<std::string, std::function<void()>> WholeMapCommands() {
     return {
         {"info", [this] { MapDatabase(damaged_).ReadMap(); }},
@@ -56,7 +56,7 @@ class DamagedMapTest : public ::testing::Test {
     };
   }
 
-  // Those that take parts of it.
+  // Commands that read parts of it.
   std::map<std::string, std::function<void()>> ExportCommands() {
     return {
         {"mosaic", [this] { ExportMosaic(MapDatabase(damaged_), 0.0); }},
@@ -80,8 +80,7 @@ class DamagedMapTest : public ::testing::Test {
     MergeMaps(merge_);
   }
 
-  // What the command prints when it fails; empty when it does not. Anything but these two kinds is a sentence for
-  // programmers.
+  // Message of the command's MapError or InputError, or "". Other exceptions are not meant for users and fail the test.
   static std::string SentenceOf(const std::function<void()>& command) {
     try {
       command();
@@ -123,7 +122,7 @@ TEST_F(DamagedMapTest, EveryCommandRefusesWhatNoneCanUse) {
   }
 }
 
-// An export may not need what is damaged.
+// An export may succeed when it does not read the damaged content.
 TEST_F(DamagedMapTest, ExportsRefuseOrWork) {
   for (const auto& damages : {FatalDamages(), OtherDamages()}) {
     for (const std::string& damage : damages) {

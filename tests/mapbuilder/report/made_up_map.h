@@ -8,9 +8,9 @@
 
 namespace floorloc {
 
-/// A map of 3.2 x 2.4 m as a good survey gives it: a frame every 0.1 m looks straight down at 0.4 x 0.4 m, neighbours
-/// are linked by exact measurements, 3,000 distinctive keypoints per square metre that several frames saw.
-/// keep: which frames there are, by the middle of their view.
+/// A map of 3.2 x 2.4 m as from a good survey: a frame of 0.4 x 0.4 m every 0.1 m, looking straight down, exact links
+/// between neighbours, 3,000 distinctive keypoints per square metre, each with several observations.
+/// keep: selects the frames by the centre of their image.
 inline MapEvidence MakeMapEvidence(const std::function<bool(const Eigen::Vector2d&)>& keep =
                                        [](const Eigen::Vector2d&) { return true; }) {
   MapEvidence evidence;
@@ -60,7 +60,7 @@ inline MapEvidence MakeMapEvidence(const std::function<bool(const Eigen::Vector2
   return evidence;
 }
 
-/// Removes the keypoints that lie in a rectangle.
+/// Removes the keypoints in a rectangle.
 inline void ClearKeypoints(const RectM& rect, MapEvidence* evidence) {
   MapKeypoints& keypoints = evidence->map.keypoints;
   std::size_t kept = 0;
@@ -77,7 +77,7 @@ inline void ClearKeypoints(const RectM& rect, MapEvidence* evidence) {
   keypoints.distinctiveness.resize(kept);
 }
 
-/// Calls change(i) for the keypoints that lie in a rectangle.
+/// Calls change(i) for the keypoints in a rectangle.
 inline void ForKeypointsIn(const RectM& rect, const MapEvidence& evidence,
                            const std::function<void(std::size_t)>& change) {
   for (std::size_t i = 0; i < evidence.map.keypoints.size(); ++i) {

@@ -82,7 +82,7 @@ TEST(OdometryDriftTest, IsTheDistanceFromTheMapAfterTheFirstFrame) {
   for (std::size_t i = 0; i < evidence.frames.size(); ++i) {
     const double step = static_cast<double>(i);
     evidence.frames[i].map_from_base = Pose2(1.0 + 0.5 * step, 2.0, 0.0);
-    evidence.frames[i].odom_from_base = Pose2(0.0, 0.51 * step, 1.5707963267948966);  // another frame, 2 % too long
+    evidence.frames[i].odom_from_base = Pose2(0.0, 0.51 * step, 1.5707963267948966);  // in another frame, 2 % too long
   }
   const std::vector<OdometryDrift> drifts = FollowOdometry(evidence);
   ASSERT_EQ(drifts.size(), 1U);

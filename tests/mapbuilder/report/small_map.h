@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// A survey of synthetic floor and the coarse map that the builder makes of it, built once per process.
+/// A survey of the synthetic floor and its coarse map, built once per process.
 class SmallMap {
  public:
   static const SmallMap& Get() {

@@ -8,7 +8,7 @@
 namespace floorloc {
 namespace {
 
-// Motions of a robot that weaves forward, and how vision would measure them.
+// Motions of a robot on a weaving path, and the visual measurements of them.
 std::vector<MotionPair> Motions(double scale, double direction_rad, double mirror) {
   cv::RNG rng(7);
   std::vector<MotionPair> motions;

@@ -23,7 +23,7 @@ class StandstillTest : public ::testing::Test {
     registration_.threads = 1;
   }
 
-  // A frame with its own noise, seen this far along the way.
+  // Adds a frame at this pose with independent noise.
   void AddFrame(double x_m, double yaw_rad = 0.0) {
     RenderConditions conditions;
     conditions.read_noise = 1.8;
@@ -66,7 +66,7 @@ TEST_F(StandstillTest, TheSlowestMotionAddsUp) {
   for (int i = 0; i < 20; ++i) {
     AddFrame(0.0001 * i);  // a seventh of a pixel each
   }
-  // Every third or so is kept: the way is covered in steps of less than a pixel.
+  // About every third frame is kept, so that the path is covered in steps below one pixel.
   const std::size_t kept = frames_.size() - Find().repeated.size();
   EXPECT_GE(kept, 5U);
   EXPECT_LE(kept, 10U);

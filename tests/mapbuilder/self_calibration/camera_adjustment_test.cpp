@@ -22,7 +22,7 @@ TEST_P(CameraAdjustmentTest, NoChangeIsNoChange) {
   EXPECT_LT((same.FloorFromRawPixel(raw_px) - GetParam().FloorFromRawPixel(raw_px)).norm(), 1e-9);
 }
 
-// To first order what MountingJacobian says, which was derived another way.
+// Agrees to first order with MountingJacobian, which was derived independently.
 TEST_P(CameraAdjustmentTest, MountingMovesThePointsAsTheJacobianSays) {
   const FloorCamera& camera = GetParam();
   const Eigen::Vector2d point = camera.floor.roi.Center() + Eigen::Vector2d(0.07, -0.05);
@@ -34,7 +34,7 @@ TEST_P(CameraAdjustmentTest, MountingMovesThePointsAsTheJacobianSays) {
   EXPECT_LT((jacobian.col(2) - mounting.col(3)).norm(), 1e-5);
 }
 
-// Under a camera that looks straight down, a longer lens and a lower camera see the same.
+// For a camera that looks straight down, focal length and height are not separable.
 TEST(CameraAdjustmentTest, FocalLengthAndHeightCancelStraightDown) {
   const FloorCamera camera = MakeDownwardCamera();
   CameraAdjustment change = CameraAdjustment::Zero();

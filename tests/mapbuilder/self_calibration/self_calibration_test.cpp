@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-// Twenty frames over a square metre, seen through a camera whose calibration is off.
+// Twenty frames over a square metre by a camera with a wrong calibration.
 class Survey20 {
  public:
   explicit Survey20(const CameraAdjustment& error) : true_camera_(MakeForwardCamera()), points_(4000, true, 7) {
@@ -43,7 +43,7 @@ class Survey20 {
     return result.calibration;
   }
 
-  // How far the survey's camera is from the true one, worst over the region of interest, rigid motion left aside.
+  // Largest error of side lengths of the region of interest by the survey's camera, independent of rigid motion.
   double ShapeErrorM() const {
     const FloorCamera& camera = surveys.front().survey.camera;
     const auto floor_point = [&](double x, double y) {
@@ -111,7 +111,7 @@ TEST(SelfCalibrationTest, FindsPitchRollAndDistortion) {
     EXPECT_GT(found.cameras[0].sigma[i], 0.0);
     EXPECT_LT(found.cameras[0].sigma[i], 2e-3);
   }
-  EXPECT_EQ(found.cameras[0].change[static_cast<int>(CameraUnknown::kHeight)], 0.0);  // was not asked for
+  EXPECT_EQ(found.cameras[0].change[static_cast<int>(CameraUnknown::kHeight)], 0.0);  // was not requested
   for (std::size_t i = 0; i < survey.truth.size(); ++i) {
     const Eigen::Vector2d off = survey.placement.map_from_base[i]->translation() - survey.truth[i].translation();
     EXPECT_LT(off.norm(), 5e-3) << i;

@@ -109,7 +109,7 @@ TEST(CameraRenderer, SmearsAlongTheMotionAndKeepsTheMiddle) {
   EXPECT_LT((DotCentroid(smeared, expected) - expected).norm(), 0.1);
   const cv::Moments a = DotMoments(sharp, expected, 20);
   const cv::Moments b = DotMoments(smeared, expected, 20);
-  // A uniform smear of length L adds the variance L^2 / 12.
+  // A uniform blur of length L adds the variance L^2 / 12.
   EXPECT_NEAR(b.mu02 / b.m00 - a.mu02 / a.m00, 12.0 * 12.0 / 12.0, 1.5);
   EXPECT_NEAR(b.mu20 / b.m00 - a.mu20 / a.m00, 0.0, 0.3);
 }
@@ -121,13 +121,14 @@ TEST(CameraRenderer, VibrationMovesTheImageAsTheOpticsPredict) {
   const CameraRenderer renderer(DottedFloor({map_from_base * point}), camera);
   RenderConditions raised;
   raised.vibration.height_m = 0.01;
-  // From 0.41 m instead of 0.40 m the point looks 0.40 / 0.41 as far from the spot below the camera (0.2 m, 0).
+  // From 0.41 m instead of 0.40 m the point appears at 0.40 / 0.41 of its distance from the point below the camera
+  // (0.2 m, 0).
   const Eigen::Vector2d below(0.2, 0.0);
   const Eigen::Vector2d expected = camera.RawPixelFromFloor(below + (point - below) * (0.40 / 0.41));
   const cv::Mat image = renderer.Render(map_from_base, raised);
   EXPECT_LT((DotCentroid(image, expected) - expected).norm(), 0.1);
   RenderConditions pitched;
-  pitched.vibration.pitch_rad = 0.005;  // nose down: the camera's axis meets the floor 2 mm further back
+  pitched.vibration.pitch_rad = 0.005;  // nose down: the optical axis meets the floor 2 mm further back
   const Eigen::Vector2d forward = camera.RawPixelFromFloor({0.2, 0.0});
   const CameraRenderer centered(DottedFloor({map_from_base * below}), camera);
   const Eigen::Vector2d measured = DotCentroid(centered.Render(map_from_base, pitched), forward);

@@ -15,7 +15,7 @@
 namespace floorloc {
 namespace {
 
-// A minute on 2.6 x 1.8 m with everything that can happen, sensors without errors.
+// A minute on 2.6 x 1.8 m with all kinds of events and exact sensors.
 PathOptions EventfulDrive() {
   PathOptions options;
   options.type = PathType::kDrive;
@@ -34,7 +34,7 @@ PathOptions EventfulDrive() {
 
 std::int64_t StampOf(const Trajectory& trajectory, std::size_t index) { return trajectory[index].stamp_ns; }
 
-// Largest difference between what odometry and truth say of the motions between neighbouring rows that `counts` picks.
+// Largest difference between odometry's and true motions of consecutive rows whose time `counts` selects.
 template <typename Counts>
 double LargestDisagreement(const SimulatedPath& path, Counts counts) {
   double worst = 0.0;
@@ -71,7 +71,7 @@ TEST(SimulatedDrive, StampsOdometryAtItsOwnRateToTheLastFrame) {
 
 TEST(SimulatedDrive, DenseTruthPassesThroughTheFrames) {
   const SimulatedPath path = PlanPath(EventfulDrive());
-  for (std::size_t i = 0; i < path.frames.size(); i += 2) {  // every half second is on the odometry's grid
+  for (std::size_t i = 0; i < path.frames.size(); i += 2) {  // multiples of half a second are odometry stamps
     const auto row = std::find_if(path.truth.begin(), path.truth.end(),
                                   [&](const StampedPose3& pose) { return pose.stamp_ns == path.frames[i].stamp_ns; });
     ASSERT_NE(row, path.truth.end());
@@ -116,7 +116,7 @@ TEST(SimulatedDrive, AccelerationsIntegrateToTheVelocities) {
     }
     ASSERT_NEAR(path.imu[i].acceleration.z(), kGravity, 1e-9);
   }
-  EXPECT_LT(worst, 0.02);  // velocity_at() is a mean of 40 ms
+  EXPECT_LT(worst, 0.02);  // velocity_at() averages over 40 ms
 }
 
 TEST(SimulatedDrive, StandsStillAtStopsAndVariesItsSpeedElsewhere) {

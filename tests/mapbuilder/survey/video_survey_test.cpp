@@ -30,7 +30,7 @@ using ::testing::HasSubstr;
 
 constexpr double kFps = 10.0;
 
-// A robot drives 0.5 m straight on with a standstill in between; ten images a second.
+// A robot drives 0.5 m straight with a standstill in between; ten images per second.
 class VideoSurveyTest : public ::testing::Test {
  protected:
   VideoSurveyTest() {
@@ -44,11 +44,11 @@ class VideoSurveyTest : public ::testing::Test {
   }
 
   Pose2 PoseAt(int image) const {
-    const int moved = image < 10 ? image : std::max(10, image - 10);  // still from 10 to 20
+    const int moved = image < 10 ? image : std::max(10, image - 10);  // standing from 10 to 20
     return floor_.BaseForView(0.3 + 0.02 * moved, 0.45, 0.01 * moved);
   }
 
-  // Every odd image is blurred.
+  // Odd images are blurred.
   void WriteVideo(int images) const {
     cv::VideoWriter video(options_.video.string(), cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
                           kFps, {640, 480});
