@@ -15,7 +15,7 @@ struct DaemonOptions {
 };
 
 /// Serves until SIGTERM or SIGINT, then finishes the requests in flight. Returns the exit code: with `check` 1 when a
-/// map cannot be served, otherwise 0. Throws with one sentence when it cannot start.
+/// map cannot be served or there is none, otherwise 0. Throws with one sentence when it cannot start.
 int RunDaemon(const DaemonOptions& options);
 
 }  // namespace floorloc

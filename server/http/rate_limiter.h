@@ -8,12 +8,12 @@
 
 namespace floorloc {
 
-/// One token bucket per client address: `rate` requests per second, bursts of one second.
+/// One token bucket per client address: rate_per_s requests per second, bursts of one second (at least one request).
 class RateLimiter {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  /// rate 0: no limit.
+  /// rate_per_s 0: no limit.
   explicit RateLimiter(double rate_per_s) : rate_per_s_(rate_per_s) {}
 
   /// Takes a token. False when the rate limit is exceeded.

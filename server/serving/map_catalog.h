@@ -38,7 +38,8 @@ std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, cons
 /// All maps of a folder, by name. Thread-safe.
 class MapCatalog {
  public:
-  /// Loads every NAME.floormap of the folder. Throws InputError when the folder cannot be read.
+  /// Loads every NAME.floormap of the folder; warns of and skips invalid names. Throws InputError when the folder
+  /// cannot be read.
   MapCatalog(const std::filesystem::path& folder, const LocalizerOptions& options);
 
   /// Null when there is no such map.

@@ -59,6 +59,7 @@ class VehicleRegistry {
   /// At max_vehicles, the vehicle with the oldest last message is evicted if it has expired; otherwise throws Problem
   /// (409 too_many_vehicles).
   Registration Put(Vehicle vehicle);
+  /// False when the vehicle is not registered.
   bool Remove(const std::string& id);
   std::optional<VehicleState> Find(const std::string& id) const;
   std::vector<VehicleState> All() const;

@@ -74,6 +74,7 @@ class VehicleSession {
   /// dropped; 0: never.
   VehicleSession(const TrackerOptions& options, double resolution_m, double timeout_s);
 
+  /// Adds increments in the given order; one outcome each.
   OdometryReport AddOdometry(const std::vector<OdometryMessage>& increments);
   /// stamp_ns: empty means the stamp of the newest message, or before any message that of the first one to arrive.
   VehicleView SetPose(PoseFix pose, std::optional<std::int64_t> stamp_ns);
