@@ -95,15 +95,16 @@ struct DistanceWithinFrame {
   }
 };
 
-// Zero-mean Gaussian prior on N unknowns.
+// Zero-mean Gaussian prior on N unknowns plus a given offset.
 template <int N>
 struct ZeroPrior {
+  Eigen::Matrix<double, N, 1> offset;
   Eigen::Matrix<double, N, 1> sigma;
 
   template <typename T>
   bool operator()(const T* value, T* residual) const {
     for (int i = 0; i < N; ++i) {
-      residual[i] = value[i] / T(sigma[i]);
+      residual[i] = (T(offset[i]) + value[i]) / T(sigma[i]);
     }
     return true;
   }
@@ -138,6 +139,9 @@ class Adjuster {
   double* TiltOf(int frame) { return bundle_.tilts[static_cast<std::size_t>(frame)].data(); }
   int CameraNumber(int frame) const { return bundle_.camera_of_frame[static_cast<std::size_t>(frame)]; }
   double* CameraOf(int frame) { return bundle_.cameras[static_cast<std::size_t>(CameraNumber(frame))].data(); }
+  CameraAdjustment EarlierChange(std::size_t camera) const {
+    return bundle_.earlier_change.empty() ? CameraAdjustment(CameraAdjustment::Zero()) : bundle_.earlier_change[camera];
+  }
   static ceres::LossFunction* Robust() { return new ceres::CauchyLoss(kCauchyScale); }
 
   void AddObservations();
@@ -216,7 +220,8 @@ void Adjuster::AddPriors() {
       known.push_back(i);
     }
   }
-  for (CameraAdjustment& camera : bundle_.cameras) {
+  for (std::size_t c = 0; c < bundle_.cameras.size(); ++c) {
+    CameraAdjustment& camera = bundle_.cameras[c];
     if (!problem_.HasParameterBlock(camera.data())) {
       continue;
     }
@@ -226,7 +231,7 @@ void Adjuster::AddPriors() {
     }
     problem_.AddResidualBlock(
         new ceres::AutoDiffCostFunction<ZeroPrior<kCameraUnknowns>, kCameraUnknowns, kCameraUnknowns>(
-            new ZeroPrior<kCameraUnknowns>{sigma}),
+            new ZeroPrior<kCameraUnknowns>{EarlierChange(c), sigma}),
         nullptr, camera.data());
     if (!known.empty()) {
       problem_.SetManifold(camera.data(), new ceres::SubsetManifold(kCameraUnknowns, known));
@@ -241,7 +246,7 @@ void Adjuster::AddPriors() {
       problem_.SetParameterBlockConstant(tilt.data());
     } else {
       problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ZeroPrior<kTiltUnknowns>, kTiltUnknowns, kTiltUnknowns>(
-                                    new ZeroPrior<kTiltUnknowns>{tilt_sigma}),
+                                    new ZeroPrior<kTiltUnknowns>{Eigen::Vector3d::Zero(), tilt_sigma}),
                                 nullptr, tilt.data());
     }
   }

@@ -52,7 +52,10 @@ struct Bundle {
   std::vector<Pose2> map_from_base;
   std::vector<int> camera_of_frame;
   std::vector<CameraAdjustment> cameras;  ///< result: one per camera, starts at zero
-  std::vector<Eigen::Vector3d> tilts;     ///< result: one per frame, starts at zero
+  /// Per camera, what earlier rounds changed already; empty: nothing. The prior is on this and `cameras` together, for
+  /// it is the given calibration that it speaks of.
+  std::vector<CameraAdjustment> earlier_change;
+  std::vector<Eigen::Vector3d> tilts;  ///< result: one per frame, starts at zero
   std::vector<ObservedTrack> tracks;
   std::vector<ObservedControlPoint> control_points;
   std::vector<ObservedDistance> distances;

@@ -57,6 +57,9 @@ class Calibrator {
     result.cameras.resize(surveys_.size());
     for (std::size_t round = 0; round < kTrackRadiusFactors.size(); ++round) {
       Bundle bundle = MakeBundle(kTrackRadiusFactors[round]);
+      for (const CalibratedCamera& camera : result.cameras) {
+        bundle.earlier_change.push_back(camera.change);
+      }
       const BundleSummary summary = AdjustBundle(&bundle);
       if (round == 0) {
         result.rms_before_m = summary.rms_before_m;
