@@ -86,6 +86,9 @@ struct GuidedMatcher::Window {
 
 GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m)
     : descriptors_(descriptors), cell_m_(cell_m) {
+  if (!(cell_m > 0.0) || !std::isfinite(cell_m)) {
+    throw std::invalid_argument("cell_m must be a positive number");
+  }
   if (descriptors.depth() == CV_8U) {
     packed_ = PackedDescriptors(descriptors);
   }
@@ -199,6 +202,9 @@ std::vector<int> GuidedMatcher::FindWithin(const Keypoint& keypoint, double radi
 }
 
 std::vector<Match> GuidedMatcher::FindNearest(const Features& query, const MatchGuide& guide) const {
+  if (guide.stride < 1) {
+    throw std::invalid_argument("stride must be at least 1");
+  }
   if (query.keypoints.empty() || descriptors_.rows == 0) {
     return {};
   }

@@ -30,10 +30,11 @@ constexpr double kKeypointAngleNoiseRad = 0.35;
 /// descriptors, which must outlive it. Const and thread-safe.
 class GuidedMatcher {
  public:
+  /// cell_m: side of the grid's cells, > 0. Throws std::invalid_argument when it is not a positive number.
   GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m);
 
   /// One match per query keypoint that has a candidate. Throws std::invalid_argument when the descriptors differ from
-  /// its own in type or length.
+  /// its own in type or length, or when the stride is below 1.
   std::vector<Match> FindNearest(const Features& query, const MatchGuide& guide) const;
 
   /// Indices of the keypoints of similar size (kMaxSizeRatio) within radius_m of a keypoint, at any angle, including

@@ -169,6 +169,19 @@ TEST_P(GuidedMatcherTest, EmptyMapMatchesNothing) {
   EXPECT_TRUE(matcher.FindNearest(FeaturesSeenFrom(map_, Pose2()), {Pose2(), 1.0, kPi}).empty());
 }
 
+TEST_P(GuidedMatcherTest, WhatWouldNeverEndIsRefused) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double cell_m : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(GuidedMatcher(map_.keypoints, map_.descriptors, cell_m), std::invalid_argument) << cell_m;
+  }
+  const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM);
+  MatchGuide guide;
+  for (const int stride : {0, -1}) {
+    guide.stride = stride;
+    EXPECT_THROW(matcher.FindNearest(map_, guide), std::invalid_argument) << stride;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, GuidedMatcherTest, ::testing::Bool(),
                          [](const auto& name) { return name.param ? "binary" : "float"; });
 
