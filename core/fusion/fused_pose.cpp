@@ -33,6 +33,8 @@ const char* ToString(FixRejection reason) {
       return "duplicate";
     case FixRejection::kInvalid:
       return "invalid";
+    case FixRejection::kCount:
+      break;
   }
   return "";
 }

@@ -46,7 +46,8 @@ enum class FixRejection {
   kMahalanobis,   ///< within the other gates, but not compatible with both covariances
   kTooOld,        ///< older than the history
   kDuplicate,     ///< there is a fix of this time already
-  kInvalid,       ///< not finite, or its covariance is not positive definite
+  kInvalid,       ///< not finite, or its covariance is none
+  kCount,         ///< how many there are; stays last
 };
 /// "", "wrong_fix_risk", "jump_distance", "jump_angle", "mahalanobis", "too_old", "duplicate", "invalid"
 const char* ToString(FixRejection reason);

@@ -17,6 +17,8 @@ const char* ToString(MessageOutcome outcome) {
       return "clock_jump";
     case MessageOutcome::kInvalid:
       return "invalid";
+    case MessageOutcome::kCount:
+      break;
   }
   return "";
 }

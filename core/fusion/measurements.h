@@ -41,6 +41,7 @@ enum class MessageOutcome {
   kTooOld,     ///< older than the history; ignored
   kClockJump,  ///< the sender's clock was set; the history restarts with this message
   kInvalid,    ///< not finite, or ends before it begins; ignored
+  kCount,      ///< how many there are; stays last
 };
 /// "used", "used_late", "duplicate", "too_old", "clock_jump", "invalid"
 const char* ToString(MessageOutcome outcome);

@@ -41,16 +41,18 @@ nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view,
 
 nlohmann::json FormatMessageCounts(const VehicleCounts& counts) {
   nlohmann::json json;
-  for (const MessageOutcome outcome : kMessageOutcomes) {
-    json[ToString(outcome)] = counts.messages[static_cast<std::size_t>(outcome)];
+  for (const MessageOutcome outcome : counts.messages.Values()) {
+    json[ToString(outcome)] = counts.messages[outcome];
   }
   return json;
 }
 
 nlohmann::json FormatFixCounts(const VehicleCounts& counts) {
   nlohmann::json rejected;
-  for (const FixRejection reason : kFixRejections) {
-    rejected[ToString(reason)] = counts.rejected[static_cast<std::size_t>(reason)];
+  for (const FixRejection reason : counts.rejected.Values()) {
+    if (reason != FixRejection::kNone) {
+      rejected[ToString(reason)] = counts.rejected[reason];
+    }
   }
   return {{"accepted", counts.accepted}, {"reanchored", counts.reanchored}, {"rejected", std::move(rejected)}};
 }

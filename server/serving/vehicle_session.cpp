@@ -128,7 +128,7 @@ OdometryReport VehicleSession::AddOdometry(const std::vector<OdometryMessage>& i
   OdometryReport report;
   for (const OdometryMessage& increment : increments) {
     report.messages.push_back(AddIncrementLocked(increment));
-    ++counts_.messages[static_cast<std::size_t>(report.messages.back())];
+    ++counts_.messages[report.messages.back()];
   }
   report.view = ViewLocked();
   return report;
@@ -210,12 +210,12 @@ FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& f
 }
 
 void VehicleSession::CountLocked(const FrameReport& report) {
-  ++counts_.messages[static_cast<std::size_t>(report.message)];
+  ++counts_.messages[report.message];
   if (report.fix && report.fix->accepted) {
     ++counts_.accepted;
     counts_.reanchored += report.fix->reanchored ? 1 : 0;
   } else if (report.fix) {
-    ++counts_.rejected[static_cast<std::size_t>(report.fix->reason)];
+    ++counts_.rejected[report.fix->reason];
   }
 }
 

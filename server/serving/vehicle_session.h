@@ -14,19 +14,33 @@
 
 namespace floorloc {
 
-constexpr std::array kMessageOutcomes = {MessageOutcome::kUsed,      MessageOutcome::kUsedLate,
-                                         MessageOutcome::kDuplicate, MessageOutcome::kTooOld,
-                                         MessageOutcome::kClockJump, MessageOutcome::kInvalid};
-constexpr std::array kFixRejections = {
-    FixRejection::kWrongFixRisk, FixRejection::kJumpDistance, FixRejection::kJumpAngle, FixRejection::kMahalanobis,
-    FixRejection::kTooOld,       FixRejection::kDuplicate,    FixRejection::kInvalid};
+/// How often each value of an enumeration came; its enumerators run from 0 to kCount.
+template <typename Enum>
+class EnumCounts {
+ public:
+  std::uint64_t& operator[](Enum value) { return counts_[static_cast<std::size_t>(value)]; }
+  std::uint64_t operator[](Enum value) const { return counts_[static_cast<std::size_t>(value)]; }
+
+  /// Every value of the enumeration, in its order.
+  static constexpr auto Values() {
+    std::array<Enum, kSize> values{};
+    for (std::size_t i = 0; i < kSize; ++i) {
+      values[i] = static_cast<Enum>(i);
+    }
+    return values;
+  }
+
+ private:
+  static constexpr auto kSize = static_cast<std::size_t>(Enum::kCount);
+  std::array<std::uint64_t, kSize> counts_{};
+};
 
 /// Counts of a vehicle's messages and fixes by outcome, since it was registered.
 struct VehicleCounts {
-  std::array<std::uint64_t, kMessageOutcomes.size()> messages{};  ///< in the order of MessageOutcome
+  EnumCounts<MessageOutcome> messages;
   std::uint64_t accepted = 0;
-  std::uint64_t reanchored = 0;                                     ///< included in accepted
-  std::array<std::uint64_t, kFixRejections.size() + 1> rejected{};  ///< in the order of FixRejection
+  std::uint64_t reanchored = 0;       ///< some of the accepted ones
+  EnumCounts<FixRejection> rejected;  ///< none under FixRejection::kNone
 };
 
 /// State of a vehicle at the time of its newest message.

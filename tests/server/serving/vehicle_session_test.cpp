@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
 namespace floorloc {
 namespace {
 
@@ -92,9 +95,31 @@ TEST_F(VehicleSessionTest, EveryReasonToRejectIsReached) {
   EXPECT_EQ(Rejection(Frame(100.5, broken)), FixRejection::kInvalid);
   const VehicleCounts counts = session_.View().counts;
   EXPECT_EQ(counts.accepted, 1U);
-  for (const FixRejection reason : kFixRejections) {
-    EXPECT_EQ(counts.rejected[static_cast<std::size_t>(reason)], 1U) << ToString(reason);
+  for (const FixRejection reason : counts.rejected.Values()) {
+    EXPECT_EQ(counts.rejected[reason], reason == FixRejection::kNone ? 0U : 1U) << ToString(reason);
   }
+}
+
+// Whoever adds an enumerator before kCount gets a counter and must give it a name.
+template <typename Enum>
+void ExpectACounterAndANameForEach(Enum last) {
+  EnumCounts<Enum> counts;
+  std::set<std::string> names;
+  for (const Enum value : counts.Values()) {
+    EXPECT_EQ(counts[value], 0U);
+    ++counts[value];
+    names.insert(ToString(value));
+  }
+  for (const Enum value : counts.Values()) {
+    EXPECT_EQ(counts[value], 1U) << ToString(value);
+  }
+  EXPECT_EQ(names.size(), counts.Values().size());
+  EXPECT_EQ(counts.Values().back(), last);
+}
+
+TEST(EnumCountsTest, EveryOutcomeAndReasonHasACounterAndANameOfItsOwn) {
+  ExpectACounterAndANameForEach(MessageOutcome::kInvalid);
+  ExpectACounterAndANameForEach(FixRejection::kInvalid);
 }
 
 TEST_F(VehicleSessionTest, AKidnappedVehicleIsFoundAgain) {
