@@ -35,6 +35,7 @@ struct FusedPose {
   TrackingState state = TrackingState::kLost;
   bool contradicted = false;          ///< the last fix contradicts it
   std::optional<SinceFix> since_fix;  ///< empty before the first fix
+  double wheel_noise_factor = 1.0;    ///< variance of the wheels' noise against what OdometryNoise says, as learnt
 };
 
 /// Why a fix was not used.

@@ -352,6 +352,7 @@ FusedPose PoseFilter::ToFusedPose(const FilterState& state) const {
   pose.covariance = state.MapCovariance();
   pose.odom_from_base = state.odom_from_base;
   pose.map_from_odom = state.map_from_base * state.odom_from_base.Inverse();
+  pose.wheel_noise_factor = state.wheel_noise_factor;
   const FilterLimits& limits = options_.limits;
   const bool fine = LargestSigma(pose.covariance.topLeftCorner<2, 2>()) <= limits.localized_m &&
                     std::sqrt(pose.covariance(2, 2)) <= limits.localized_rad;

@@ -133,7 +133,8 @@ NextFrame VehicleTracker::Next() const {
   const double margin_m2 = limits.localized_m * limits.localized_m - sigmas.position_m * sigmas.position_m;
   const double margin_rad2 = limits.localized_rad * limits.localized_rad - sigmas.yaw_rad * sigmas.yaw_rad;
   const double metres =
-      std::min(margin_m2 / (noise.noise_m * noise.noise_m), margin_rad2 / (noise.noise_rad * noise.noise_rad));
+      std::min(margin_m2 / (noise.noise_m * noise.noise_m), margin_rad2 / (noise.noise_rad * noise.noise_rad)) /
+      now->wheel_noise_factor;
   const double since_s = now->since_fix ? now->since_fix->seconds : 0.0;
   const double since_m = now->since_fix ? now->since_fix->metres : 0.0;
   return {std::max(0.0, o.max_s - since_s), std::clamp(o.max_m - since_m, 0.0, std::max(0.0, metres))};

@@ -159,5 +159,35 @@ TEST_F(VehicleTrackerTest, RequestsImagesWhileUncertain) {
   EXPECT_LT(tracker_.Next().metres, next.metres);
 }
 
+// Path until the next image, after fixes every half metre between which the wheels are off by the given share of what
+// the fuser can believe, to either side in turn.
+double NextMetresAfterDrive(double scatter) {
+  TrackerOptions options;
+  options.visual_odometry = false;
+  VehicleTracker tracker(options, 1e-3);
+  LocalizationResult found;
+  found.status = LocalizationStatus::kLocalized;
+  found.covariance = Eigen::Vector3d(1e-7, 1e-7, 1e-6).asDiagonal();
+  found.p_wrong = 1e-9;
+  double off_m = 0.008;
+  for (int i = 0; i < 30; ++i) {
+    const std::int64_t stamp_ns = kStartNs + i * kFrameNs;
+    if (i > 0) {
+      const double error_m = (i % 2 == 0 ? scatter : -scatter) * off_m;
+      tracker.AddOdometry({stamp_ns - kFrameNs, stamp_ns, Pose2(0.5, error_m, 0.0), std::nullopt});
+      off_m = std::min(0.05, 1.1 * off_m);
+    }
+    found.map_from_base = Pose2(0.5 * i, 0.0, 0.0);
+    const FrameOutcome outcome = tracker.AddFrame(stamp_ns, {}, found);
+    EXPECT_TRUE(outcome.fix.has_value() && outcome.fix->accepted) << i;
+  }
+  return tracker.Next().metres;
+}
+
+TEST(VehicleTrackerNextTest, WheelsThatProveWorseThanTheirOptionsWantPicturesSooner) {
+  EXPECT_EQ(NextMetresAfterDrive(0.0), NextFrameOptions().max_m);
+  EXPECT_LT(NextMetresAfterDrive(1.0), 0.8 * NextFrameOptions().max_m);
+}
+
 }  // namespace
 }  // namespace floorloc
