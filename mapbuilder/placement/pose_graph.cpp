@@ -77,10 +77,9 @@ PoseGraphSummary Solve(PoseGraph* graph, const std::vector<double>& weights) {
     result.converged = true;
     return result;
   }
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = RepeatableSolverOptions();
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 100;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   for (std::size_t i = 0; i < parameters.size(); ++i) {

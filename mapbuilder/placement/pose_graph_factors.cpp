@@ -54,6 +54,13 @@ struct PriorError {
 
 }  // namespace
 
+ceres::Solver::Options RepeatableSolverOptions() {
+  ceres::Solver::Options options;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
 void AddBetween(const Link& link, ceres::LossFunction* loss, PoseParameters* p, ceres::Problem* problem) {
   problem->AddResidualBlock(new ceres::AutoDiffCostFunction<BetweenError, 3, 3, 3>(
                                 new BetweenError{link.first_from_second, SqrtInformation(link.covariance)}),

@@ -261,12 +261,11 @@ void Adjuster::SetConstantParameters() {
 }
 
 bool Adjuster::Solve() {
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = RepeatableSolverOptions();
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 30;
   options.function_tolerance = 1e-5;
-  options.initial_trust_region_radius = 1e10;  // damping would hold back the scale, which few factors determine
-  options.logging_type = ceres::SILENT;
+  options.initial_trust_region_radius = 1e10;  // damping would hold the scale, which few factors determine
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (ObservedTrack& track : bundle_.tracks) {
     options.linear_solver_ordering->AddElementToGroup(track.position_m.data(), 0);

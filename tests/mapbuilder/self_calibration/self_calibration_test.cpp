@@ -152,6 +152,24 @@ TEST(SelfCalibrationTest, ThePriorIsOnTheWholeChangeNotOnEachRounds) {
   EXPECT_GT(change, -0.06);
 }
 
+TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNotABit) {
+  const auto run = [](int threads) {
+    Survey20 survey(Error(CameraUnknown::kPitch, 0.008));
+    survey.options.unknowns = ParseCameraUnknowns({"mounting", "distortion"});
+    survey.options.registration.threads = threads;
+    std::vector<double> numbers;
+    const CameraAdjustment change = survey.Run().cameras[0].change;
+    numbers.assign(change.begin(), change.end());
+    for (const std::optional<Pose2>& pose : survey.placement.map_from_base) {
+      numbers.insert(numbers.end(), {pose->x(), pose->y(), pose->yaw()});
+    }
+    return numbers;
+  };
+  const std::vector<double> alone = run(1);
+  EXPECT_EQ(run(2), alone);
+  EXPECT_EQ(run(4), alone);
+}
+
 TEST(SelfCalibrationTest, HeightWithoutAScaleConstraintIsRefused) {
   Survey20 survey(CameraAdjustment::Zero());
   survey.options.unknowns = ParseCameraUnknowns({"height"});
