@@ -7,13 +7,13 @@
 
 import argparse
 import csv
-import os
 import pathlib
 import shutil
 import sys
 
 import hugin
 import scaling
+import state_folder
 from alignment import geometric_error
 from builder import build_map
 from comparison_table import Row, print_rows
@@ -139,7 +139,10 @@ def parse_arguments():
 
 def main():
     arguments = parse_arguments()
-    os.makedirs(arguments.state, exist_ok=True)
+    try:
+        state_folder.claim(arguments.state, "build_benchmark")
+    except RuntimeError as error:
+        sys.exit(f"bench: {error}")
     if arguments.scaling:
         scaling.run(arguments.bin, arguments.state, arguments.frames)
     else:

@@ -4,11 +4,14 @@
 
 import cmath
 import math
+import pathlib
 import random
 import sys
+import tempfile
 import unittest
 
 import hugin
+import state_folder
 from alignment import fit_motion, geometric_error
 from builder import parse_tum
 from limited_process import Limits, run_limited
@@ -104,6 +107,19 @@ class Hugin(unittest.TestCase):
         self.assertEqual(sorted(good), [(0, 1), (1, 2), (2, 3)])
         left = hugin.parse_control_points(hugin.keep_points(text, good))
         self.assertEqual({(p.first, p.second) for p in left}, set(good))
+
+
+class StateFolder(unittest.TestCase):
+    def test_what_others_put_there_is_left_alone(self):
+        with tempfile.TemporaryDirectory() as parent:
+            folder = pathlib.Path(parent) / "state"
+            state_folder.claim(folder, "build_benchmark")
+            (folder / "map-40").mkdir()
+            state_folder.claim(folder, "build_benchmark")
+            with self.assertRaisesRegex(RuntimeError, "not made by another"):
+                state_folder.claim(folder, "another")
+            with self.assertRaisesRegex(RuntimeError, "new or empty"):
+                state_folder.claim(pathlib.Path(parent), "build_benchmark")
 
 
 class Builder(unittest.TestCase):

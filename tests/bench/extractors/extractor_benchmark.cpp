@@ -9,6 +9,7 @@
 
 #include "mapbuilder/batch/progress.h"
 #include "tests/bench/extractors/extractor_trial.h"
+#include "tests/bench/common/state_folder.h"
 
 namespace floorloc {
 namespace {
@@ -70,8 +71,7 @@ void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   const std::vector<ExtractorVariant> variants = SelectVariants(arguments.only);
   const SceneMakers makers = MakeSceneMakers(arguments);
-  fs::remove_all(arguments.state);
-  fs::create_directories(arguments.state);
+  ClearStateFolder(arguments.state, "extractor_benchmark");
   std::vector<ExtractorTally> tallies(variants.size());
   std::vector<std::string> groups;
   ProgressBar progress("extractors", static_cast<std::int64_t>(makers.size() * variants.size()),

@@ -14,6 +14,7 @@
 #include "tests/bench/honesty/honesty_report.h"
 #include "tests/bench/honesty/result_file.h"
 #include "tests/bench/scenes/frame_runner.h"
+#include "tests/bench/common/state_folder.h"
 
 namespace floorloc {
 namespace {
@@ -47,7 +48,9 @@ struct Bench {
 Bench Prepare(const Arguments& arguments) {
   Bench bench{arguments, FloorCases(arguments.photograph), ConditionCases(), {}};
   if (arguments.rebuild) {
-    fs::remove_all(arguments.state);
+    ClearStateFolder(arguments.state, "honesty_benchmark");
+  } else {
+    OpenStateFolder(arguments.state, "honesty_benchmark");
   }
   for (std::size_t i = 0; i < bench.floors.size(); ++i) {
     if (arguments.restart) {

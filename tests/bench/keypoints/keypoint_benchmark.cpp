@@ -8,6 +8,7 @@
 
 #include "mapbuilder/batch/progress.h"
 #include "tests/bench/keypoints/keypoint_table.h"
+#include "tests/bench/common/state_folder.h"
 
 namespace floorloc {
 namespace {
@@ -49,8 +50,7 @@ SceneMakers MakeSceneMakers(const Arguments& arguments) {
 
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
-  fs::remove_all(arguments.state);
-  fs::create_directories(arguments.state);
+  ClearStateFolder(arguments.state, "keypoint_benchmark");
   const SceneMakers makers = MakeSceneMakers(arguments);
   std::vector<KeypointTally> tallies = MakeTallies(arguments.budgets);
   std::vector<std::string> groups;
