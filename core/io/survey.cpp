@@ -5,6 +5,7 @@
 #include <cctype>
 #include <unordered_set>
 
+#include "core/io/camera_mask.h"
 #include "core/io/camera_yaml.h"
 #include "core/io/delimited_text.h"
 #include "core/io/input_error.h"
@@ -167,6 +168,7 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames
   Survey survey;
   survey.folder = folder;
   survey.camera = ReadFloorCamera(folder);
+  survey.mask = ReadCameraMask(folder, survey.camera.camera);
   ReadFrames(bad_frames, &survey);
   if (const fs::path file = folder / "odometry.tum"; Exists(file)) {
     survey.odometry = ReadTum(file);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -72,6 +73,7 @@ struct Survey {
   std::vector<ImuSample> imu;
   std::vector<ControlPoint> control_points;
   std::vector<KnownDistance> known_distances;
+  cv::Mat mask;  ///< mask.png: CV_8UC1 of the camera's size, 0 where images show no floor (the robot's body); or empty
 
   std::filesystem::path ImagePath(const SurveyFrame& frame) const { return folder / frame.filename; }
 };

@@ -11,7 +11,7 @@ namespace floorloc {
 
 FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOptions& options) {
   const Survey survey = ReadSurvey(folder);
-  const Rectifier rectifier(survey.camera.AtResolution(options.resolution_m));
+  const Rectifier rectifier(survey.camera.AtResolution(options.resolution_m), survey.mask);
   FrameBag bag;
   bag.name = std::filesystem::absolute(folder / "").lexically_normal().parent_path().filename().string();
   int with_truth = 0;

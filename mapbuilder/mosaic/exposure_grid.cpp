@@ -31,7 +31,7 @@ cv::Mat SmallPixels(const ExposureGrid& grid, const FloorCamera& camera) {
 }  // namespace
 
 ExposureGrid::ExposureGrid(const LoadedSurvey& survey) : ground(survey.rectifier->grid()) {
-  const cv::Mat mask = survey.FloorMask();
+  const cv::Mat& mask = survey.rectifier->mask();
   valid = cv::Mat::zeros(std::max(1, mask.rows / kCellPx), std::max(1, mask.cols / kCellPx), CV_8UC1);
   for (int v = 0; v < valid.rows; ++v) {
     for (int u = 0; u < valid.cols; ++u) {

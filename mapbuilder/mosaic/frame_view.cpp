@@ -22,7 +22,7 @@ cv::Mat DepthOf(const cv::Mat& mask) {
 }  // namespace
 
 SurveyView::SurveyView(const LoadedSurvey& survey, cv::Mat gain)
-    : rectifier(survey.rectifier), depth(DepthOf(survey.FloorMask())), flat_gain(std::move(gain)) {}
+    : rectifier(survey.rectifier), depth(DepthOf(survey.rectifier->mask())), flat_gain(std::move(gain)) {}
 
 FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base)
     : survey_(&survey),

@@ -108,7 +108,7 @@ SourceImage BlockBlender::Load(int frame) const {
   const LoadedSurvey& from = input_.surveys[static_cast<std::size_t>(f.survey)];
   const Survey& survey = from.survey;
   const CameraModel& camera = survey.camera.camera;
-  return MakeSourceImage(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), from.raw_mask,
+  return MakeSourceImage(ReadColorImage(survey.ImagePath(f.info), camera.width_px, camera.height_px), from.survey.mask,
                          shrink_);
 }
 

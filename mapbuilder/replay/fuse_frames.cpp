@@ -20,7 +20,7 @@ class Run {
       : localizer_(localizer),
         survey_(survey),
         options_(options),
-        rectifier_(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m)),
+        rectifier_(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask),
         tracker_(options.tracker, localizer.map().info.camera().floor.resolution_m) {}
 
   FusedDrive All() {

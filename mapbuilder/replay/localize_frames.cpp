@@ -129,7 +129,7 @@ PriorSource ParsePriorSource(const std::string& name) {
 
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,
                                            const LocalizeFramesOptions& options) {
-  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m));
+  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask);
   if (options.prior == PriorSource::kOdometry) {
     return LocalizeWithOdometry(localizer, rectifier, survey, options);
   }

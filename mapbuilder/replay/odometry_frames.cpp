@@ -78,7 +78,7 @@ nlohmann::ordered_json ToJson(const VisualMotion& motion) {
 // Extracts features of the frames [first, last) and records the times.
 std::vector<Features> ExtractFrames(const Survey& survey, const FeatureExtractor& extractor, int threads,
                                     std::span<PlanarFrame> frames) {
-  const Rectifier rectifier(survey.camera);
+  const Rectifier rectifier(survey.camera, survey.mask);
   const CameraModel& camera = survey.camera.camera;
   std::vector<Features> features(frames.size());
   ParallelFor(static_cast<int>(frames.size()), threads, [&](int i) {

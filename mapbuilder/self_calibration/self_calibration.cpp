@@ -70,7 +70,7 @@ class Calibrator {
     }
     for (std::size_t s = 0; s < surveys_.size(); ++s) {
       result.cameras[s].camera = surveys_[s].survey.camera;
-      surveys_[s].rectifier = std::make_shared<Rectifier>(surveys_[s].survey.camera);
+      surveys_[s].rectifier = std::make_shared<Rectifier>(surveys_[s].survey.camera, surveys_[s].survey.mask);
     }
     RemeasureLinks();
     return result;

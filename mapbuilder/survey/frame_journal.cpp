@@ -57,7 +57,7 @@ FrameJournal::FrameJournal(BuildJournal* journal, const std::vector<LoadedSurvey
       hash.Add(name).Add(value);
     }
     AddCamera(loaded.survey.camera, &hash);
-    if (!loaded.raw_mask.empty()) {
+    if (!loaded.survey.mask.empty()) {
       AddFile(loaded.survey.folder / "mask.png", &hash);
     }
     survey_keys_.push_back(hash.Hex());

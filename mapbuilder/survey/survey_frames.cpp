@@ -28,37 +28,13 @@ cv::Mat MeasureBrightness(const GroundImage& image) {
 void Extract(const LoadedSurvey& from, const FeatureExtractor& extractor, BuildFrame* frame) {
   const CameraModel& camera = from.survey.camera.camera;
   const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame->info), camera.width_px, camera.height_px);
-  GroundImage image = from.rectifier->Rectify(raw);
-  if (!from.raw_mask.empty()) {
-    image.mask = from.FloorMask();
-    image.gray.setTo(0, image.mask == 0);
-  }
+  const GroundImage image = from.rectifier->Rectify(raw);
   frame->features = extractor.Extract(image);
   frame->brightness = MeasureBrightness(image);
   frame->quality = MeasureQuality(image);
 }
 
-cv::Mat ReadMask(const Survey& survey) {
-  const std::filesystem::path file = survey.folder / "mask.png";
-  if (!std::filesystem::exists(file)) {
-    return {};
-  }
-  const cv::Mat mask = ReadGrayImage(file, survey.camera.camera.width_px, survey.camera.camera.height_px) > 0;
-  if (cv::countNonZero(mask) == 0) {
-    throw InputError(file, "masks everything; paint white what is floor");
-  }
-  return mask;
-}
-
 }  // namespace
-
-cv::Mat LoadedSurvey::FloorMask() const {
-  if (raw_mask.empty()) {
-    return rectifier->mask();
-  }
-  // Interpolated pixels next to masked ones are masked too.
-  return (rectifier->RectifyImage(raw_mask) == 255) & rectifier->mask();
-}
 
 std::vector<RectM> FrameSet::FloorsInBase() const {
   std::vector<RectM> floors;
@@ -74,13 +50,12 @@ std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& 
   std::vector<LoadedSurvey> surveys;
   for (const std::filesystem::path& folder : folders) {
     LoadedSurvey loaded{ReadSurvey(folder, bad_frames), nullptr};
-    loaded.raw_mask = ReadMask(loaded.survey);
     FloorCamera& camera = loaded.survey.camera;
     if (resolution_m > 0.0 || !surveys.empty()) {
       camera =
           camera.AtResolution(resolution_m > 0.0 ? resolution_m : surveys.front().survey.camera.floor.resolution_m);
     }
-    loaded.rectifier = std::make_shared<Rectifier>(camera);
+    loaded.rectifier = std::make_shared<Rectifier>(camera, loaded.survey.mask);
     surveys.push_back(std::move(loaded));
   }
   return surveys;

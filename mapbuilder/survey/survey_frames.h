@@ -20,12 +20,6 @@ namespace floorloc {
 struct LoadedSurvey {
   Survey survey;
   std::shared_ptr<const Rectifier> rectifier;
-  /// mask.png of the folder: CV_8UC1 of raw image size, 0 where the image does not show floor (the robot's body); may
-  /// be empty.
-  cv::Mat raw_mask = {};
-
-  /// CV_8UC1 of rectified image size, 255 where it shows floor.
-  cv::Mat FloorMask() const;
 };
 
 /// External pose measurement of a frame.

@@ -19,7 +19,8 @@ GroundGrid GroundGrid::FromFloor(const FloorPlane& floor) {
   return grid;
 }
 
-Rectifier::Rectifier(const FloorCamera& camera) : camera_(camera) {
+Rectifier::Rectifier(const FloorCamera& camera, const cv::Mat& raw_mask)
+    : camera_(camera), raw_mask_(raw_mask.empty() ? cv::Mat() : cv::Mat(raw_mask > 0)) {
   camera_.Check();
   grid_ = GroundGrid::FromFloor(camera_.floor);
   const cv::Size size(grid_.width_px, grid_.height_px);
@@ -37,6 +38,19 @@ Rectifier::Rectifier(const FloorCamera& camera) : camera_(camera) {
     }
   }
   cv::convertMaps(map, cv::noArray(), map_xy_, map_fraction_, CV_16SC2);
+  if (!raw_mask_.empty()) {
+    ApplyMask();
+  }
+}
+
+void Rectifier::ApplyMask() {
+  if (raw_mask_.type() != CV_8UC1) {
+    throw std::invalid_argument("the mask is not grey");
+  }
+  const int seen = cv::countNonZero(mask_);
+  // Pixels that mix with what is masked do not count.
+  mask_ &= RectifyImage(raw_mask_) == 255;
+  masked_share_ = seen > 0 ? 1.0 - static_cast<double>(cv::countNonZero(mask_)) / seen : 0.0;
 }
 
 cv::Mat Rectifier::RectifyImage(const cv::Mat& raw) const {
@@ -52,7 +66,11 @@ GroundImage Rectifier::Rectify(const cv::Mat& raw) const {
   if (raw.channels() != 1) {
     throw std::invalid_argument("the image is not grey");
   }
-  return {grid_, RectifyImage(raw), mask_};
+  GroundImage image{grid_, RectifyImage(raw), mask_};
+  if (!raw_mask_.empty()) {
+    image.gray &= mask_;
+  }
+  return image;
 }
 
 }  // namespace floorloc

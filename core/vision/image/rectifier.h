@@ -9,11 +9,12 @@
 namespace floorloc {
 
 /// Raw camera image -> GroundImage: undistortion and homography in one precomputed fixed-point map, restricted to
-/// the region of interest. Immutable after construction; Rectify may run in many threads.
+/// the region of interest and to what is not masked. Immutable after construction; Rectify may run in many threads.
 class Rectifier {
  public:
-  /// Throws std::invalid_argument when the camera does not pass FloorCamera::Check().
-  explicit Rectifier(const FloorCamera& camera);
+  /// raw_mask: CV_8UC1 of the camera's size, 0 where its images show no floor (the robot's body); may be empty. Throws
+  /// std::invalid_argument when the camera does not pass FloorCamera::Check(), or the mask is none of this camera.
+  explicit Rectifier(const FloorCamera& camera, const cv::Mat& raw_mask = cv::Mat());
 
   /// raw: CV_8UC1 of the camera's size; throws std::invalid_argument otherwise.
   GroundImage Rectify(const cv::Mat& raw) const;
@@ -22,14 +23,23 @@ class Rectifier {
 
   const FloorCamera& camera() const { return camera_; }
   const GroundGrid& grid() const { return grid_; }
+  /// CV_8UC1 of the rectified image, 255 where it shows floor.
   const cv::Mat& mask() const { return mask_; }
+  /// As given, with 255 for all that is not 0; empty: none was given.
+  const cv::Mat& raw_mask() const { return raw_mask_; }
+  /// Share of the floor in view that the mask takes away, 0 to 1.
+  double masked_share() const { return masked_share_; }
 
  private:
+  void ApplyMask();
+
   FloorCamera camera_;
   GroundGrid grid_;
   cv::Mat map_xy_;        // CV_16SC2: integer part of the raw pixel
   cv::Mat map_fraction_;  // CV_16UC1: index of the bilinear weights
   cv::Mat mask_;
+  cv::Mat raw_mask_;
+  double masked_share_ = 0.0;
 };
 
 }  // namespace floorloc

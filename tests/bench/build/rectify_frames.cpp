@@ -27,7 +27,7 @@ std::string ImageName(std::size_t index) {
 
 void RectifyFrames(const fs::path& folder, const fs::path& out, std::size_t count) {
   const Survey survey = ReadSurvey(folder);
-  const Rectifier rectifier(survey.camera);
+  const Rectifier rectifier(survey.camera, survey.mask);
   const CameraModel& camera = survey.camera.camera;
   const GroundGrid& grid = rectifier.grid();
   const Eigen::Vector2d middle = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));

@@ -10,7 +10,7 @@ namespace floorloc {
 
 FrameSet FrameSet::Read(const std::filesystem::path& folder) {
   const Survey survey = ReadSurvey(folder);
-  FrameSet set{folder.string(), Rectifier(survey.camera), {}, {}};
+  FrameSet set{folder.string(), Rectifier(survey.camera, survey.mask), {}, {}};
   for (const SurveyFrame& frame : survey.frames) {
     if (const std::optional<Pose2> truth = InterpolatePose(survey.ground_truth, frame.stamp_ns)) {
       set.encoded.push_back(ReadBinaryFile(survey.ImagePath(frame)));

@@ -25,7 +25,7 @@ std::optional<Pose2> WheelsBetween(const Trajectory& odometry, std::int64_t from
 }
 
 std::vector<RecordedImage> LocalizeImages(const Localizer& localizer, const Survey& survey) {
-  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m));
+  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask);
   PlanarOdometryOptions options;
   options.resolution_m = localizer.map().info.camera().floor.resolution_m;
   PlanarOdometry visual(options);

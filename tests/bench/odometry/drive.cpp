@@ -10,7 +10,7 @@ namespace floorloc {
 
 Drive ReadDrive(const std::filesystem::path& folder) {
   const Survey survey = ReadSurvey(folder);
-  const Rectifier rectifier(survey.camera);
+  const Rectifier rectifier(survey.camera, survey.mask);
   const CameraModel& camera = survey.camera.camera;
   Drive drive{folder.string(), survey.camera, {}, {}, {}, {}};
   for (const SurveyFrame& frame : survey.frames) {

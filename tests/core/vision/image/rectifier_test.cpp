@@ -175,5 +175,31 @@ TEST(RectifierTest, RefusesACameraThatDoesNotSeeItsFloor) {
   EXPECT_THROW(Rectifier{camera}, std::invalid_argument);
 }
 
+TEST(RectifierMaskTest, WhatIsMaskedIsUnseen) {
+  const FloorCamera camera = MakeCamera(DistortionModel::kPlumbBob);
+  const cv::Size size(camera.camera.width_px, camera.camera.height_px);
+  const cv::Mat raw(size, CV_8UC1, cv::Scalar(200));
+  cv::Mat mask(size, CV_8UC1, cv::Scalar(1));
+  mask.colRange(0, size.width / 2).setTo(0);
+  const Rectifier plain(camera);
+  const Rectifier masked(camera, mask);
+  EXPECT_EQ(plain.masked_share(), 0.0);
+  EXPECT_NEAR(masked.masked_share(), 0.5, 0.1);
+  EXPECT_EQ(cv::countNonZero(masked.mask() & ~plain.mask()), 0);
+  const GroundImage image = masked.Rectify(raw);
+  EXPECT_EQ(cv::countNonZero(image.gray & ~masked.mask()), 0);
+  EXPECT_EQ(cv::countNonZero(image.gray), cv::countNonZero(masked.mask()));
+  cv::Mat kept;
+  plain.Rectify(raw).gray.copyTo(kept, masked.mask());
+  EXPECT_EQ(cv::norm(kept, image.gray, cv::NORM_INF), 0.0);
+}
+
+TEST(RectifierMaskTest, AMaskOfAnotherCameraIsRefused) {
+  const FloorCamera camera = MakeCamera(DistortionModel::kPlumbBob);
+  EXPECT_THROW(Rectifier(camera, cv::Mat(10, 10, CV_8UC1, cv::Scalar(255))), std::invalid_argument);
+  const cv::Size size(camera.camera.width_px, camera.camera.height_px);
+  EXPECT_THROW(Rectifier(camera, cv::Mat(size, CV_8UC3, cv::Scalar::all(255))), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace floorloc
