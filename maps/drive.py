@@ -8,6 +8,7 @@ Also an example of a client: Python's standard library is enough. Start it while
 """
 
 import argparse
+import base64
 import bisect
 import cmath
 import csv
@@ -62,17 +63,24 @@ class Client:
             time.sleep(0.1)
 
     def register(self, vehicle, map_name, folder):
-        body = {
-            "map": map_name,
-            "camera": read_yaml(folder / "camera.yaml"),
-            "floor": read_yaml(folder / "floor.yaml"),
-        }
-        self.call("PUT", f"/v1/vehicles/{vehicle}", json.dumps(body))
+        self.call("PUT", f"/v1/vehicles/{vehicle}", json.dumps(registration(map_name, folder)))
 
     def localize(self, vehicle, map_name, stamp, image):
         content_type = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
         path = f"/v1/maps/{map_name}/localize?vehicle={vehicle}&stamp={stamp}"
         return self.call("POST", path, image, content_type)
+
+
+def registration(map_name, folder):
+    """What a vehicle tells the server of itself: its camera, and where its own body is in the images."""
+    body = {
+        "map": map_name,
+        "camera": read_yaml(folder / "camera.yaml"),
+        "floor": read_yaml(folder / "floor.yaml"),
+    }
+    if (folder / "mask.png").exists():
+        body["mask"] = base64.b64encode((folder / "mask.png").read_bytes()).decode()
+    return body
 
 
 def read_yaml(file):

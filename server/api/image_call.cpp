@@ -9,7 +9,7 @@ double UnixTimeNow() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-const HttpPart& RequirePart(const HttpRequest& request, const std::string& name) {
+const HttpPart* FindPart(const HttpRequest& request, const std::string& name) {
   const HttpPart* found = nullptr;
   for (const HttpPart& part : request.parts) {
     if (part.name == name) {
@@ -19,6 +19,11 @@ const HttpPart& RequirePart(const HttpRequest& request, const std::string& name)
       found = &part;
     }
   }
+  return found;
+}
+
+const HttpPart& RequirePart(const HttpRequest& request, const std::string& name) {
+  const HttpPart* found = FindPart(request, name);
   if (found == nullptr) {
     throw Problem(400, "invalid_parts", "The part '" + name + "' is missing: send image and request.");
   }

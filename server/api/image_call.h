@@ -20,7 +20,9 @@ struct FrameLabel {
 
 double UnixTimeNow();
 
-/// A part of multipart/form-data. Throws Problem 400 invalid_parts unless it occurs exactly once.
+/// A part of multipart/form-data; null when it is not there. Throws Problem 400 invalid_parts when it is there twice.
+const HttpPart* FindPart(const HttpRequest& request, const std::string& name);
+/// The same for one that must be there. Throws Problem 400 invalid_parts.
 const HttpPart& RequirePart(const HttpRequest& request, const std::string& name);
 
 Problem UnknownVehicle();

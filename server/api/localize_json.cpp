@@ -55,6 +55,9 @@ void CheckComplete(const LocalizeRequest& request, bool has_radius) {
   if (request.vehicle.empty() && !request.camera) {
     throw JsonError("vehicle is missing: name a registered vehicle, or send camera and floor.");
   }
+  if (!request.vehicle.empty() && !request.mask.empty()) {
+    throw JsonError("mask belongs to an inline camera; a vehicle registers its own.");
+  }
   if (!request.vehicle.empty() && (request.camera || !IsVehicleId(request.vehicle))) {
     throw JsonError("vehicle must be an id of letters, digits, '_', '.' and '-', and excludes camera and floor.");
   }
@@ -119,6 +122,9 @@ LocalizeRequest ParseLocalizeJson(const std::string& text) {
   }
   if (object.Has("camera") || object.Has("floor")) {
     request.camera = FloorCamera{ParseCamera(object.Value("camera")), ParseFloor(object.Value("floor"))};
+  }
+  if (object.Has("mask")) {
+    request.mask = ParseCameraMask(object.Text("mask"));
   }
   if (object.Has("stamp")) {
     request.stamp_s = object.Number("stamp");

@@ -10,13 +10,15 @@
 #include "server/serving/fix_history.h"
 #include "server/serving/localize_service.h"
 #include "server/wire/http_message.h"
+#include "server/serving/camera_mask.h"
 
 namespace floorloc {
 
 /// Parameters of a localize call, apart from the image.
 struct LocalizeRequest {
-  std::string vehicle;                ///< empty: `camera` is set
-  std::optional<FloorCamera> camera;  ///< from the request itself
+  std::string vehicle;                ///< empty: the camera is inline
+  std::optional<FloorCamera> camera;  ///< inline
+  CameraMask mask;                    ///< of the inline camera; may be empty
   std::optional<PosePrior> prior;
   std::optional<double> stamp_s;
 };

@@ -20,20 +20,33 @@ LocalizeCall ParseCall(const HttpRequest& request) {
   if (!request.query.empty()) {
     throw Problem(400, "invalid_parameter", "With multipart/form-data the fields belong in the part 'request'.");
   }
-  return {ParseLocalizeJson(RequirePart(request, "request").content), &RequirePart(request, "image").content};
+  LocalizeCall call{ParseLocalizeJson(RequirePart(request, "request").content), &RequirePart(request, "image").content};
+  if (const HttpPart* mask = FindPart(request, "mask")) {
+    if (!call.request.camera || !call.request.mask.empty()) {
+      throw Problem(400, "invalid_parts",
+                    "The part 'mask' goes with an inline camera that has no mask in 'request'; a vehicle registers its "
+                    "own.");
+    }
+    call.request.mask = MakeCameraMask(mask->content);
+  }
+  return call;
 }
 
 LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob job) {
+  CameraMask mask = call.request.mask;
   if (!call.request.vehicle.empty()) {
-    job.rectifier = RequireVehicle(state, call.request.vehicle).vehicle->rectifier;
+    const std::shared_ptr<const Vehicle> vehicle = RequireVehicle(state, call.request.vehicle).vehicle;
+    job.rectifier = vehicle->rectifier;
+    mask = vehicle->mask();
   }
   const CameraModel& model = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
   CheckImageHeader(job.bytes, model, state.config.limits.max_image_pixels);
+  CheckMaskHeader(mask, model);
   return RunInPool(state.pool, [&] {
     const FloorCamera& camera = job.rectifier ? job.rectifier->camera() : *call.request.camera;
     const double resolution_m = job.map->info().camera().floor.resolution_m;
     if (job.rectifier == nullptr || camera.floor.resolution_m != resolution_m) {
-      job.rectifier = state.rectifiers.Get(camera.AtResolution(resolution_m));
+      job.rectifier = state.rectifiers.Get(camera.AtResolution(resolution_m), mask);
     }
     return RunLocalization(job);
   });

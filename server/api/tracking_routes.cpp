@@ -58,7 +58,7 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
     const double resolution_m = map->info().camera().floor.resolution_m;
     const auto rectifier = camera.floor.resolution_m == resolution_m
                                ? vehicle.vehicle->rectifier
-                               : state.rectifiers.Get(camera.AtResolution(resolution_m));
+                               : state.rectifiers.Get(camera.AtResolution(resolution_m), vehicle.vehicle->mask());
     LocalizeOutcome localized = RunLocalization({map, rectifier, call.image, slot.prior});
     report = vehicle.session->FinishFrame(slot, localized.features, localized.result);
     return localized;

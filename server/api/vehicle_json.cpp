@@ -65,6 +65,9 @@ VehicleRequest ParseVehicleRequest(const std::string& text) {
   VehicleRequest request;
   request.map = object.Text("map");
   request.camera = {ParseCamera(object.Value("camera")), ParseFloor(object.Value("floor"))};
+  if (object.Has("mask")) {
+    request.mask = ParseCameraMask(object.Text("mask"));
+  }
   if (object.Has("gate")) {
     request.gate = ParseGate(object.Object("gate"));
   }
@@ -78,6 +81,8 @@ nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_v
   nlohmann::json json = FormatSummary(state, view, map_version);
   json["camera"] = FormatCamera(vehicle.camera().camera);
   json["floor"] = FormatFloor(vehicle.camera().floor);
+  json["mask"] = vehicle.mask_digest.empty() ? nlohmann::json()
+                                             : nlohmann::json{{"masked_share", vehicle.rectifier->masked_share()}};
   json["gate"] = {{"max_distance_m", vehicle.gate.max_distance_m}, {"max_angle_rad", vehicle.gate.max_angle_rad}};
   json["since_fix"] = FormatSinceFix(view);
   json["messages"] = FormatMessageCounts(view.counts);

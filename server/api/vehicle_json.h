@@ -13,6 +13,7 @@ namespace floorloc {
 struct VehicleRequest {
   std::string map;
   FloorCamera camera;
+  CameraMask mask;  ///< of the robot's body in the camera's images; may be empty
   VehicleGate gate;
 };
 

@@ -26,8 +26,10 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
   if (map == nullptr) {
     throw Problem(422, "unknown_map", "The vehicle names a map that is not served; GET /v1/maps lists them.");
   }
+  CheckMaskHeader(parsed.mask, parsed.camera.camera);
   Vehicle vehicle{id, parsed.map, parsed.gate,
-                  RunInPool(state.pool, [&] { return state.rectifiers.Get(parsed.camera); })};
+                  RunInPool(state.pool, [&] { return state.rectifiers.Get(parsed.camera, parsed.mask); }),
+                  parsed.mask.digest};
   const FloorCamera& camera = map->ready() ? map->info().camera() : parsed.camera;
   vehicle.map_resolution_m = camera.floor.resolution_m;
   const Registration registration = state.vehicles.Put(std::move(vehicle));

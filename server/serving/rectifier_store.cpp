@@ -59,12 +59,26 @@ void CheckCamera(const FloorCamera& camera, std::int64_t max_pixels) {
   }
 }
 
+std::size_t BytesOf(const FloorCamera& camera, const CameraMask& mask) {
+  const double raw_pixels = static_cast<double>(camera.camera.width_px) * camera.camera.height_px;
+  return static_cast<std::size_t>(kBytesPerPixel * RectifiedPixels(camera.floor) + (mask.empty() ? 0.0 : raw_pixels));
+}
+
+std::shared_ptr<const Rectifier> Build(const FloorCamera& camera, const CameraMask& mask) {
+  auto rectifier = std::make_shared<const Rectifier>(camera, DecodeMask(mask, camera.camera));
+  if (rectifier->masked_share() >= 1.0) {
+    throw Problem(422, "mask_hides_floor",
+                  "The mask leaves nothing of the camera's floor region; paint white what is floor.");
+  }
+  return rectifier;
+}
+
 }  // namespace
 
-std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera) {
+std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera, const CameraMask& mask) {
   CheckCamera(camera, options_.max_image_pixels);
-  const std::string key = KeyOf(camera);
-  const auto bytes = static_cast<std::size_t>(kBytesPerPixel * RectifiedPixels(camera.floor));
+  const std::string key = KeyOf(camera) + mask.digest;
+  const std::size_t bytes = BytesOf(camera, mask);
   {
     const std::lock_guard lock(mutex_);
     if (auto rectifier = FindLocked(key)) {
@@ -75,7 +89,7 @@ std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera) 
   }
   std::shared_ptr<const Rectifier> rectifier;
   try {
-    rectifier = std::make_shared<const Rectifier>(camera);
+    rectifier = Build(camera, mask);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     bytes_ -= bytes;

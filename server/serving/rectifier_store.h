@@ -10,6 +10,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/vision/image/rectifier.h"
+#include "server/serving/camera_mask.h"
 
 namespace floorloc {
 
@@ -25,9 +26,10 @@ class RectifierStore {
  public:
   explicit RectifierStore(const RectifierStoreOptions& options) : options_(options) {}
 
-  /// The rectifier of a camera; builds its lookup tables when there are none yet, which takes compute time.
-  /// Throws Problem: 422 for an invalid or too large camera, 503 when the memory limit is reached.
-  std::shared_ptr<const Rectifier> Get(const FloorCamera& camera);
+  /// The rectifier of a camera; builds it when it is new, which takes compute time.
+  /// Throws Problem: 422 for a camera that makes no sense or is too large, or whose mask is none or leaves no floor
+  /// (mask_hides_floor), 503 when the memory is full.
+  std::shared_ptr<const Rectifier> Get(const FloorCamera& camera, const CameraMask& mask);
 
  private:
   struct Entry {

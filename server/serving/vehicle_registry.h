@@ -12,6 +12,7 @@
 #include "core/vision/image/rectifier.h"
 #include "server/serving/fix_history.h"
 #include "server/serving/vehicle_session.h"
+#include "server/serving/camera_mask.h"
 
 namespace floorloc {
 
@@ -27,8 +28,11 @@ struct Vehicle {
   std::string map;
   VehicleGate gate;
   std::shared_ptr<const Rectifier> rectifier;
+  std::string mask_digest;  ///< CameraMask::digest
   double map_resolution_m = 0.0;
 
+  /// For the same camera at another resolution.
+  CameraMask mask() const { return {mask_digest, "", rectifier->raw_mask()}; }
   const FloorCamera& camera() const { return rectifier->camera(); }
 };
 

@@ -43,6 +43,16 @@ nested:
             "nested": {"flat": "text"},
         })
 
+    def test_a_vehicle_registers_its_mask_where_there_is_one(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "camera.yaml").write_text("image_width: 640\n")
+            (folder / "floor.yaml").write_text("resolution: 0.0007\n")
+            body = drive.registration("hall", folder)
+            self.assertEqual(body, {"map": "hall", "camera": {"image_width": 640}, "floor": {"resolution": 0.0007}})
+            (folder / "mask.png").write_bytes(b"PNG")
+            self.assertEqual(drive.registration("hall", folder)["mask"], "UE5H")
+
     def test_alignment_recovers_a_motion_despite_wrong_answers(self):
         seeded = random.Random(1)
         rotation, translation = cmath.exp(2.5j), complex(3, -2)

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <opencv2/imgproc.hpp>
+
+#include "server/wire/base64.h"
+#include "tests/server/fixture/server_fixture.h"
+
+namespace floorloc {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kLocalize = "/v1/maps/hall/localize";
+
+std::string EncodeBase64(const std::string& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = (bits << 8) | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text.push_back(i + k <= bytes.size() ? kDigits[(bits >> (18 - 6 * k)) & 63U] : '=');
+    }
+  }
+  return text;
+}
+
+// A vehicle in whose images a plate is in view that looks like another place of the floor.
+class MaskTest : public testing::Test {
+ protected:
+  MaskTest() {
+    const SyntheticFloor& floor = SharedMaps().floor();
+    cv::Mat image = floor.View(SharedMaps().KnownPose());
+    floor.View(floor.BaseForView(0.7, 0.5, -0.2))(plate_).copyTo(image(plate_));
+    jpeg_ = EncodeImage(image, ".jpg");
+    cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
+    mask(plate_).setTo(0);
+    png_ = EncodeImage(mask, ".png");
+    body_ = VehicleBody();
+    body_["mask"] = EncodeBase64(png_);
+    inline_ = {{"camera", body_["camera"]}, {"floor", body_["floor"]}};
+  }
+
+  // How far a localized answer is from the truth; without one, infinitely.
+  static double ErrorM(const json& answer) {
+    if (answer.value("status", "") != "localized") {
+      return std::numeric_limits<double>::infinity();
+    }
+    const Pose2 truth = SharedMaps().KnownPose();
+    return std::hypot(answer["pose"]["x"].get<double>() - truth.x(), answer["pose"]["y"].get<double>() - truth.y());
+  }
+  json Localize(const httplib::MultipartFormDataItems& parts) { return Json(client_.PostParts(kLocalize, parts)); }
+  httplib::MultipartFormData Image() const { return {"image", jpeg_, "frame.jpg", "image/jpeg"}; }
+  static httplib::MultipartFormData Request(const json& request) { return {"request", request.dump(), "", ""}; }
+
+  TestServer server_;
+  ContractClient client_{server_.port()};
+  cv::Rect plate_{0, 0, 400, 480};
+  std::string jpeg_, png_;
+  json body_, inline_;
+};
+
+TEST_F(MaskTest, AVehicleThatRegistersItsMaskIsFoundWhereItIs) {
+  json unmasked = VehicleBody();
+  ASSERT_EQ(client_.Put("/v1/vehicles/plain", unmasked.dump()).status, 201);
+  ASSERT_EQ(client_.Put("/v1/vehicles/masked", body_.dump()).status, 201);
+  EXPECT_TRUE(Json(client_.Get("/v1/vehicles/plain"))["mask"].is_null());
+  EXPECT_NEAR(Json(client_.Get("/v1/vehicles/masked"))["mask"]["masked_share"].get<double>(), 0.6, 0.15);
+  const std::string query = std::string(kLocalize) + "?vehicle=";
+  const json wrong = Json(client_.Post(query + "plain", jpeg_, "image/jpeg"));
+  EXPECT_EQ(wrong["status"], "localized");
+  EXPECT_GT(ErrorM(wrong), 0.05);  // where the plate seems to be
+  EXPECT_LT(ErrorM(Json(client_.Post(query + "masked", jpeg_, "image/jpeg"))), 0.003);
+  EXPECT_LT(ErrorM(Json(client_.Post("/v1/vehicles/masked/frames?stamp=100", jpeg_, "image/jpeg"))), 0.003);
+}
+
+TEST_F(MaskTest, TheSameMaskAgainKeepsTheVehicleAnotherBeginsAnew) {
+  ASSERT_EQ(client_.Put("/v1/vehicles/a", body_.dump()).status, 201);
+  ASSERT_EQ(client_.Post("/v1/vehicles/a/frames?stamp=100", jpeg_, "image/jpeg").status, 200);
+  const auto fixes = [&] { return Json(client_.Get("/v1/vehicles/a"))["fixes"]["accepted"].get<int>(); };
+  EXPECT_EQ(client_.Put("/v1/vehicles/a", body_.dump()).status, 200);
+  EXPECT_EQ(fixes(), 1);
+  EXPECT_EQ(client_.Put("/v1/vehicles/a", VehicleBody().dump()).status, 200);
+  EXPECT_EQ(fixes(), 0);
+}
+
+TEST_F(MaskTest, AMaskHoldsAtTheMapsResolutionToo) {
+  body_["floor"]["resolution"] = body_["floor"]["resolution"].get<double>() * 1.5;
+  ASSERT_EQ(client_.Put("/v1/vehicles/coarse", body_.dump()).status, 201);
+  EXPECT_LT(ErrorM(Json(client_.Post(std::string(kLocalize) + "?vehicle=coarse", jpeg_, "image/jpeg"))), 0.003);
+}
+
+TEST_F(MaskTest, AnInlineCameraBringsItsMaskAsAPartOrInTheRequest) {
+  EXPECT_GT(ErrorM(Localize({Image(), Request(inline_)})), 0.05);
+  EXPECT_LT(ErrorM(Localize({Image(), Request(inline_), {"mask", png_, "mask.png", "image/png"}})), 0.003);
+  json with_mask = inline_;
+  with_mask["mask"] = EncodeBase64(png_);
+  EXPECT_LT(ErrorM(Localize({Image(), Request(with_mask)})), 0.003);
+  EXPECT_GT(ErrorM(Localize({Image(), Request(inline_)})), 0.05);  // the store has both cameras
+}
+
+TEST_F(MaskTest, MasksInTheWrongPlaceAreRefused) {
+  json both = inline_;
+  both["mask"] = EncodeBase64(png_);
+  const httplib::MultipartFormData part = {"mask", png_, "mask.png", "image/png"};
+  ExpectProblem(client_.PostParts(kLocalize, {Image(), Request(both), part}), 400, "invalid_parts");
+  ExpectProblem(client_.PostParts(kLocalize, {Image(), Request(inline_), part, part}), 400, "invalid_parts");
+  ASSERT_EQ(client_.Put("/v1/vehicles/a", body_.dump()).status, 201);
+  ExpectProblem(client_.PostParts(kLocalize, {Image(), Request({{"vehicle", "a"}}), part}), 400, "invalid_parts");
+  ExpectProblem(client_.PostParts(kLocalize, {Image(), Request({{"vehicle", "a"}, {"mask", both["mask"]}})}), 422,
+                "invalid_field");
+}
+
+TEST_F(MaskTest, WhatIsNoMaskIsRefused) {
+  const auto encode = [](int width, int height, int value) {
+    return EncodeImage(cv::Mat(height, width, CV_8UC1, cv::Scalar(value)), ".png");
+  };
+  cv::Mat outside(480, 640, CV_8UC1, cv::Scalar(0));
+  outside.row(0).setTo(255);
+  std::string bomb = encode(640, 480, 255);
+  bomb[16] = bomb[20] = 0x40;  // announces 2^30 pixels a side
+  const std::vector<std::tuple<std::string, int, std::string>> cases = {
+      {"", 422, "invalid_mask"},
+      {"no image", 422, "invalid_mask"},
+      {png_.substr(0, png_.size() / 2), 422, "invalid_mask"},
+      {bomb, 422, "mask_size_mismatch"},
+      {encode(320, 240, 255), 422, "mask_size_mismatch"},
+      {encode(640, 480, 0), 422, "mask_hides_floor"},
+      {EncodeImage(outside, ".png"), 422, "mask_hides_floor"},
+      {std::string((1U << 20) + 1U, 'x'), 413, "mask_too_large"}};
+  for (const auto& [mask, status, code] : cases) {
+    SCOPED_TRACE(code + ", " + std::to_string(mask.size()) + " bytes");
+    body_["mask"] = EncodeBase64(mask);
+    ExpectProblem(client_.Put("/v1/vehicles/a", body_.dump()), status, code);
+    ExpectProblem(client_.PostParts(kLocalize, {Image(), Request(inline_), {"mask", mask, "", "image/png"}}), status,
+                  code);
+  }
+  for (const json& mask : {json("###="), json("abc"), json(5), json()}) {
+    body_["mask"] = mask;
+    ExpectProblem(client_.Put("/v1/vehicles/a", body_.dump()), 422, "invalid_field");
+  }
+}
+
+TEST(Base64Test, DecodesWhatRfc4648Encodes) {
+  const std::vector<std::pair<std::string, std::string>> vectors = {{"", ""},
+                                                                    {"f", "Zg=="},
+                                                                    {"fo", "Zm8="},
+                                                                    {"foo", "Zm9v"},
+                                                                    {"foob", "Zm9vYg=="},
+                                                                    {"fooba", "Zm9vYmE="},
+                                                                    {"foobar", "Zm9vYmFy"},
+                                                                    {"\xFB\xFF", "+/8="}};
+  for (const auto& [bytes, text] : vectors) {
+    EXPECT_EQ(DecodeBase64(text), bytes) << text;
+    EXPECT_EQ(EncodeBase64(bytes), text);
+  }
+  for (const char* text : {"Zg=", "Zg", "Z===", "Zg==Zg==", "Zm9v\n", "Zm9 ", "=Zm9", "Zm-_"}) {
+    EXPECT_FALSE(DecodeBase64(text).has_value()) << text;
+  }
+}
+
+}  // namespace
+}  // namespace floorloc
