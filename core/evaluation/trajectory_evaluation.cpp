@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
 namespace {
 
@@ -72,8 +74,15 @@ ErrorStatistics SummarizeMember(const std::vector<PoseError>& errors, double Pos
 
 }  // namespace
 
+void EvaluationOptions::Check() const {
+  motions.Check();
+  RequireOption(max_diff_s >= 0.0, "max_diff_s must not be negative");
+  RequireOption(std::isfinite(time_offset_s), "time_offset_s must be finite");
+}
+
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& reference, const Trajectory& estimate,
                                         const EvaluationOptions& options) {
+  options.Check();
   const Trajectory shifted = Shifted(estimate, options.time_offset_s);
   TrajectoryEvaluation evaluation;
   evaluation.reference_poses = reference.size();

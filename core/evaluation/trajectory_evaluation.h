@@ -23,6 +23,9 @@ struct EvaluationOptions {
   bool planar = false;                ///< compare x, y and yaw only
   MotionOptions motions;              ///< of the relative error
   bool motions_of_reference = false;  ///< measure their lengths along the reference instead of the estimate
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 struct TrajectoryEvaluation {

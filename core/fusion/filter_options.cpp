@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
 namespace {
 
@@ -30,6 +32,15 @@ void RequireNotNegative(std::initializer_list<Named> values) {
 
 }  // namespace
 
+void KidnapOptions::Check() const {
+  RequireOption(fixes >= 1, "kidnap.fixes must be at least 1");
+  RequireOption(near_fixes >= 1, "kidnap.near_fixes must be at least 1");
+  RequireNotNegative({{"kidnap.sigmas", sigmas}});
+  RequirePositive({{"kidnap.max_distance_m", max_distance_m},
+                   {"kidnap.max_angle_rad", max_angle_rad},
+                   {"kidnap.max_age_s", max_age_s}});
+}
+
 void PoseFilterOptions::Check() const {
   RequireNotNegative({{"odometry.scale", odometry.scale},
                       {"odometry.yaw_scale", odometry.yaw_scale},
@@ -43,8 +54,7 @@ void PoseFilterOptions::Check() const {
                       {"imu.gyro_walk", imu.gyro_walk},
                       {"imu.gyro_scale", imu.gyro_scale},
                       {"imu.accelerometer_bias", imu.accelerometer_bias},
-                      {"imu.accelerometer_walk", imu.accelerometer_walk},
-                      {"kidnap.sigmas", kidnap.sigmas}});
+                      {"imu.accelerometer_walk", imu.accelerometer_walk}});
   RequirePositive({{"odometry.still_m", odometry.still_m},
                    {"odometry.still_rad", odometry.still_rad},
                    {"shared_fix.sigma_m", shared_fix.sigma_m},
@@ -66,18 +76,14 @@ void PoseFilterOptions::Check() const {
                    {"gates.sigmas", gates.sigmas},
                    {"gates.max_mahalanobis_squared", gates.max_mahalanobis_squared},
                    {"gates.max_p_wrong", gates.max_p_wrong},
-                   {"kidnap.max_distance_m", kidnap.max_distance_m},
-                   {"kidnap.max_angle_rad", kidnap.max_angle_rad},
-                   {"kidnap.max_age_s", kidnap.max_age_s},
                    {"limits.localized_m", limits.localized_m},
                    {"limits.localized_rad", limits.localized_rad},
                    {"limits.lost_m", limits.lost_m},
                    {"limits.lost_rad", limits.lost_rad},
                    {"history_s", history_s}});
-  if (kidnap.fixes < 1 || kidnap.near_fixes < 1 || clock_jump_messages < 1 || max_messages < 16) {
-    throw std::invalid_argument(
-        "kidnap.fixes, kidnap.near_fixes and clock_jump_messages must be at least 1, max_messages at least 16");
-  }
+  kidnap.Check();
+  RequireOption(clock_jump_messages >= 1, "clock_jump_messages must be at least 1");
+  RequireOption(max_messages >= 16, "max_messages must be at least 16");
 }
 
 }  // namespace floorloc

@@ -78,6 +78,9 @@ struct KidnapOptions {
   double max_angle_rad = 0.06;
   double sigmas = 3.0;      ///< ... plus this many standard deviations of the motion between them
   double max_age_s = 10.0;  ///< older contradictions are forgotten
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Classes of accuracy of a pose; standard deviations.

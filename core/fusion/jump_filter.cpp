@@ -3,7 +3,16 @@
 
 #include <cmath>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
+
+void JumpFilterOptions::Check() const {
+  RequireOption(max_distance_m > 0.0, "max_distance_m must be positive");
+  RequireOption(max_angle_rad > 0.0, "max_angle_rad must be positive");
+}
+
+JumpFilter::JumpFilter(const JumpFilterOptions& options) : options_(options) { options_.Check(); }
 
 bool JumpFilter::Accept(const Pose2& map_from_base, const std::optional<Pose2>& odom_from_base) {
   if (last_map_from_base_) {

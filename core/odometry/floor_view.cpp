@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/geometry/option_check.h"
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
 #include "core/vision/matching/descriptor_index.h"
@@ -33,6 +34,16 @@ RectM BoundsOf(const std::vector<Keypoint>& keypoints) {
 
 }  // namespace
 
+void ViewRegistrationOptions::Check() const {
+  registration.Check();
+  RequireOption(resolution_m > 0 && resolution_m < 1, "resolution_m must be between 0 and 1 m");
+  RequireOption(max_ratio_binary > 0 && max_ratio_binary <= 1, "max_ratio_binary must be above 0 and at most 1");
+  RequireOption(max_ratio_float > 0 && max_ratio_float <= 1, "max_ratio_float must be above 0 and at most 1");
+  RequireOption(systematic_m >= 0 && systematic_m < 1, "systematic_m must be 0 to 1 m");
+  RequireOption(systematic_rad >= 0 && systematic_rad < 1, "systematic_rad must be 0 to 1 rad");
+  RequireOption(min_inlier_share >= 0 && min_inlier_share < 1, "min_inlier_share must be at least 0 and below 1");
+}
+
 FloorView::FloorView(std::int64_t stamp_ns, const Features& features, double resolution_m)
     : stamp_ns_(stamp_ns),
       features_(Copy(features)),
@@ -54,6 +65,7 @@ std::vector<OrientedMatch> FloorView::FindMatches(const Features& frame, const V
 
 ViewRegistration FloorView::Register(const Features& frame, const ViewGuess& guess,
                                      const ViewRegistrationOptions& options) const {
+  options.Check();
   ViewRegistration found;
   const RegistrationOptions& registration = options.registration;
   const double radius_m = std::min(guess.radius_m, diagonal_m());

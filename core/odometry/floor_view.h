@@ -28,6 +28,9 @@ struct ViewRegistrationOptions {
   double systematic_m = 1e-4;    ///< errors not in the residuals (calibration, vibration), per registration
   double systematic_rad = 2e-4;  ///< the same for the heading
   double min_inlier_share = 0.1;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Registration of a frame to a view.

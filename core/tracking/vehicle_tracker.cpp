@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/fusion/filter_state.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -28,6 +29,25 @@ Sigmas SigmasOf(const FusedPose& pose) {
 }
 
 }  // namespace
+
+void PriorOptions::Check() const {
+  RequireOption(sigmas > 0.0, "sigmas must be positive");
+  RequireOption(min_radius_m > 0.0, "min_radius_m must be positive");
+  RequireOption(max_radius_m >= min_radius_m, "max_radius_m must be at least min_radius_m");
+  RequireOption(min_yaw_radius_rad > 0.0, "min_yaw_radius_rad must be positive");
+  RequireOption(max_yaw_radius_rad >= min_yaw_radius_rad, "max_yaw_radius_rad must be at least min_yaw_radius_rad");
+}
+
+void NextFrameOptions::Check() const {
+  RequireOption(max_s > 0.0, "max_s must be positive");
+  RequireOption(max_m > 0.0, "max_m must be positive");
+}
+
+void TrackerOptions::Check() const {
+  filter.Check();
+  prior.Check();
+  next.Check();
+}
 
 struct VehicleTracker::State {
   State(const TrackerOptions& o, double resolution_m)
@@ -70,7 +90,7 @@ struct VehicleTracker::State {
 };
 
 VehicleTracker::VehicleTracker(const TrackerOptions& options, double resolution_m)
-    : state_(std::make_unique<State>(options, resolution_m)) {}
+    : state_((options.Check(), std::make_unique<State>(options, resolution_m))) {}
 VehicleTracker::~VehicleTracker() = default;
 VehicleTracker::VehicleTracker(VehicleTracker&&) noexcept = default;
 VehicleTracker& VehicleTracker::operator=(VehicleTracker&&) noexcept = default;

@@ -20,6 +20,9 @@ struct PriorOptions {
   double max_radius_m = 0.5;  ///< above it the whole map is searched
   double min_yaw_radius_rad = 0.06;
   double max_yaw_radius_rad = 0.8;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// When the next image is needed: before the pose gets worse than FilterLimits::localized_*, and soon enough to notice
@@ -27,6 +30,9 @@ struct PriorOptions {
 struct NextFrameOptions {
   double max_s = 1.0;
   double max_m = 0.25;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 struct TrackerOptions {
@@ -35,6 +41,9 @@ struct TrackerOptions {
   bool visual_odometry = true;  ///< use the motion between images
   PriorOptions prior;
   NextFrameOptions next;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// When the next image is needed, whichever comes first; zero: now.

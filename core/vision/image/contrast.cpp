@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/geometry/option_check.h"
 #include "core/vision/image/gaussian.h"
 #include "core/vision/image/mirror.h"
 #include "core/vision/image/multiversion.h"
@@ -116,7 +117,13 @@ void SumRows(const cv::Mat& levels, int radius, cv::Mat* sums, cv::Mat* squares)
 
 }  // namespace
 
+void ContrastOptions::Check() const {
+  RequireOption(radius_px >= 0 && radius_px <= 512, "radius_px must be 0 to 512");
+  RequireOption(smooth_sigma_px >= 0.0 && smooth_sigma_px <= 20.0, "smooth_sigma_px must be 0 (none) to 20");
+}
+
 cv::Mat NormalizeContrast(const cv::Mat& gray, const cv::Mat& mask, const ContrastOptions& options) {
+  options.Check();
   cv::Mat normalized(gray.size(), CV_8UC1);
   if (gray.empty()) {
     return normalized;

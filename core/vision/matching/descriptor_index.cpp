@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/vision/matching/brute_force_index.h"
 #include "core/vision/matching/flann_index.h"
 #include "core/vision/matching/hash_index.h"
@@ -34,7 +35,14 @@ MatcherType ParseMatcherType(const std::string& name) {
   throw std::invalid_argument("unknown matcher '" + name + "'; known are: auto, brute_force, flann, hash");
 }
 
+void IndexOptions::Check() const {
+  RequireOption(trees >= 1 && trees <= 64, "trees must be 1 to 64");
+  RequireOption(checks >= 1 && checks <= 1000000, "checks must be 1 to 1000000");
+  RequireOption(probes >= 1 && probes <= kMaxProbes, "probes must be 1 to 4096");
+}
+
 std::unique_ptr<DescriptorIndex> CreateDescriptorIndex(const cv::Mat& descriptors, const IndexOptions& options) {
+  options.Check();
   // Below this size an exact search is faster than any index.
   constexpr int kSmall = 2000;
   const bool binary = descriptors.depth() == CV_8U;

@@ -45,6 +45,9 @@ struct IndexOptions {
   int checks = 64;   ///< FLANN: leaves checked per query
   int probes = 512;  ///< hashing: buckets probed per query, at most kMaxProbes
   std::uint32_t seed = 1;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Parameters of a search.
