@@ -124,6 +124,7 @@ MosaicLayout WriteFramesAndMosaic(const SurveyedFloor& floor, const MosaicOption
 }  // namespace
 
 BuildReport BuildMap(const BuildOptions& requested) {
+  requested.Check();
   BuildReport report;
   StageClock clock(&report);
   const std::unique_ptr<BaseMap> base = OpenBaseMap(requested.extend);

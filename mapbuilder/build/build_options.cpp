@@ -1,7 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/build/build_options.h"
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
+
+void BuildOptions::Check() const {
+  extractor.Check();
+  markers.Check();
+  placement.Check();
+  self_calibration.Check();
+  fusion.Check();
+  held_out.Check();
+  mosaic.Check();
+  RequireOption(max_keypoints_per_m2 >= 0.0, "max_keypoints_per_m2 must be positive; 0: what suits the camera");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
 
 BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const BaseMap* base) {
   if (base != nullptr) {

@@ -38,6 +38,9 @@ struct BuildOptions {
   /// Encodes all options; journal entries written under another fingerprint are ignored.
   std::string fingerprint;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Fills in what the stages share: threads, seed, progress, resolution of the surveys and, with a base map (nullptr:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/localization/localizer.h"
 #include "mapbuilder/batch/parallel.h"
@@ -72,7 +73,20 @@ HeldOutFrame LocalizeHeldOutFrame(const Localizer& localizer, const PlacedSurvey
 
 }  // namespace
 
+void HeldOutOptions::Check() const {
+  extractor.Check();
+  fusion.Check();
+  RequireOption(max_frames >= 0, "max_frames must be 0 or more");
+  RequireOption(max_share >= 0.0 && max_share <= 1.0, "max_share must be 0 to 1");
+  RequireOption(min_covered_share >= 0.0 && min_covered_share <= 1.0, "min_covered_share must be 0 to 1");
+  RequireOption(min_others >= 1, "min_others must be at least 1");
+  RequireOption(wrong_m > 0.0, "wrong_m must be positive");
+  RequireOption(wrong_rad > 0.0, "wrong_rad must be positive");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<int> ChooseHeldOut(const PlacedSurvey& placed, const HeldOutOptions& options) {
+  options.Check();
   const CoverageGrid coverage(placed.map_from_base, placed.floor_in_base);
   const auto count = static_cast<double>(placed.frames.size());
   const double wanted = std::min<double>(options.max_frames, options.max_share * count);

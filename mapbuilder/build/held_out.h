@@ -20,6 +20,9 @@ struct HeldOutOptions {
   ExtractorOptions extractor;
   KeypointFusionOptions fusion;
   int threads = 0;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Placed frames of a build.

@@ -6,6 +6,7 @@
 #include <map>
 #include <system_error>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
@@ -87,8 +88,11 @@ std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folde
   return files;
 }
 
+void ImageReadingOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
+
 CalibrationImages FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
                              const ImageReadingOptions& options) {
+  options.Check();
   const std::vector<std::optional<SizePx>> sizes = ReadSizes(files);
   const SizePx common = MostFrequent(sizes, files.front());
   CalibrationImages result{common.first, common.second, {}};

@@ -31,6 +31,9 @@ std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folde
 struct ImageReadingOptions {
   int threads = 0;  ///< 0: one per core
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Detects the board in every image. Images that are unreadable or whose size differs from most others have a problem

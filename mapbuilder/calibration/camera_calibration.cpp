@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/calibration/initial_lens.h"
 
@@ -256,7 +257,13 @@ int CameraCalibration::used_count() const {
   return static_cast<int>(std::count_if(views.begin(), views.end(), [](const ViewFit& view) { return view.used; }));
 }
 
+void CameraCalibrationOptions::Check() const {
+  RequireOption(max_error_ratio > 1.0, "max_error_ratio must be above 1");
+  RequireOption(max_error_floor_px >= 0.0, "max_error_floor_px must not be negative");
+}
+
 CameraCalibration CalibrateCamera(const CameraCalibrationInput& input, const CameraCalibrationOptions& options) {
+  options.Check();
   if (input.views.size() < kMinViews) {
     throw InputError("the board was found in " + std::to_string(input.views.size()) +
                      " images, and a camera takes at least 3, better 15, from different sides; add images");

@@ -32,6 +32,9 @@ struct CameraCalibrationOptions {
   /// An image is an outlier when its reprojection error is this many times the median of all ...
   double max_error_ratio = 4.0;
   double max_error_floor_px = 0.3;  ///< ... and more than this
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Fit of an image to the calibrated camera.

@@ -15,6 +15,9 @@ struct FloorRegionOptions {
   double max_footprint_ratio = 3.0;    ///< coarsest pixel of the region relative to the finest of the image
   double max_radius_px =
       std::numeric_limits<double>::infinity();  ///< how far from the principal point the lens was calibrated
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Chooses the region of interest: the largest rectangle in the base frame that the camera sees below its horizon, with

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/localization/localizer.h"
 #include "mapbuilder/batch/parallel.h"
@@ -128,8 +129,11 @@ class Locator {
 
 }  // namespace
 
+void LocateOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
+
 std::vector<PosePriorFactor> LocateInMap(const BaseMap& base_map, const std::vector<LoadedSurvey>& surveys,
                                          const std::vector<BuildFrame>& frames, const LocateOptions& options) {
+  options.Check();
   return Locator(base_map, surveys, frames, options).Run();
 }
 

@@ -13,6 +13,9 @@ struct LocateOptions {
   int threads = 0;  ///< 0: one per core
   std::uint32_t seed = 1;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Localizes frames of new surveys in a map: first each frame globally, then those that failed near the pose predicted

@@ -9,6 +9,7 @@
 
 #include "core/vision/matching/descriptor_index.h"
 #include "mapbuilder/batch/parallel.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -49,8 +50,14 @@ double RivalDistance(const std::vector<Keypoint>& keypoints, std::size_t self, c
 
 }  // namespace
 
+void DistinctivenessOptions::Check() const {
+  RequireOption(same_place_m >= 0.0, "same_place_m must not be negative");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<std::uint8_t> MeasureDistinctiveness(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors,
                                                  const DistinctivenessOptions& options) {
+  options.Check();
   std::vector<std::uint8_t> result(keypoints.size(), 255);
   if (keypoints.size() < 2) {
     return result;

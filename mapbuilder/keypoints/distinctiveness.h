@@ -12,6 +12,9 @@ struct DistinctivenessOptions {
   double same_place_m = 0.03;  ///< nearer keypoints are ignored: confusing them does little harm
   int threads = 0;             ///< 0: one per core
   std::uint32_t seed = 1;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Distinctiveness of each keypoint in the map: the distance of its descriptor to the nearest one at another place,

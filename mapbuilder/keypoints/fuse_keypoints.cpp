@@ -10,6 +10,7 @@
 #include "mapbuilder/keypoints/distinctiveness.h"
 #include "mapbuilder/keypoints/fuse_track.h"
 #include "mapbuilder/keypoints/keypoint_usefulness.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -216,7 +217,17 @@ KeypointFusionOptions KeypointFusionOptions::ForCamera(const FloorPlane& floor, 
   return adapted;
 }
 
+void KeypointFusionOptions::Check() const {
+  tracks.Check();
+  pruning.Check();
+  RequireOption(min_coverage >= 1, "min_coverage must be at least 1");
+  RequireOption(min_frames_gone >= 1, "min_frames_gone must be at least 1");
+  RequireOption(gone_probability > 0.0 && gone_probability < 1.0, "gone_probability must be between 0 and 1");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options) {
+  options.Check();
   const CoverageGrid coverage(input.map_from_base, input.floor_in_base);
   const CoverageGrid detectable(input.map_from_base, DetectableFloor(input.frames));
   std::vector<Candidate> candidates = FindCandidates(input, detectable, options.tracks);

@@ -22,6 +22,9 @@ struct KeypointFusionOptions {
   std::uint32_t seed = 1;
 
   KeypointFusionOptions ForCamera(const FloorPlane& floor, int keypoints_per_frame) const;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Input of the fusion. Frame i is at map_from_base[i] (empty: not used) and covers floor_in_base[i].

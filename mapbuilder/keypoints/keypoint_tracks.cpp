@@ -9,6 +9,7 @@
 #include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/coverage/cell_key.h"
 #include "mapbuilder/keypoints/descriptor_rows.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -232,6 +233,14 @@ class TrackFinder {
 
 }  // namespace
 
+void TrackOptions::Check() const {
+  RequireOption(radius_m > 0.0, "radius_m must be positive");
+  RequireOption(angle_rad > 0.0, "angle_rad must be positive");
+  RequireOption(max_binary_share > 0.0 && max_binary_share <= 1.0, "max_binary_share must be above 0 and at most 1");
+  RequireOption(max_float_share > 0.0, "max_float_share must be positive");
+  RequireOption(min_views >= 1, "min_views must be at least 1");
+}
+
 TrackOptions TrackOptions::ForCamera(const FloorPlane& floor) const {
   constexpr double kReferenceResolutionM = 7e-4;
   TrackOptions adapted = *this;
@@ -248,6 +257,7 @@ std::vector<KeypointTrack> FindTracks(const std::vector<BuildFrame>& frames,
 std::vector<KeypointTrack> FindTracks(const std::vector<BuildFrame>& frames,
                                       const std::vector<std::optional<Pose2>>& map_from_base,
                                       const TrackOptions& options, const MapKeypoints& seeds) {
+  options.Check();
   TrackFinder finder(frames, options, CountViews(frames, map_from_base) + seeds.size());
   finder.AddSeeds(seeds);
   for (std::size_t i = 0; i < frames.size(); ++i) {

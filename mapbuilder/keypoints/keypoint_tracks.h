@@ -21,6 +21,9 @@ struct TrackOptions {
   int min_views = 1;               ///< shorter tracks are dropped
 
   TrackOptions ForCamera(const FloorPlane& floor) const;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Views of one floor point.

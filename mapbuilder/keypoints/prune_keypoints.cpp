@@ -6,6 +6,7 @@
 #include <map>
 
 #include "mapbuilder/coverage/cell_key.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -80,8 +81,14 @@ PruningOptions PruningOptions::ForCamera(const FloorPlane& floor, int keypoints_
   return adapted;
 }
 
+void PruningOptions::Check() const {
+  RequireOption(max_per_m2 > 0.0, "max_per_m2 must be positive");
+  RequireOption(cell_m > 0.0, "cell_m must be positive");
+}
+
 std::vector<int> ChooseEvenly(const std::vector<Eigen::Vector2d>& points, const std::vector<double>& usefulness,
                               const CoverageGrid& coverage, const PruningOptions& options) {
+  options.Check();
   std::vector<Cell> cells = SortIntoCells(points, options.cell_m, coverage);
   const double budget = options.max_per_m2 * coverage.AreaM2();
   const double level = static_cast<double>(points.size()) <= budget ? HUGE_VAL : WaterLevel(cells, budget);

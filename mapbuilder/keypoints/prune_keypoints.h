@@ -14,6 +14,9 @@ struct PruningOptions {
   double cell_m = 0.1;         ///< side of the cells that share it; several should fit into a view
 
   PruningOptions ForCamera(const FloorPlane& floor, int keypoints_per_frame) const;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Chooses evenly spread points within the budget (water-filling): every cell gets the same number per covered area,

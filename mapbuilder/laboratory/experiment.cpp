@@ -6,6 +6,7 @@
 
 #include "core/evaluation/matching_statistics.h"
 #include "mapbuilder/batch/parallel.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -208,8 +209,17 @@ std::unique_ptr<DescriptorIndex> CreateIndex(const Features& map, MatcherKind ma
   return CreateDescriptorIndex(map.descriptors, options);
 }
 
+void ExperimentOptions::Check() const {
+  detection.Check();
+  pose.Check();
+  jump.Check();
+  RequireOption(repeat_radius_m > 0.0, "repeat_radius_m must be positive");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<CombinationRun> RunExperiment(const FloorImage& map, const std::vector<FrameBag>& bags,
                                           const CombinationPlan& plan, const ExperimentOptions& options) {
+  options.Check();
   return Experiment(map, bags, plan, options).Run();
 }
 

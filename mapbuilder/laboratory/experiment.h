@@ -24,6 +24,9 @@ struct ExperimentOptions {
   double repeat_radius_m = 0.0015;  ///< a map keypoint this near to its true position counts as repeated
   int threads = 0;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// CPU time of the stages of one frame, milliseconds.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
+#include "core/geometry/option_check.h"
 #include "mapbuilder/laboratory/image_features.h"
 
 namespace floorloc {
@@ -53,8 +54,14 @@ double CopyMatches::RightPercent() const {
   return Percent(static_cast<std::size_t>(std::count(right.begin(), right.end(), true)), image.keypoints.size());
 }
 
+void CopyOptions::Check() const {
+  RequireOption(features >= 1, "features must be at least 1");
+  RequireOption(right_radius_px > 0.0, "right_radius_px must be positive");
+}
+
 CopyMatches MatchWithCopy(const cv::Mat& gray, const FeatureSetting& setting, Condition condition,
                           const CopyOptions& options) {
+  options.Check();
   const TunedFeature feature(setting);
   CopyMatches found;
   found.image = feature.DetectAndDescribe(gray);

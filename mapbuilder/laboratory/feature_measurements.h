@@ -13,9 +13,12 @@ namespace floorloc {
 
 /// Parameters of the comparison of an image with its manipulated copies.
 struct CopyOptions {
-  int features = 300;            ///< number to detect in the image
-  double right_radius_px = 3.0;  ///< maximum distance of a right match from the manipulated position of its point
-  std::uint32_t seed = 1;        ///< for the manipulations
+  int features = 300;            ///< wanted in the image
+  double right_radius_px = 3.0;  ///< a match this near to the place where the manipulation put the point is right
+  std::uint32_t seed = 1;        ///< of the manipulations
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// An image and its manipulated copy.

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/vision/features/spread.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -95,7 +96,13 @@ double ThreadMilliseconds() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
+void DetectionOptions::Check() const {
+  RequireOption(keypoints_per_m2 >= 0.0, "keypoints_per_m2 must be positive; 0: no budget");
+  RequireOption(max_keypoints >= 1, "max_keypoints must be at least 1");
+}
+
 DetectedImage DetectKeypoints(const FloorImage& image, const Detector& detector, const DetectionOptions& options) {
+  options.Check();
   const double start_ms = ThreadMilliseconds();
   DetectedImage detected;
   for (const cv::Rect& tile : CutTiles(image.gray.size())) {

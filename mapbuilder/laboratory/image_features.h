@@ -12,8 +12,11 @@ namespace floorloc {
 /// Selection of an image's keypoints.
 struct DetectionOptions {
   DetectorSettings settings = DetectorSettings::kLaboratory;
-  double keypoints_per_m2 = 0.0;  ///< budget, spread evenly; 0: unlimited
-  int max_keypoints = 100'000;    ///< the strongest of the whole image, which bounds time and memory
+  double keypoints_per_m2 = 0.0;  ///< budget, spread evenly; 0: none
+  int max_keypoints = 100'000;    ///< the strongest of the whole image, so that no detector takes the machine
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Keypoints of one tile; detection by tiles bounds memory for floors of any size. `keypoints` are in pixels of `wide`,

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <opencv2/calib3d.hpp>
 
+#include "core/geometry/option_check.h"
 #include "core/localization/oriented_matches.h"
 #include "core/registration/least_squares.h"
 
@@ -65,8 +66,15 @@ Pose2 FitWeightedMean(const std::vector<OrientedMatch>& oriented, const std::vec
 
 }  // namespace
 
+void PoseFromMatchesOptions::Check() const {
+  RequireOption(max_ratio > 0.0 && max_ratio <= 1.0, "max_ratio must be above 0 and at most 1");
+  RequireOption(inlier_radius_m > 0.0, "inlier_radius_m must be positive");
+  RequireOption(max_scale_error > 0.0 && max_scale_error < 1.0, "max_scale_error must be between 0 and 1");
+}
+
 MatchedPose ComputePose(const std::vector<Match>& neighbours, const Features& frame, const Features& map,
                         MatchFilter filter, const PoseFromMatchesOptions& options) {
+  options.Check();
   MatchedPose result;
   const bool ratio = filter == MatchFilter::kRatio || filter == MatchFilter::kRatioRansac;
   result.matches = ratio ? FilterByRatio(neighbours, static_cast<float>(options.max_ratio)) : neighbours;

@@ -22,6 +22,9 @@ struct PoseFromMatchesOptions {
   double inlier_radius_m = 0.003;  ///< for RANSAC and for counting a pose's inliers
   double max_scale_error = 0.05;   ///< rejects RANSAC similarities whose scale deviates more from 1
   PoseFit fit = PoseFit::kLeastSquares;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Result for one frame's matches.

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapbuilder/batch/parallel.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -136,8 +137,16 @@ FrameOutcome Search(const std::vector<FloorImage>& levels, const FloorImage& fra
 
 }  // namespace
 
+void TemplateSearchOptions::Check() const {
+  RequireOption(max_map_pixels >= 1, "max_map_pixels must be at least 1");
+  RequireOption(headings >= 1, "headings must be at least 1");
+  RequireOption(max_frames >= 1, "max_frames must be at least 1");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 CombinationRun RunTemplateSearch(const FloorImage& map, const std::vector<FrameBag>& bags,
                                  const TemplateSearchOptions& options) {
+  options.Check();
   std::vector<FloorImage> levels;
   const double pixels = static_cast<double>(map.gray.total());
   for (double factor = std::max(1.0, std::sqrt(pixels / options.max_map_pixels)); factor > 1.0; factor *= 0.5) {

@@ -14,6 +14,9 @@ struct TemplateSearchOptions {
   int max_frames = 10;           ///< number of frames tried, since each takes about a second
   int threads = 0;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Template matching as in the thesis: compares the frame's image with the floor's at every position and heading; the

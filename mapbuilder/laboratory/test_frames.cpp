@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/laboratory/test_frames.h"
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
@@ -9,7 +10,15 @@
 
 namespace floorloc {
 
+void TestFrameOptions::Check() const {
+  RequireOption(skip_frames >= 0, "skip_frames must be 0 or more");
+  RequireOption(max_frames >= 0, "max_frames must be 0 (all) or more");
+  RequireOption(resolution_m >= 0.0 && resolution_m < 1.0, "resolution_m must be a positive number of metres below 1");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOptions& options) {
+  options.Check();
   const Survey survey = ReadSurvey(folder);
   const Rectifier rectifier(survey.camera.AtResolution(options.resolution_m), survey.mask);
   FrameBag bag;

@@ -32,6 +32,9 @@ struct TestFrameOptions {
   double resolution_m = 0.0;  ///< of the rectified images
   bool normalize = true;      ///< normalise contrast
   int threads = 0;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Reads and rectifies the frames that have a pose in groundtruth.tum. Throws InputError, also when no frame has one.

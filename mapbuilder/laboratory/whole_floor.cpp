@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/mosaic/mosaic.h"
@@ -97,7 +98,10 @@ FloorImage Compose(const MosaicInput& input, const WholeFloorOptions& options) {
 
 }  // namespace
 
+void WholeFloorOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
+
 WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const WholeFloorOptions& options) {
+  options.Check();
   const std::vector<LoadedSurvey> surveys = LoadSurveys({survey_folder});
   const Survey& survey = surveys.front().survey;
   const std::vector<BuildFrame> frames =

@@ -19,6 +19,9 @@ struct WholeFloor {
 struct WholeFloorOptions {
   int threads = 0;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Composes the mosaic of a survey with the stages of the builder. Frames are placed by groundtruth.tum or, without it,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
@@ -75,9 +76,15 @@ bool MarkerDetection::IsSquare(double tolerance) const {
   return std::abs(diagonals) < 2.0 * tolerance * side;
 }
 
+void MarkerDetectionOptions::Check() const {
+  RequireOption(size_m >= 0.0, "size_m must be a positive number of metres, or 0 where no markers are sought");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames,
                                            const std::vector<LoadedSurvey>& surveys,
                                            const MarkerDetectionOptions& options) {
+  options.Check();
   const cv::Ptr<cv::aruco::Dictionary> dictionary = FindArucoDictionary(options.dictionary);
   std::vector<std::vector<MarkerDetection>> per_frame(frames.size());
   ProgressBar progress("markers", static_cast<std::int64_t>(frames.size()), options.progress);

@@ -15,6 +15,9 @@ struct MarkerDetectionOptions {
   double size_m = 0.0;                     ///< side of the black square, metres
   int threads = 0;                         ///< 0: one per core
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Detection of a marker in one frame.

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/markers/marker_positions.h"
@@ -121,8 +122,14 @@ double MarginOf(const MarkerOptions& options) {
 
 }  // namespace
 
+void MarkerOptions::Check() const {
+  detection.Check();
+  RequireOption(margin_m < 1.0, "margin_m must be below 1 m; negative: a quarter of the marker");
+}
+
 MarkerSurvey::MarkerSurvey(const MarkerOptions& options, const FrameSet& set)
     : options_(options), known_(ParseMarkersCsv(ReadTextFile(options.file), options.file)) {
+  options.Check();
   for (const LoadedSurvey& loaded : set.surveys) {
     survey_control_points_.push_back(loaded.survey.control_points.size());
   }

@@ -15,7 +15,10 @@ namespace floorloc {
 struct MarkerOptions {
   std::filesystem::path file;  ///< CSV of known markers; empty: no markers are detected
   MarkerDetectionOptions detection;
-  double margin_m = -1.0;  ///< white paper around a marker's black square; negative: a quarter of its size
+  double margin_m = -1.0;  ///< printed paper around a marker's black square; negative: a quarter of its size
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Fit of a detected marker to the finished map.

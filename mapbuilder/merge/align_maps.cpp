@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/option_check.h"
 #include "core/localization/oriented_matches.h"
 #include "core/map/map_error.h"
 #include "core/vision/matching/guided_matcher.h"
@@ -201,7 +202,10 @@ class MapAligner {
 
 }  // namespace
 
+void MapAlignmentOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
+
 MapAlignment AlignMaps(const BaseMap& first, const BaseMap& second, const MapAlignmentOptions& options) {
+  options.Check();
   return MapAligner(first, second, options).Run();
 }
 

@@ -13,6 +13,9 @@ struct MapAlignmentOptions {
   int threads = 0;          ///< 0: one per core
   std::uint32_t seed = 1;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Alignment of a second map to a first.

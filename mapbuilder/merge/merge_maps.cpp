@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/geometry/option_check.h"
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_error.h"
 #include "core/map/map_writer.h"
@@ -91,7 +92,13 @@ void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformati
 
 }  // namespace
 
+void MergeOptions::Check() const {
+  alignment.Check();
+  RequireOption(jpeg_quality >= 1 && jpeg_quality <= 100, "jpeg_quality must be 1 to 100");
+}
+
 MergeReport MergeMaps(const MergeOptions& options) {
+  options.Check();
   const BaseMap first(options.first);
   const BaseMap second(options.second);
   CheckCompatible(first, second);

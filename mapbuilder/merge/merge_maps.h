@@ -15,6 +15,9 @@ struct MergeOptions {
   std::filesystem::path out;     ///< may equal one of them
   MapAlignmentOptions alignment;
   int jpeg_quality = 90;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 struct MergeReport {

@@ -7,6 +7,7 @@
 
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/mosaic/mosaic_block.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -149,7 +150,16 @@ class Composer {
 
 }  // namespace
 
+void MosaicOptions::Check() const {
+  RequireOption(tile_px >= 16 && tile_px <= 4096, "tile_px must be 16 to 4096");
+  RequireOption(jpeg_quality >= 1 && jpeg_quality <= 100, "jpeg_quality must be 1 to 100");
+  RequireOption(resolution_m >= 0.0 && resolution_m < 1.0,
+                "resolution_m must be a positive number of metres below 1; 0: the surveys own");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 MosaicLayout MakeMosaicLayout(const RectM& extent, const MosaicOptions& options) {
+  options.Check();
   MosaicLayout layout;
   layout.tile_px = options.tile_px;
   layout.resolution_m = options.resolution_m;

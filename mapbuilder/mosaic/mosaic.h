@@ -16,6 +16,9 @@ struct MosaicOptions {
   double resolution_m = 0.0;  ///< of the finest level
   int threads = 0;
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Layout of the pyramid that covers the extent; its coarsest level is at most two tiles wide.

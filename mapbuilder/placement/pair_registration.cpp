@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "core/geometry/option_check.h"
 #include "core/localization/oriented_matches.h"
 #include "core/registration/systematic_covariance.h"
 #include "core/vision/matching/guided_matcher.h"
@@ -184,8 +185,19 @@ PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& secon
   return {mean, std::sqrt(std::max(0.0, squares / shared - mean * mean) / shared)};
 }
 
+void PairRegistrationOptions::Check() const {
+  registration.Check();
+  RequireOption(resolution_m > 0.0 && resolution_m < 1.0, "resolution_m must be between 0 and 1 m");
+  RequireOption(max_ratio_binary > 0.0F && max_ratio_binary <= 1.0F, "max_ratio_binary must be above 0 and at most 1");
+  RequireOption(max_ratio_float > 0.0F && max_ratio_float <= 1.0F, "max_ratio_float must be above 0 and at most 1");
+  RequireOption(systematic_m >= 0.0, "systematic_m must not be negative");
+  RequireOption(systematic_rad >= 0.0, "systematic_rad must not be negative");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<Link> RegisterPairs(const std::vector<BuildFrame>& frames, const std::vector<RectM>& floor_in_base,
                                 const std::vector<FramePair>& pairs, const PairRegistrationOptions& options) {
+  options.Check();
   std::vector<std::optional<Link>> found(pairs.size());
   ProgressBar progress("registration", static_cast<std::int64_t>(pairs.size()), options.progress);
   ParallelFor(static_cast<int>(pairs.size()), options.threads, [&](int i) {

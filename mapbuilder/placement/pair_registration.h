@@ -24,6 +24,9 @@ struct PairRegistrationOptions {
   ProgressOutput progress;
 
   static RegistrationOptions DefaultRegistration();
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Similarity of two frames under a given relative pose.

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "mapbuilder/coverage/cell_key.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -64,8 +65,16 @@ double OverlapShare(const RectM& first, const RectM& second, const Pose2& first_
   return static_cast<double>(inside) / (kSteps * kSteps);
 }
 
+void NearbyOptions::Check() const {
+  RequireOption(min_overlap > 0.0 && min_overlap <= 1.0, "min_overlap must be above 0 and at most 1");
+  RequireOption(radius_m >= 0.0, "radius_m must not be negative");
+  RequireOption(yaw_radius_rad >= 0.0, "yaw_radius_rad must not be negative");
+  RequireOption(first_new >= 0, "first_new must be 0 or more");
+}
+
 std::vector<FramePair> SelectNearbyPairs(const std::vector<std::optional<Pose2>>& map_from_base,
                                          const std::vector<RectM>& floor_in_base, const NearbyOptions& options) {
+  options.Check();
   double cell_m = 1e-3;
   for (const RectM& r : floor_in_base) {
     cell_m = std::max(cell_m, std::hypot(r.width_m(), r.height_m()));

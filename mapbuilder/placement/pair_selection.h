@@ -26,7 +26,10 @@ struct NearbyOptions {
   double min_overlap = 0.25;  ///< share of the second frame's floor inside the first's
   double radius_m = 0.1;      ///< uncertainty of the poses
   double yaw_radius_rad = 0.15;
-  int first_new = 0;  ///< only pairs with a frame of at least this index
+  int first_new = 0;  ///< only pairs with a frame of this index or later
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Pairs of placed frames whose floors overlap, found through a spatial hash: linear in the number of frames.

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/placement/absolute_constraints.h"
 #include "mapbuilder/placement/connected_parts.h"
@@ -236,12 +237,10 @@ Placement Placer::Finish() {
 }  // namespace
 
 void PlacementOptions::Check() const {
-  if (!(prior_sigma_m > 0.0 && prior_sigma_rad > 0.0)) {
-    throw std::invalid_argument("prior_sigma_m and prior_sigma_rad must be positive");
-  }
-  if (!(max_unmatched_share >= 0.0 && max_unmatched_share <= 1.0)) {
-    throw std::invalid_argument("max_unmatched_share must be 0 to 1");
-  }
+  registration.Check();
+  RequireOption(prior_sigma_m > 0.0, "prior_sigma_m must be positive");
+  RequireOption(prior_sigma_rad > 0.0, "prior_sigma_rad must be positive");
+  RequireOption(max_unmatched_share >= 0.0 && max_unmatched_share <= 1.0, "max_unmatched_share must be 0 to 1");
 }
 
 Placement PlaceFrames(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,

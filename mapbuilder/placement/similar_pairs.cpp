@@ -9,6 +9,7 @@
 
 #include "core/vision/matching/descriptor_index.h"
 #include "mapbuilder/batch/parallel.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -101,8 +102,14 @@ void KeepBest(const std::unordered_map<int, int>& votes, int count, std::vector<
 
 }  // namespace
 
+void SimilarPairsOptions::Check() const {
+  RequireOption(pairs_per_frame >= 1, "pairs_per_frame must be at least 1");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, const std::vector<int>& part,
                                           const SimilarPairsOptions& options) {
+  options.Check();
   const std::map<int, FrameIndex> indexes = BuildIndexes(frames, part);
   std::vector<std::vector<int>> similar(frames.size());
   ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int self) {

@@ -11,6 +11,9 @@ namespace floorloc {
 struct SimilarPairsOptions {
   int pairs_per_frame = 6;  ///< with frames of each other part
   int threads = 0;          ///< 0: one per core
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Pairs of frames of different parts, by appearance alone: those whose keypoints are most often each other's nearest

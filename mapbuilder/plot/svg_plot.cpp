@@ -7,6 +7,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
 namespace {
 
@@ -99,7 +101,13 @@ std::string EscapeHtml(const std::string& text) {
   return escaped;
 }
 
+void BarChartOptions::Check() const {
+  RequireOption(full_scale >= 0.0, "full_scale must be positive; 0: the largest value");
+  RequireOption(decimals >= 0 && decimals <= 17, "decimals must be 0 to 17");
+}
+
 std::string BarChart(const std::vector<SvgBar>& bars, const BarChartOptions& options) {
+  options.Check();
   constexpr double kRow = 20.0, kLabel = 300.0, kValue = 130.0;
   double full_scale = options.full_scale;
   std::vector<std::string> all_groups;

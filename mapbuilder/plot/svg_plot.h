@@ -18,7 +18,10 @@ struct BarChartOptions {
   double full_scale = 0.0;  ///< value of the longest possible bar; 0: the largest value
   int decimals = 0;
   std::string unit;
-  std::vector<std::string> groups;  ///< in the order of the colours; others are appended
+  std::vector<std::string> groups;  ///< in the order of the colours; those that are missing come after
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// An inline SVG image.

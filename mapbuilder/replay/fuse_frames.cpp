@@ -131,7 +131,10 @@ void CheckImuAxes(const Survey& survey) {
   }
 }
 
+void FuseFramesOptions::Check() const { tracker.Check(); }
+
 FusedDrive FuseFrames(const Localizer& localizer, const Survey& survey, const FuseFramesOptions& options) {
+  options.Check();
   if (options.use_imu) {
     CheckImuAxes(survey);
   }

@@ -16,6 +16,9 @@ struct FuseFramesOptions {
   bool use_imu = true;
   bool dense = false;  ///< poses at every message instead of at the frames only
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Localization result of one frame and its outcome in the tracker.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
@@ -127,8 +128,15 @@ PriorSource ParsePriorSource(const std::string& name) {
   throw std::invalid_argument("unknown prior '" + name + "'; known are: none, odometry, truth");
 }
 
+void LocalizeFramesOptions::Check() const {
+  RequireOption(prior_radius_m > 0.0, "prior_radius_m must be positive");
+  RequireOption(prior_yaw_radius_rad > 0.0, "prior_yaw_radius_rad must be positive");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,
                                            const LocalizeFramesOptions& options) {
+  options.Check();
   const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask);
   if (options.prior == PriorSource::kOdometry) {
     return LocalizeWithOdometry(localizer, rectifier, survey, options);

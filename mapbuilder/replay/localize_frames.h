@@ -27,6 +27,9 @@ struct LocalizeFramesOptions {
   double prior_yaw_radius_rad = 0.26;
   int threads = 1;  ///< 0: one per core; not used with PriorSource::kOdometry
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Localization result of one frame.

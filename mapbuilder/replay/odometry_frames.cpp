@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/vision/image/rectifier.h"
@@ -96,7 +97,16 @@ std::vector<Features> ExtractFrames(const Survey& survey, const FeatureExtractor
 
 }  // namespace
 
+void PlanarFramesOptions::Check() const {
+  extractor.Check();
+  odometry.Check();
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
+void MonocularFramesOptions::Check() const { odometry.Check(); }
+
 std::vector<PlanarFrame> TrackPlanarFrames(const Survey& survey, const PlanarFramesOptions& options) {
+  options.Check();
   if (options.use_wheels && survey.odometry.empty()) {
     throw InputError(survey.folder, "has no odometry.tum; add it or use --prior none");
   }
@@ -160,6 +170,7 @@ std::string ToJsonLine(const PlanarFrame& f) {
 
 std::vector<MonocularFrame> TrackMonocularFrames(const CameraRecording& recording,
                                                  const MonocularFramesOptions& options) {
+  options.Check();
   MonocularOdometry odometry(recording.camera, options.odometry);
   std::vector<MonocularFrame> frames;
   ProgressBar progress("odometry", static_cast<std::int64_t>(recording.frames.size()), options.progress);

@@ -18,6 +18,9 @@ struct PlanarFramesOptions {
   bool use_wheels = false;         ///< search each frame around the prediction of odometry.tum
   int threads = 1;                 ///< for feature extraction; 0: one per core
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Result for one frame of a camera above the floor.
@@ -45,6 +48,9 @@ struct MonocularFramesOptions {
   MonocularOdometryOptions odometry;
   Trajectory positions;  ///< of the camera, in any fixed frame, to determine the scale; may be empty
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Result for one frame of a camera in any orientation.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/geometry/mounting.h"
+#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/keypoints/keypoint_tracks.h"
 
@@ -267,7 +268,15 @@ std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& n
   return unknowns;
 }
 
+void SelfCalibrationOptions::Check() const {
+  RequireOption(observations_per_frame >= 1, "sights_per_frame must be at least 1");
+  RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");
+  RequireOption(tilt_height >= 0.0, "tilt_height must not be negative");
+  registration.Check();
+}
+
 CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options) {
+  options.Check();
   CalibratedFrames result{std::move(set), std::move(placement), {}};
   if (!options.unknowns.empty()) {
     result.calibration = Calibrator(&result, options).Run();

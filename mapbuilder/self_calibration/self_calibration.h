@@ -13,10 +13,13 @@ namespace floorloc {
 
 struct SelfCalibrationOptions {
   std::vector<CameraUnknown> unknowns;   ///< of every survey's camera; empty: no self-calibration
-  int observations_per_frame = 80;       ///< keypoints used per frame
-  double tilt_rad = 5e-4;                ///< of a frame's own roll and pitch due to vibration, standard deviation
-  double tilt_height = 5e-4;             ///< of a frame's own relative height, standard deviation
-  PairRegistrationOptions registration;  ///< for measuring the links again
+  int observations_per_frame = 80;       ///< keypoints of a frame that take part
+  double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
+  double tilt_height = 5e-4;             ///< and of its height, as a share
+  PairRegistrationOptions registration;  ///< for the links, which are measured again
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Parses names from the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2). Throws

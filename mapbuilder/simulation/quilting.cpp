@@ -9,6 +9,7 @@
 
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulation/simulated_noise.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -150,7 +151,13 @@ cv::Mat ToneOf(const cv::Mat& photograph) {
 
 }  // namespace
 
+void QuiltOptions::Check() const {
+  RequireOption(image_width_m > 0.0, "picture_width_m must be positive");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const QuiltOptions& options) {
+  options.Check();
   cv::Mat source;
   photograph.convertTo(source, CV_32FC3);
   const cv::Mat tone_source = ToneOf(source);

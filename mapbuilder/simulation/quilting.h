@@ -17,6 +17,9 @@ struct QuiltOptions {
   bool rotate_patches = true;
   std::uint64_t seed = 1;
   int threads = 0;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Covers a floor with patches cut at random positions (and rotations) from a photograph that tiles seamlessly

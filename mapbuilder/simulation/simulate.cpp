@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/option_check.h"
 #include "core/io/camera_yaml.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
@@ -113,9 +114,16 @@ SimulationResult Summarize(const SimulatedPath& path) {
 
 }  // namespace
 
+void SimulateOptions::Check() const {
+  camera.Check();
+  conditions.Check();
+  floor.Check();
+  RequireOption(wear >= 0.0 && wear <= 1.0, "wear must be 0 to 1");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 SimulationResult Simulate(const SimulateOptions& options) {
-  options.camera.Check();
-  options.conditions.Check();
+  options.Check();
   PathOptions path_options = options.path;
   path_options.floor_width_m = options.floor.width_m;
   path_options.floor_height_m = options.floor.height_m;

@@ -23,6 +23,9 @@ struct SimulateOptions {
   std::uint64_t seed = 1;  ///< for everything but the floor itself
   int threads = 0;         ///< 0: one per core; does not change the files
   ProgressOutput progress;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 struct SimulationResult {

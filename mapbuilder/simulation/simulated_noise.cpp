@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
 namespace {
 
@@ -32,7 +34,14 @@ std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t stream) {
   return z ^ (z >> 31);
 }
 
+void NoiseOptions::Check() const {
+  RequireOption(cell_x_px > 0.0, "cell_x_px must be positive");
+  RequireOption(cell_y_px > 0.0, "cell_y_px must be positive");
+  RequireOption(octaves >= 1 && octaves <= 16, "octaves must be 1 to 16");
+}
+
 cv::Mat FractalNoise(cv::Size size, const NoiseOptions& options, std::uint64_t seed) {
+  options.Check();
   cv::Mat sum = cv::Mat::zeros(size, CV_32FC1);
   double weight = 1.0;
   for (int octave = 0; octave < options.octaves; ++octave, weight *= 0.5) {

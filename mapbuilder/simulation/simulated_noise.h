@@ -12,7 +12,10 @@ std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t stream);
 struct NoiseOptions {
   double cell_x_px = 32.0;  ///< size of the coarsest structure
   double cell_y_px = 32.0;
-  int octaves = 4;  ///< each half the size and amplitude of the last; structures below 2 px are omitted
+  int octaves = 4;  ///< each half the size and half the amplitude; structures below 2 px are left out
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Smooth random field of zero mean, about -1 ... 1 (CV_32FC1).

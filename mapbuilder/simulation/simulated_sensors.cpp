@@ -7,6 +7,8 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
 namespace {
 
@@ -139,8 +141,29 @@ ImuErrors ImuErrors::Scaled(double factor) const {
           accel_bias * factor, accel_walk * factor, vibration * factor};
 }
 
+void WheelOptions::Check() const {
+  RequireOption(errors.scale >= 0.0, "errors.scale must not be negative");
+  RequireOption(errors.yaw_scale >= 0.0, "errors.yaw_scale must not be negative");
+  RequireOption(errors.drift_rad_per_m >= 0.0, "errors.drift_rad_per_m must not be negative");
+  RequireOption(errors.noise_m >= 0.0, "errors.noise_m must not be negative");
+  RequireOption(errors.noise_rad >= 0.0, "errors.noise_rad must not be negative");
+}
+
+void ImuOptions::Check() const {
+  RequireOption(rate_hz > 0.0, "rate_hz must be positive");
+  RequireOption(duration_s >= 0.0, "duration_s must not be negative");
+  RequireOption(errors.gyro_noise >= 0.0, "errors.gyro_noise must not be negative");
+  RequireOption(errors.gyro_bias >= 0.0, "errors.gyro_bias must not be negative");
+  RequireOption(errors.gyro_walk >= 0.0, "errors.gyro_walk must not be negative");
+  RequireOption(errors.accel_noise >= 0.0, "errors.accel_noise must not be negative");
+  RequireOption(errors.accel_bias >= 0.0, "errors.accel_bias must not be negative");
+  RequireOption(errors.accel_walk >= 0.0, "errors.accel_walk must not be negative");
+  RequireOption(errors.vibration >= 0.0, "errors.vibration must not be negative");
+}
+
 Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int64_t>& stamps_ns,
                             const WheelOptions& options) {
+  options.Check();
   constexpr double kStepS = 0.02;
   cv::RNG rng(options.seed);
   const Wheels wheels = DrawWheels(options.errors, rng);
@@ -166,7 +189,8 @@ Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int
 }
 
 std::vector<ImuSample> SimulateImu(const PoseAtTime& motion, const ImuOptions& options) {
-  constexpr double kVibrationSpeed = 0.3;  // m/s at which the vibration has nominal strength
+  options.Check();
+  constexpr double kVibrationSpeed = 0.3;  // m/s at which the vibration has its nominal strength
   const ImuErrors& errors = options.errors;
   cv::RNG rng(options.seed);
   WanderingBias gyro_bias{Gaussian3(rng, errors.gyro_bias), errors.gyro_walk};

@@ -41,6 +41,9 @@ struct WheelOptions {
   OdometryErrors errors;
   std::vector<WheelSlip> slips;
   std::uint64_t seed = 1;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Simulates wheel odometry of a true motion without jumps at the given stamps: odom_from_base, starting at the
@@ -74,6 +77,9 @@ struct ImuOptions {
   ImuErrors errors;
   std::vector<ImuJolt> jolts;
   std::uint64_t seed = 1;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 inline constexpr double kGravity = 9.80665;  ///< m/s^2

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
@@ -61,8 +62,14 @@ std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& 
   return surveys;
 }
 
+void ExtractionOptions::Check() const {
+  extractor.Check();
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+}
+
 std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& surveys,
                                             const ExtractionOptions& options) {
+  options.Check();
   std::vector<BuildFrame> frames;
   for (std::size_t s = 0; s < surveys.size(); ++s) {
     for (const SurveyFrame& info : surveys[s].survey.frames) {

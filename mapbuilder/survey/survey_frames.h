@@ -63,8 +63,11 @@ struct ExtractionOptions {
   ExtractorOptions extractor;
   int threads = 0;  ///< 0: one per core
   ProgressOutput progress;
-  FrameJournal* journal = nullptr;  ///< results of an earlier run of the build, extended by this one; nullptr: none
-  BadFramePolicy bad_frames = BadFramePolicy::kThrow;  ///< kSkip: sets BuildFrame::unreadable instead of throwing
+  FrameJournal* journal = nullptr;  ///< what an earlier run of the build did, and where this one notes what it does
+  BadFramePolicy bad_frames = BadFramePolicy::kThrow;  ///< kSkip: BuildFrame::unreadable instead of an error
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Rectifies every frame of every survey and extracts its features. Throws InputError for an unusable image unless
