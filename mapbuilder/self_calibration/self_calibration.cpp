@@ -269,7 +269,7 @@ std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& n
 }
 
 void SelfCalibrationOptions::Check() const {
-  RequireOption(observations_per_frame >= 1, "sights_per_frame must be at least 1");
+  RequireOption(observations_per_frame >= 1, "observations_per_frame must be at least 1");
   RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");
   RequireOption(tilt_height >= 0.0, "tilt_height must not be negative");
   registration.Check();

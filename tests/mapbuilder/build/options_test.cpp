@@ -38,7 +38,7 @@ TEST(BuilderOptionsTest, EachBadFieldOfPlacementIsRefusedByName) {
       .Refuses("prior_sigma_m", &PlacementOptions::prior_sigma_m, {0.0})
       .Refuses("prior_sigma_rad", &PlacementOptions::prior_sigma_rad, {0.0});
   OptionTable<SelfCalibrationOptions>()
-      .Refuses("sights_per_frame", &SelfCalibrationOptions::observations_per_frame, {0})
+      .Refuses("observations_per_frame", &SelfCalibrationOptions::observations_per_frame, {0})
       .Refuses("tilt_rad", &SelfCalibrationOptions::tilt_rad, {-1.0})
       .Refuses("tilt_height", &SelfCalibrationOptions::tilt_height, {-1.0});
   OptionTable<MarkerDetectionOptions>()
