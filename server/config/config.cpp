@@ -4,6 +4,7 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "server/config/config_json.h"
@@ -18,8 +19,23 @@ constexpr std::uint64_t kMaxConfigBytes = 1u << 20;
 
 bool ServerConfig::IsLoopback() const { return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0; }
 
+void ServerLimits::Check() const {
+  http.Check();
+  RequireOption(max_image_pixels >= 1, "limits.max_image_pixels must be at least 1");
+  RequireOption(max_rectifier_bytes >= 1, "limits.max_rectifier_bytes must be at least 1");
+  RequireOption(max_vehicles >= 1, "limits.max_vehicles must be at least 1");
+  RequireOption(vehicle_timeout_s >= 0.0, "limits.vehicle_timeout_s must be positive; 0: never");
+  RequireOption(max_requests_per_s >= 0.0, "limits.max_requests_per_s must be positive; 0: no limit");
+}
+
 void ServerConfig::Check() const {
   localizer.Check();
+  limits.Check();
+  RequireOption(port >= 0 && port <= 65535, "port must be 0 (any) to 65535");
+  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  RequireOption(queue_length >= 1, "queue_length must be at least 1");
+  RequireOption(queue_timeout_s > 0.0, "queue_timeout_s must be positive");
+  RequireOption(drain_s >= 0.0, "drain_s must not be negative");
   if (!IsLoopback() && token_file.empty() && !open) {
     throw std::invalid_argument("--listen " + host +
                                 " can be reached from other machines and no token is set: name a token_file in the "

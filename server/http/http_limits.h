@@ -12,6 +12,9 @@ struct HttpLimits {
   int max_connections = 1024;
   double idle_timeout_s = 60.0;     ///< of a keep-alive connection
   double request_timeout_s = 30.0;  ///< to send a request, and again to receive its response
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 }  // namespace floorloc

@@ -13,6 +13,7 @@
 #include "server/http/body_budget.h"
 #include "server/http/connection.h"
 #include "server/http/listener.h"
+#include "core/geometry/option_check.h"
 
 // Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
 #include <httplib.h>
@@ -349,8 +350,13 @@ void HttpServer::Impl::JoinFinished() {
   }
 }
 
+void HttpServerOptions::Check() const {
+  RequireOption(port >= 0 && port <= 65535, "port must be 0 (any) to 65535");
+  limits.Check();
+}
+
 HttpServer::HttpServer(const HttpServerOptions& options, HttpHandler& handler)
-    : impl_(std::make_unique<Impl>(options, handler)) {}
+    : impl_((options.Check(), std::make_unique<Impl>(options, handler))) {}
 
 HttpServer::~HttpServer() = default;
 

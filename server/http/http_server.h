@@ -12,6 +12,9 @@ struct HttpServerOptions {
   std::string host = "127.0.0.1";
   int port = 0;  ///< 0: any free port
   HttpLimits limits;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// HTTP/1.1 over TCP, one thread per connection. Limited are the connections (further ones are answered with 503),

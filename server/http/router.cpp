@@ -8,6 +8,7 @@
 #include <set>
 
 #include "server/wire/strict_json.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -69,8 +70,14 @@ std::optional<std::map<std::string, std::string>> MatchPattern(std::string_view 
   return parameters;
 }
 
+void RouterOptions::Check() const {
+  RequireOption(max_requests_per_s >= 0.0, "max_requests_per_s must be positive; 0: no limit");
+}
+
 Router::Router(RouterOptions options, Metrics& metrics)
-    : options_(std::move(options)), metrics_(metrics), rate_limiter_(options_.max_requests_per_s) {}
+    : options_(std::move(options)), metrics_(metrics), rate_limiter_(options_.max_requests_per_s) {
+  options_.Check();
+}
 
 void Router::Add(Route route) { routes_.push_back(std::move(route)); }
 

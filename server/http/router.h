@@ -32,6 +32,9 @@ struct RouterOptions {
   AccessToken token;
   bool protect_reads = false;
   double max_requests_per_s = 0.0;  ///< per client address; 0: no limit
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// The route table; the only place that turns exceptions into problem+json.

@@ -12,7 +12,7 @@ void ComputePoolOptions::Check() const {
   if (queue_length == 0) {
     throw std::invalid_argument("queue_length must be positive");
   }
-  if (queue_timeout.count() <= 0.0) {
+  if (!(queue_timeout.count() > 0.0)) {
     throw std::invalid_argument("queue_timeout must be positive");
   }
 }

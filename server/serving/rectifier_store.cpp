@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "server/wire/problem.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -74,6 +75,14 @@ std::shared_ptr<const Rectifier> Build(const FloorCamera& camera, const CameraMa
 }
 
 }  // namespace
+
+void RectifierStoreOptions::Check() const {
+  RequireOption(max_image_pixels >= 1, "max_image_pixels must be at least 1");
+  RequireOption(max_bytes >= 1, "max_bytes must be at least 1");
+  RequireOption(max_cached >= 1, "max_cached must be at least 1");
+}
+
+RectifierStore::RectifierStore(const RectifierStoreOptions& options) : options_(options) { options_.Check(); }
 
 std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera, const CameraMask& mask) {
   CheckCamera(camera, options_.max_image_pixels);

@@ -15,16 +15,20 @@
 namespace floorloc {
 
 struct RectifierStoreOptions {
-  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera image and of the rectified image
-  std::size_t max_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras
-  std::size_t max_cached = 64;                   ///< cameras kept although no vehicle or request uses them
+  std::int64_t max_image_pixels = 25'000'000;    ///< of the camera image, and of the rectified one
+  std::size_t max_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras together
+  std::size_t max_cached = 64;                   ///< unused cameras that are kept
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// One Rectifier per calibration: vehicles with the same calibration share it, and a camera that is sent with every
 /// request is built only once. Thread-safe.
 class RectifierStore {
  public:
-  explicit RectifierStore(const RectifierStoreOptions& options) : options_(options) {}
+  /// Throws std::invalid_argument when the options do not pass Check().
+  explicit RectifierStore(const RectifierStoreOptions& options);
 
   /// The rectifier of a camera; builds it when it is new, which takes compute time.
   /// Throws Problem: 422 for a camera that makes no sense or is too large, or whose mask is none or leaves no floor

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "server/wire/problem.h"
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -21,6 +22,13 @@ std::shared_ptr<VehicleSession> MakeSession(const Vehicle& vehicle, double timeo
 }
 
 }  // namespace
+
+void VehicleRegistryOptions::Check() const {
+  RequireOption(max_vehicles >= 1, "max_vehicles must be at least 1");
+  RequireOption(timeout_s >= 0.0, "timeout_s must be positive; 0: never");
+}
+
+VehicleRegistry::VehicleRegistry(const VehicleRegistryOptions& options) : options_(options) { options_.Check(); }
 
 Registration VehicleRegistry::Put(Vehicle vehicle) {
   const std::lock_guard lock(mutex_);

@@ -45,7 +45,10 @@ struct VehicleState {
 
 struct VehicleRegistryOptions {
   std::size_t max_vehicles = 2000;
-  double timeout_s = 0.0;  ///< a vehicle without messages for longer expires and may be evicted; 0: never
+  double timeout_s = 0.0;  ///< a vehicle that was silent for longer expires, and may be evicted; 0: never
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
 };
 
 /// Result of a registration.
@@ -57,7 +60,8 @@ struct Registration {
 /// The registered vehicles, at most max_vehicles. Thread-safe.
 class VehicleRegistry {
  public:
-  explicit VehicleRegistry(const VehicleRegistryOptions& options) : options_(options) {}
+  /// Throws std::invalid_argument when the options do not pass Check().
+  explicit VehicleRegistry(const VehicleRegistryOptions& options);
 
   /// Registers or replaces a vehicle. With unchanged map, camera and gate it keeps its pose, otherwise it restarts.
   /// At max_vehicles, the vehicle with the oldest last message is evicted if it has expired; otherwise throws Problem
