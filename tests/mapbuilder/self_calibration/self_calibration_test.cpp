@@ -152,7 +152,8 @@ TEST(SelfCalibrationTest, ThePriorIsOnTheWholeChangeNotOnEachRounds) {
   EXPECT_GT(change, -0.06);
 }
 
-TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNotABit) {
+// Not bit by bit within one process: Ceres orders what it eliminates by the blocks' addresses.
+TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNothingThatCounts) {
   const auto run = [](int threads) {
     Survey20 survey(Error(CameraUnknown::kPitch, 0.008));
     survey.options.unknowns = ParseCameraUnknowns({"mounting", "distortion"});
@@ -166,8 +167,8 @@ TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNotABit) {
     return numbers;
   };
   const std::vector<double> alone = run(1);
-  EXPECT_EQ(run(2), alone);
-  EXPECT_EQ(run(4), alone);
+  EXPECT_THAT(run(2), testing::Pointwise(testing::DoubleNear(1e-9), alone));
+  EXPECT_THAT(run(4), testing::Pointwise(testing::DoubleNear(1e-9), alone));
 }
 
 TEST(SelfCalibrationTest, HeightWithoutAScaleConstraintIsRefused) {
