@@ -17,6 +17,7 @@
 #include "mapbuilder/finished_map/map_info.h"
 #include "mapbuilder/screening/frame_screening.h"
 #include "mapbuilder/screening/odometry_agreement.h"
+#include "mapbuilder/survey/extract_frames.h"
 #include "mapbuilder/survey/frame_journal.h"
 
 namespace floorloc {

@@ -4,9 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/vision/extractors/feature_extractor.h"
 #include "mapbuilder/build/build_report.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

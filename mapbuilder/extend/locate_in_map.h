@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/placement/pose_graph.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

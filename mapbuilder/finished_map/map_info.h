@@ -6,7 +6,7 @@
 
 #include "core/map/floor_map.h"
 #include "mapbuilder/finished_map/base_map.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

@@ -8,7 +8,7 @@
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/keypoints/keypoint_tracks.h"
 #include "mapbuilder/keypoints/prune_keypoints.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

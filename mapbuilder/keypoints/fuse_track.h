@@ -9,7 +9,7 @@
 #include "core/map/floor_map.h"
 #include "mapbuilder/keypoints/descriptor_vote.h"
 #include "mapbuilder/keypoints/keypoint_tracks.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

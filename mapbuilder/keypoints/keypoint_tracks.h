@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

@@ -11,6 +11,7 @@
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
+#include "mapbuilder/survey/extract_frames.h"
 
 namespace floorloc {
 namespace {

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

@@ -7,7 +7,7 @@
 
 #include "mapbuilder/mosaic/mosaic_patch.h"
 #include "mapbuilder/placement/link.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

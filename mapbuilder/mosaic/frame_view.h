@@ -8,7 +8,7 @@
 #include "core/geometry/pose2.h"
 #include "core/vision/image/rectifier.h"
 #include "mapbuilder/mosaic/mosaic_grid.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

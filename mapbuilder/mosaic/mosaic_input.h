@@ -6,7 +6,7 @@
 
 #include "mapbuilder/mosaic/exposure.h"
 #include "mapbuilder/mosaic/mosaic_patch.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

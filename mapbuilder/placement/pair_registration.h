@@ -5,9 +5,10 @@
 
 #include "core/registration/registration.h"
 #include "core/vision/matching/guided_matcher.h"
+#include "mapbuilder/batch/progress.h"
 #include "mapbuilder/placement/link.h"
 #include "mapbuilder/placement/pair_selection.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

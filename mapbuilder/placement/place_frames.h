@@ -7,7 +7,7 @@
 
 #include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/placement/pose_graph.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "mapbuilder/placement/pair_registration.h"
+#include "mapbuilder/survey/build_frame.h"
 #include "mapbuilder/survey/dropped_frame.h"
-#include "mapbuilder/survey/survey_frames.h"
 
 namespace floorloc {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mapbuilder/placement/pair_registration.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

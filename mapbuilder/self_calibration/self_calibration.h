@@ -7,7 +7,7 @@
 
 #include "mapbuilder/placement/place_frames.h"
 #include "mapbuilder/self_calibration/bundle_adjustment.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

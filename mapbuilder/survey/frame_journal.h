@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "core/map/content_hash.h"
+#include "core/vision/extractors/feature_extractor.h"
 #include "mapbuilder/batch/build_journal.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

@@ -8,6 +8,7 @@
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
+#include "mapbuilder/survey/extract_frames.h"
 #include "tests/bench/common/score.h"
 
 namespace floorloc {

@@ -14,7 +14,6 @@ TEST(RegistrationOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("ransac_iterations", &RegistrationOptions::ransac_iterations, {0})
       .Refuses("min_inliers", &RegistrationOptions::min_inliers, {2})
       .Refuses("max_p_wrong", &RegistrationOptions::max_p_wrong, {0.0, 1.1})
-      .Refuses("max_rival_share", &RegistrationOptions::max_rival_share, {0.0, 1.1})
       .Refuses("position_noise_floor_m", &RegistrationOptions::position_noise_floor_m, {0.0});
 }
 

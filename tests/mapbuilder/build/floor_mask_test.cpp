@@ -8,6 +8,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/export/export_mosaic.h"
+#include "mapbuilder/survey/extract_frames.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

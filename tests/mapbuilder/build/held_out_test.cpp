@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "mapbuilder/survey/extract_frames.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
 

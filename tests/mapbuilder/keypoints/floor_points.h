@@ -7,7 +7,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
 

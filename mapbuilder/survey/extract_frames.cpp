@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/survey/survey_frames.h"
+#include "mapbuilder/survey/extract_frames.h"
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -36,15 +36,6 @@ void Extract(const LoadedSurvey& from, const FeatureExtractor& extractor, BuildF
 }
 
 }  // namespace
-
-std::vector<RectM> FrameSet::FloorsInBase() const {
-  std::vector<RectM> floors;
-  floors.reserve(frames.size());
-  for (const BuildFrame& frame : frames) {
-    floors.push_back(surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
-  }
-  return floors;
-}
 
 std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& folders, BadFramePolicy bad_frames,
                                       double resolution_m) {
