@@ -7,6 +7,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/image/rectifier.h"
 #include "tests/synthetic/synthetic_floor.h"
 
