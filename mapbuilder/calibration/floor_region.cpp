@@ -199,8 +199,6 @@ double MedianFootprint(const FloorView& view, const RectM& roi) {
 }  // namespace
 
 void FloorRegionOptions::Check() const {
-  RequireOption(!roi || (roi->width_m() > 0.0 && roi->height_m() > 0.0),
-                "roi must have x_min < x_max and y_min < y_max");
   RequireOption(!resolution_m || *resolution_m > 0.0, "resolution_m must be positive");
   RequireOption(max_footprint_ratio >= 1.0, "max_footprint_ratio must be at least 1");
   RequireOption(max_radius_px > 0.0, "max_radius_px must be positive");

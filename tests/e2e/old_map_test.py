@@ -101,7 +101,8 @@ class Damaged(Scratch):
                     ["report", damaged, "--out", report], ["merge", whole, damaged, "--same-frame", "--out", out],
                     ["export", damaged, "--g2o", self.folder / "graph.g2o"]]
         for sql, what in (("UPDATE frame SET survey = 1000000", "frame 0: survey is 1000000"),
-                          ("UPDATE link SET first = -7, second = second + 1000000", "link 0: first is -7"),
+                          ("UPDATE link SET first = -7 WHERE first = (SELECT min(first) FROM link) AND second ="
+                           " (SELECT min(second) FROM link WHERE first = (SELECT min(first) FROM link))", "link 0: first is -7"),
                           ("UPDATE frame SET x = 1e300 WHERE id = 3", "frame 3: x is 1e+300")):
             shutil.copy(whole, damaged)
             change(damaged, "PRAGMA ignore_check_constraints = ON; " + sql)

@@ -57,8 +57,8 @@ std::vector<BadValue> BadDecisionValues() {
           {"min_p_wrong", [](auto* o) { o->registration.min_p_wrong = 1.0; }},
           {"max_rival_log10_nfa", [](auto* o) { o->registration.max_rival_log10_nfa = kNan; }},
           {"inlier_independence", [](auto* o) { o->registration.inlier_independence = 0.0; }},
-          {"systematic_m", [](auto* o) { o->systematic_lever_m = 0.0; }},
-          {"max_ratio", [](auto* o) { o->max_ratio_binary = 1.5F; }}};
+          {"systematic_lever_m", [](auto* o) { o->systematic_lever_m = 0.0; }},
+          {"max_ratio_binary", [](auto* o) { o->max_ratio_binary = 1.5F; }}};
 }
 
 TEST(LocalizerOptionsTest, TheDefaultsAreValid) { EXPECT_NO_THROW(LocalizerOptions().Check()); }

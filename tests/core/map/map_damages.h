@@ -46,7 +46,7 @@ inline const std::vector<std::string>& FatalDamages() {
       "UPDATE map SET mosaic_tile_px = 2147483648",
       "UPDATE map SET mosaic_max_zoom = 63",
       "UPDATE map SET mosaic_max_zoom = -1",
-      "UPDATE map SET mosaic_max_zoom = 0",
+      "UPDATE map SET mosaic_max_zoom = mosaic_max_zoom - 1",
       "UPDATE map SET surveys_json = 'none'",
       "UPDATE map SET surveys_json = '{}'",
       "UPDATE map SET surveys_json = '[7]'",

@@ -139,7 +139,7 @@ TEST_F(BuildJournalTest, WhateverIsOverwrittenNothingWrongIsRead) {
 TEST_F(BuildJournalTest, AnotherFileIsReplacedWithAWarning) {
   Overwrite("timestamp,filename\n1,images/000000.jpg\n");
   EXPECT_EQ(Resume(5), 0);
-  EXPECT_THAT(warnings_.str(), HasSubstr("m.floormap.journal is damaged or no journal"));
+  EXPECT_THAT(warnings_.str(), HasSubstr("m.floormap.journal is damaged or not a journal"));
 }
 
 TEST_F(BuildJournalTest, TwoBuildsDoNotShareOne) {
