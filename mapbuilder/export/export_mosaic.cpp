@@ -33,8 +33,9 @@ MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m) {
   }
   MosaicImage result{whole, level.resolution_m(), grid};
   if (std::abs(wanted_m / level.resolution_m() - 1.0) > 1e-6) {
-    const cv::Size size(static_cast<int>(std::lround(grid.width_m() / wanted_m)),
-                        static_cast<int>(std::lround(grid.height_m() / wanted_m)));
+    // At least a pixel, however coarse it is wanted.
+    const cv::Size size(std::max(1, static_cast<int>(std::lround(grid.width_m() / wanted_m))),
+                        std::max(1, static_cast<int>(std::lround(grid.height_m() / wanted_m))));
     cv::resize(whole, result.bgr, size, 0, 0, wanted_m > level.resolution_m() ? cv::INTER_AREA : cv::INTER_CUBIC);
     result.resolution_m = grid.width_m() / size.width;
   }

@@ -22,7 +22,8 @@ FloorGrid MakeGrid(const MapEvidence& evidence, const QualityOptions& options, d
   // The extent can be much larger than its floor, e.g. for a ring or a long diagonal.
   const RectM extent = ExtentWithLostFrames(evidence);
   const double box_m = std::sqrt(extent.width_m() * extent.height_m() / (10.0 * options.max_cells));
-  const double cell_m = std::max({wanted_m, least_m, box_m});
+  const double side_m = std::max(extent.width_m(), extent.height_m()) / options.max_side_cells;
+  const double cell_m = std::max({wanted_m, least_m, box_m, side_m});
   return {extent, cell_m, 2 + static_cast<int>(std::ceil(std::sqrt(view_m2) / cell_m))};
 }
 

@@ -24,6 +24,7 @@ enum class Weakness : std::uint8_t {
 struct QualityOptions {
   double cells_per_view = 8.0;        ///< along a side of the view
   double max_cells = 60'000.0;        ///< over the surveyed floor; larger floors get larger cells
+  double max_side_cells = 20'000.0;   ///< a side; OpenCV warps images of up to 32766 pixels a side
   double needed_keypoints = 100.0;    ///< usable ones in view; with fewer, badly lit frames are not localized
   std::uint8_t duplicate_below = 26;  ///< keypoints of lower distinctiveness count as duplicates
   double weight_observed_once = 0.5;  ///< of a keypoint that only one frame observed

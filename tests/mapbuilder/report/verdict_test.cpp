@@ -68,7 +68,7 @@ TEST(VerdictTest, HeldOutFramesDecide) {
   }
   const Verdict verdict = VerdictOf(evidence);
   EXPECT_EQ(verdict.trust, Trust::kResurvey);
-  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("wrong place")));
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("wrong pose")));
 }
 
 TEST(VerdictTest, ManyUnmatchedOverlapsMeanAFoldedMap) {
