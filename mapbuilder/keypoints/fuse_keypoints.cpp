@@ -132,7 +132,7 @@ cv::Mat MakeDescriptors(const KeypointFusionInput& input, std::size_t rows) {
   for (std::size_t i = 0; i < input.frames.size() && like.empty(); ++i) {
     like = input.frames[i].features.descriptors;
   }
-  return {static_cast<int>(rows), like.cols, like.type()};
+  return cv::Mat(static_cast<int>(rows), like.cols, like.type());
 }
 
 // Distinctiveness is not filled in.

@@ -61,14 +61,15 @@ struct ControlError {
 struct DistanceError {
   ObservedDistance distance;
 
-  template <typename T>
+  // Ceres gives a residual one argument per parameter block.
+  template <typename T>  // NOLINTNEXTLINE(readability-function-size)
   bool operator()(const T* pose_a, const T* camera_a, const T* tilt_a, const T* pose_b, const T* camera_b,
                   const T* tilt_b, T* residual) const {
     return Measure(InMap(distance.first, pose_a, camera_a, tilt_a), InMap(distance.second, pose_b, camera_b, tilt_b),
                    residual);
   }
   // For two frames of one camera: a Ceres residual must not use a parameter block twice.
-  template <typename T>
+  template <typename T>  // NOLINTNEXTLINE(readability-function-size)
   bool operator()(const T* pose_a, const T* tilt_a, const T* pose_b, const T* tilt_b, const T* camera,
                   T* residual) const {
     return Measure(InMap(distance.first, pose_a, camera, tilt_a), InMap(distance.second, pose_b, camera, tilt_b),

@@ -52,8 +52,10 @@ class TiledFloor {
   void AddCopy(const std::vector<Keypoint>& tile, const cv::Mat& descriptors, int copy, std::mt19937* random) {
     for (std::size_t i = 0; i < tile.size(); ++i) {
       Keypoint keypoint = tile[i];
-      keypoint.x_m += static_cast<float>(side_m_ * (copy % kTilesAside));
-      keypoint.y_m += static_cast<float>(side_m_ * (copy / kTilesAside));
+      const int column = copy % kTilesAside;
+      const int row_of_copy = copy / kTilesAside;
+      keypoint.x_m += static_cast<float>(side_m_ * column);
+      keypoint.y_m += static_cast<float>(side_m_ * row_of_copy);
       cv::Mat row = descriptors.row(static_cast<int>(i)).clone();
       for (int flip = 0; flip < kChangedBits; ++flip) {
         row.at<std::uint8_t>(0, static_cast<int>((*random)() % kBytes)) ^=

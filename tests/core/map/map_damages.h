@@ -23,6 +23,7 @@ inline void RunSql(const std::filesystem::path& file, const std::string& sql) {
 
 /// Damages with which every reader must fail, over all tables of a map with at least two frames, a link, keypoints and
 /// a mosaic.
+// NOLINTNEXTLINE(readability-function-size): one table
 inline const std::vector<std::string>& FatalDamages() {
   static const std::vector<std::string> damages = {
       "DELETE FROM map",
@@ -52,8 +53,8 @@ inline const std::vector<std::string>& FatalDamages() {
       "UPDATE map SET surveys_json = '[7]'",
       "UPDATE map SET report_json = '[]'",
       "UPDATE map SET report_json = '{\"a\":' || replace(hex(zeroblob(100000)), '00', '[') || '}'",
-      "UPDATE map SET report_json = '{\"a\":' || replace(hex(zeroblob(9000)), '00', '[') || "
-      "replace(hex(zeroblob(9000)), '00', ']') || '}'",
+      ("UPDATE map SET report_json = '{\"a\":' || replace(hex(zeroblob(9000)), '00', '[') || "
+       "replace(hex(zeroblob(9000)), '00', ']') || '}'"),
       "INSERT INTO parent VALUES ('dislikes', 'id', 'version')",
       "INSERT INTO parent VALUES ('extends', x'00', 'version')",
       "UPDATE extractor_parameter SET value = '1e9' WHERE name = 'levels'",
@@ -123,8 +124,8 @@ inline const std::vector<std::string>& FatalDamages() {
       "DROP TABLE camera",
       "DROP TABLE frame",
       "DROP TABLE keypoint_tile",
-      "ALTER TABLE frame RENAME TO hidden; CREATE VIEW frame AS WITH RECURSIVE n(i) AS "
-      "(SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT * FROM n, hidden",
+      ("ALTER TABLE frame RENAME TO hidden; CREATE VIEW frame AS WITH RECURSIVE n(i) AS "
+       "(SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT * FROM n, hidden"),
   };
   return damages;
 }
@@ -141,8 +142,8 @@ inline const std::vector<std::string>& OtherDamages() {
       "UPDATE map SET report_json = '{}'",
       "UPDATE map SET report_json = '{\"frames\":1e300,\"parts\":7}'",
       "UPDATE map SET report_json = '{\"frames\":1e999}'",
-      "UPDATE map SET report_json = "
-      "'{\"dropped\":[{\"filename\":\"a\",\"reason\":\"b\",\"near\":{\"x\":1e300,\"y\":0,\"yaw\":0}}]}'",
+      ("UPDATE map SET report_json = "
+       "'{\"dropped\":[{\"filename\":\"a\",\"reason\":\"b\",\"near\":{\"x\":1e300,\"y\":0,\"yaw\":0}}]}'"),
       "UPDATE map SET report_json = '{\"held_out\":[{\"filename\":7}]}'",
       "UPDATE map SET report_json = '{\"flat_fields\":[{\"columns\":65536,\"rows\":65536,\"gain\":[]}]}'",
       "UPDATE map SET area_m2 = 1e9",
