@@ -29,7 +29,10 @@ struct Board {
   void Check() const;
 
   int corner_count() const { return columns * rows; }
-  Eigen::Vector2d Corner(int index) const { return {index % columns * square_m, index / columns * square_m}; }
+  Eigen::Vector2d Corner(int index) const {
+    const int row = index / columns;
+    return {index % columns * square_m, row * square_m};
+  }
   /// False for a board with 180 degree symmetry: usable for a lens, but not for a pose on the floor.
   bool HasUniqueOrigin() const { return charuco.has_value() || (columns + rows) % 2 == 1; }
 };

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "core/evaluation/matching_statistics.h"
-#include "mapbuilder/batch/parallel.h"
 #include "core/geometry/option_check.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {
@@ -41,12 +41,12 @@ struct FrameMatches {
   double match_ms = 0.0;
 };
 
-FrameOutcome LocalizeFrame(const Features& map, const FrameMatches& matches, const TestFrame& frame, MatchFilter filter,
-                           const PoseFromMatchesOptions& options) {
+TestFrameOutcome LocalizeFrame(const Features& map, const FrameMatches& matches, const TestFrame& frame,
+                               MatchFilter filter, const PoseFromMatchesOptions& options) {
   const Features& features = matches.described.features;
   const double start_ms = ThreadMilliseconds();
   const MatchedPose matched = ComputePose(matches.neighbours, features, map, filter, options);
-  FrameOutcome outcome;
+  TestFrameOutcome outcome;
   outcome.ms = {matches.detect_ms, matches.described.describe_ms, matches.match_ms, ThreadMilliseconds() - start_ms};
   outcome.keypoints = static_cast<int>(features.keypoints.size());
   outcome.matches = static_cast<int>(matched.matches.size());
@@ -163,25 +163,25 @@ class Experiment {
     }
   }
 
-  std::vector<FrameOutcome> Localize(const Features& map, const std::vector<FrameMatches>& frames,
-                                     const Combination& combination) const {
+  std::vector<TestFrameOutcome> Localize(const Features& map, const std::vector<FrameMatches>& frames,
+                                         const Combination& combination) const {
     PoseFromMatchesOptions pose = options_.pose;
     if (options_.thesis_ratios) {
       pose.max_ratio = ThesisRatio(combination.descriptor, pose.max_ratio);
     }
-    std::vector<FrameOutcome> outcomes;
+    std::vector<TestFrameOutcome> outcomes;
     JumpFilter jump(options_.jump);
     for (std::size_t index = 0; index < frame_ids_.size(); ++index) {
       if (frame_ids_[index].frame == 0) {
         jump = JumpFilter(options_.jump);  // a new bag begins
       }
       const TestFrame& frame = FrameAt(index);
-      FrameOutcome outcome = LocalizeFrame(map, frames[index], frame, combination.filter, pose);
+      TestFrameOutcome outcome = LocalizeFrame(map, frames[index], frame, combination.filter, pose);
       outcome.bag = frame_ids_[index].bag;
       outcome.frame = frame_ids_[index].frame;
       outcome.accepted = outcome.map_from_base &&
                          (!combination.jump_filter || jump.Accept(*outcome.map_from_base, frame.odom_from_base));
-      outcomes.push_back(std::move(outcome));
+      outcomes.push_back(outcome);
     }
     return outcomes;
   }

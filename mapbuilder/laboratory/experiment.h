@@ -34,13 +34,13 @@ struct StageMs {
   double detect = 0.0;
   double describe = 0.0;
   double match = 0.0;
-  double register_ = 0.0;
+  double registration = 0.0;
 
-  double total() const { return detect + describe + match + register_; }
+  double total() const { return detect + describe + match + registration; }
 };
 
 /// Result of one combination on one frame.
-struct FrameOutcome {
+struct TestFrameOutcome {
   int bag = 0;    ///< index of its bag
   int frame = 0;  ///< index in its bag
   int keypoints = 0;
@@ -56,11 +56,11 @@ struct FrameOutcome {
 /// Results of a combination on all frames.
 struct CombinationRun {
   Combination combination;
-  std::string method;                  ///< name of a method without keypoints, instead of a combination; else empty
-  std::string failure_reason;          ///< not empty: the combination is impossible and has no outcomes
-  int map_keypoints = 0;               ///< those with a descriptor
-  double map_ms = 0.0;                 ///< detection and description of the map's keypoints
-  std::vector<FrameOutcome> outcomes;  ///< ordered by bag
+  std::string method;                      ///< name of a method without keypoints, instead of a combination; else empty
+  std::string failure_reason;              ///< not empty: the combination is impossible and has no outcomes
+  int map_keypoints = 0;                   ///< those with a descriptor
+  double map_ms = 0.0;                     ///< detection and description of the map's keypoints
+  std::vector<TestFrameOutcome> outcomes;  ///< ordered by bag
 };
 
 /// Runs every combination of the plan on every frame. Detections are shared by descriptors, descriptions by matchers,

@@ -6,8 +6,8 @@
 #include <ctime>
 #include <opencv2/imgproc.hpp>
 
-#include "core/vision/features/spread.h"
 #include "core/geometry/option_check.h"
+#include "core/vision/features/spread.h"
 
 namespace floorloc {
 namespace {

@@ -11,12 +11,12 @@ constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 void Divide(RunSummary* summary, double frames) {
   for (double* sum : {&summary->keypoints, &summary->matches, &summary->inliers, &summary->repeatability,
-                      &summary->ms.detect, &summary->ms.describe, &summary->ms.match, &summary->ms.register_}) {
+                      &summary->ms.detect, &summary->ms.describe, &summary->ms.match, &summary->ms.registration}) {
     *sum /= frames;
   }
 }
 
-void AddOutcome(const FrameOutcome& outcome, RunSummary* summary) {
+void AddOutcome(const TestFrameOutcome& outcome, RunSummary* summary) {
   summary->keypoints += outcome.keypoints;
   summary->matches += outcome.matches;
   summary->inliers += outcome.inliers;
@@ -26,7 +26,7 @@ void AddOutcome(const FrameOutcome& outcome, RunSummary* summary) {
   summary->ms.detect += outcome.ms.detect;
   summary->ms.describe += outcome.ms.describe;
   summary->ms.match += outcome.ms.match;
-  summary->ms.register_ += outcome.ms.register_;
+  summary->ms.registration += outcome.ms.registration;
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ RunSummary SummarizeRun(const CombinationRun& run, const std::vector<FrameBag>& 
   summary.bag = bag ? bags[static_cast<std::size_t>(*bag)].name : "";
   std::vector<Fix> fixes;
   std::vector<Pose2> truth;
-  for (const FrameOutcome& outcome : run.outcomes) {
+  for (const TestFrameOutcome& outcome : run.outcomes) {
     if (bag && outcome.bag != *bag) {
       continue;
     }
@@ -126,7 +126,7 @@ ResultTable MakeComparisonTable(const std::vector<RunSummary>& summaries) {
             NumberCell(kMmPerM * score.position_median_m), NumberCell(kDegPerRad * score.yaw_mean_rad),
             NumberCell(kDegPerRad * score.yaw_median_rad), NumberCell(kMmPerM * score.precision.position_m()),
             NumberCell(kDegPerRad * score.precision.yaw_rad), count(s.ms.detect), count(s.ms.describe),
-            NumberCell(s.ms.match), count(s.ms.register_), NumberCell(s.ms.total())}) {
+            NumberCell(s.ms.match), count(s.ms.registration), NumberCell(s.ms.total())}) {
         row.push_back(cell);
       }
     }

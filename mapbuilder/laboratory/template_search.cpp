@@ -7,8 +7,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "mapbuilder/batch/parallel.h"
 #include "core/geometry/option_check.h"
+#include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {
@@ -111,7 +111,7 @@ Pose2 BasePose(const FloorImage& frame, const FramePatch& patch, const Found& fo
 }
 
 // levels: image pyramid of the floor, coarsest first.
-FrameOutcome Search(const std::vector<FloorImage>& levels, const FloorImage& frame, int headings) {
+TestFrameOutcome Search(const std::vector<FloorImage>& levels, const FloorImage& frame, int headings) {
   const double start_ms = ThreadMilliseconds();
   const FramePatch patch(frame.mask);
   const cv::Rect everywhere({0, 0}, levels.front().gray.size());
@@ -126,7 +126,7 @@ FrameOutcome Search(const std::vector<FloorImage>& levels, const FloorImage& fra
     best = finer.correlation > -1.0 ? finer : best;
     step_rad *= 0.5;
   }
-  FrameOutcome outcome;
+  TestFrameOutcome outcome;
   outcome.ms.match = ThreadMilliseconds() - start_ms;
   outcome.accepted = best.correlation > -1.0;
   if (outcome.accepted) {
@@ -166,10 +166,10 @@ CombinationRun RunTemplateSearch(const FloorImage& map, const std::vector<FrameB
   }
   ProgressBar progress("template", static_cast<std::int64_t>(run.outcomes.size()), options.progress);
   ParallelFor(static_cast<int>(run.outcomes.size()), options.threads, [&](int i) {
-    FrameOutcome& outcome = run.outcomes[static_cast<std::size_t>(i)];
+    TestFrameOutcome& outcome = run.outcomes[static_cast<std::size_t>(i)];
     const FrameBag& bag = bags[static_cast<std::size_t>(outcome.bag)];
     const FloorImage& frame = bag.frames[static_cast<std::size_t>(outcome.frame)].image;
-    FrameOutcome searched = Search(levels, frame, options.headings);
+    TestFrameOutcome searched = Search(levels, frame, options.headings);
     searched.bag = outcome.bag;
     searched.frame = outcome.frame;
     outcome = searched;

@@ -25,7 +25,7 @@ std::vector<TruthAndFix> LocalizeFrames(const FloorImage& map, const std::vector
       {{DetectorKind::kSift, DescriptorKind::kSift}}, {MatcherKind::kFlann}, {{MatchFilter::kRatioRansac, false}}};
   const std::vector<CombinationRun> runs = RunExperiment(map, bags, plan, options);
   std::vector<TruthAndFix> found;
-  for (const FrameOutcome& outcome : runs.front().outcomes) {
+  for (const TestFrameOutcome& outcome : runs.front().outcomes) {
     constexpr int kMinInliers = 10;
     if (outcome.accepted && outcome.inliers >= kMinInliers) {
       const TestFrame& frame =

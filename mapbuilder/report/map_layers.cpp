@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 
 #include "mapbuilder/report/colour_scale.h"
 #include "mapbuilder/report/data_uri.h"
@@ -274,16 +275,16 @@ std::vector<PageLayer> MakePageLayers(const MapEvidence& evidence, const MapQual
 
 std::string MarksSvg(const MapQuality& quality, const RectM& drawn) {
   const std::string size = FixedText(0.016 * std::max(drawn.width_m(), drawn.height_m()), 4);
-  std::string svg;
+  std::ostringstream svg;
   for (std::size_t i = 0; i < quality.zones.size(); ++i) {
     const Zone& zone = quality.zones[i];
     const std::string number = std::to_string(i + 1);
-    svg += "<g class='mark' data-zone='" + number + "' transform='translate(" + FixedText(zone.mark.x(), 3) + " " +
-           FixedText(-zone.mark.y(), 3) + ")'><g class='pin' transform='scale(" + size +
-           ")'><circle r='1' style='fill:" + ColourOf(zone.weakness) + "'/><text y='0.38'>" + number +
-           "</text></g></g>";
+    svg << "<g class='mark' data-zone='" << number << "' transform='translate(" << FixedText(zone.mark.x(), 3) << " "
+        << FixedText(-zone.mark.y(), 3) << ")'><g class='pin' transform='scale(" << size
+        << ")'><circle r='1' style='fill:" << ColourOf(zone.weakness) << "'/><text y='0.38'>" << number
+        << "</text></g></g>";
   }
-  return svg;
+  return svg.str();
 }
 
 }  // namespace floorloc

@@ -119,7 +119,7 @@ TEST_F(ExperimentTest, AnswersDoNotDependOnThreads) {
     options_.threads = threads;
     std::vector<double> numbers;
     for (const CombinationRun& run : RunExperiment(map_, bags_, plan, options_)) {
-      for (const FrameOutcome& outcome : run.outcomes) {
+      for (const TestFrameOutcome& outcome : run.outcomes) {
         numbers.push_back(outcome.map_from_base ? outcome.map_from_base->x() : -1.0);
         numbers.push_back(outcome.matches);
       }
