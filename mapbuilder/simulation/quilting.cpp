@@ -152,7 +152,7 @@ cv::Mat ToneOf(const cv::Mat& photograph) {
 }  // namespace
 
 void QuiltOptions::Check() const {
-  RequireOption(image_width_m > 0.0, "picture_width_m must be positive");
+  RequireOption(image_width_m > 0.0, "image_width_m must be positive");
   RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
 }
 

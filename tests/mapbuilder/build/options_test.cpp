@@ -95,7 +95,7 @@ TEST(BuilderOptionsTest, EachBadFieldOfReplayAndSimulationIsRefusedByName) {
       .Refuses("threads", &LocalizeFramesOptions::threads, {-1});
   OptionTable<PlanarFramesOptions>().Refuses("threads", &PlanarFramesOptions::threads, {-1});
   OptionTable<QuiltOptions>()
-      .Refuses("picture_width_m", &QuiltOptions::image_width_m, {0.0})
+      .Refuses("image_width_m", &QuiltOptions::image_width_m, {0.0})
       .Refuses("threads", &QuiltOptions::threads, {-1});
   OptionTable<SimulateOptions>()
       .Refuses("wear", &SimulateOptions::wear, {-0.1, 1.1})
