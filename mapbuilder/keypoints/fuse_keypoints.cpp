@@ -6,11 +6,11 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "core/geometry/option_check.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/keypoints/distinctiveness.h"
 #include "mapbuilder/keypoints/fuse_track.h"
 #include "mapbuilder/keypoints/keypoint_usefulness.h"
-#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {

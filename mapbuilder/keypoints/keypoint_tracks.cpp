@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/geometry/option_check.h"
 #include "core/vision/matching/guided_matcher.h"
 #include "mapbuilder/coverage/cell_key.h"
 #include "mapbuilder/keypoints/descriptor_rows.h"
-#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {

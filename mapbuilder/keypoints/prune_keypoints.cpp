@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "mapbuilder/coverage/cell_key.h"
 #include "core/geometry/option_check.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/geometry/option_check.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/mosaic/mosaic_block.h"
-#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <unordered_map>
 
-#include "mapbuilder/coverage/cell_key.h"
 #include "core/geometry/option_check.h"
+#include "mapbuilder/coverage/cell_key.h"
 
 namespace floorloc {
 namespace {

@@ -7,9 +7,9 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/geometry/option_check.h"
 #include "core/vision/matching/descriptor_index.h"
 #include "mapbuilder/batch/parallel.h"
-#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {

@@ -7,9 +7,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "core/geometry/option_check.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulation/simulated_noise.h"
-#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {

@@ -7,10 +7,10 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/localizer.h"
+#include "server/serving/camera_mask.h"
 #include "server/serving/fix_history.h"
 #include "server/serving/localize_service.h"
 #include "server/wire/http_message.h"
-#include "server/serving/camera_mask.h"
 
 namespace floorloc {
 

@@ -10,10 +10,10 @@
 #include <mutex>
 #include <thread>
 
+#include "core/geometry/option_check.h"
 #include "server/http/body_budget.h"
 #include "server/http/connection.h"
 #include "server/http/listener.h"
-#include "core/geometry/option_check.h"
 
 // Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
 #include <httplib.h>

@@ -7,8 +7,8 @@
 #include <chrono>
 #include <set>
 
-#include "server/wire/strict_json.h"
 #include "core/geometry/option_check.h"
+#include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {

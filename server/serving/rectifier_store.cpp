@@ -5,8 +5,8 @@
 #include <cstring>
 #include <iterator>
 
-#include "server/wire/problem.h"
 #include "core/geometry/option_check.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 namespace {

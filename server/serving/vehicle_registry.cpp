@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "server/wire/problem.h"
 #include "core/geometry/option_check.h"
+#include "server/wire/problem.h"
 
 namespace floorloc {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/vision/image/rectifier.h"
+#include "server/serving/camera_mask.h"
 #include "server/serving/fix_history.h"
 #include "server/serving/vehicle_session.h"
-#include "server/serving/camera_mask.h"
 
 namespace floorloc {
 

@@ -8,8 +8,8 @@
 #include <opencv2/core/utility.hpp>
 
 #include "mapbuilder/batch/progress.h"
-#include "tests/bench/extractors/extractor_trial.h"
 #include "tests/bench/common/state_folder.h"
+#include "tests/bench/extractors/extractor_trial.h"
 
 namespace floorloc {
 namespace {

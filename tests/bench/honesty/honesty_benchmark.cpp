@@ -11,10 +11,10 @@
 #include "core/io/text_file.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulation/simulated_noise.h"
+#include "tests/bench/common/state_folder.h"
 #include "tests/bench/honesty/honesty_report.h"
 #include "tests/bench/honesty/result_file.h"
 #include "tests/bench/scenes/frame_runner.h"
-#include "tests/bench/common/state_folder.h"
 
 namespace floorloc {
 namespace {

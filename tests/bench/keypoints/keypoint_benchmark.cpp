@@ -7,8 +7,8 @@
 #include <opencv2/core/utility.hpp>
 
 #include "mapbuilder/batch/progress.h"
-#include "tests/bench/keypoints/keypoint_table.h"
 #include "tests/bench/common/state_folder.h"
+#include "tests/bench/keypoints/keypoint_table.h"
 
 namespace floorloc {
 namespace {

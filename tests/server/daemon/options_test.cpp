@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 
-#include "server/serving/compute_pool.h"
 #include "server/config/config.h"
 #include "server/http/http_server.h"
-#include "server/serving/rectifier_store.h"
 #include "server/http/router.h"
+#include "server/serving/compute_pool.h"
+#include "server/serving/rectifier_store.h"
 #include "server/serving/vehicle_registry.h"
 #include "tests/option_test_support.h"
 
