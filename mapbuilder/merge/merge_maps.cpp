@@ -68,9 +68,16 @@ void WriteFramesAndLinks(const BaseMap& first, const BaseMap& second, const MapA
   writer->WriteLinks(links);
 }
 
+// The mosaic to be written. extent: of the floor of both maps, map frame.
+struct MergedMosaic {
+  RectM extent;
+  MosaicLayout layout;
+  MosaicOptions options;
+};
+
 // Writes the first map's mosaic over the second's, which is deformed like its frames.
-void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformation& deformation, const RectM& extent,
-                 const MosaicLayout& layout, const MosaicOptions& options, MapWriter* writer) {
+void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformation& deformation,
+                 const MergedMosaic& mosaic, MapWriter* writer) {
   const MapMosaic upper(first.database);
   const MapMosaic lower(second.database);
   const auto second_from_first = [&](const Eigen::Vector2d& p) { return deformation.OldFromNew(p); };
@@ -86,7 +93,7 @@ void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformati
   const std::vector<LoadedSurvey> no_surveys;
   const std::vector<std::optional<Pose2>> no_poses;
   const Exposure no_exposure;
-  ComposeMosaic({no_frames, no_surveys, no_poses, no_exposure, extent, both}, layout, options,
+  ComposeMosaic({no_frames, no_surveys, no_poses, no_exposure, mosaic.extent, both}, mosaic.layout, mosaic.options,
                 [&](const std::vector<MosaicTile>& tiles) { writer->WriteMosaicTiles(tiles); });
 }
 
@@ -121,7 +128,7 @@ MergeReport MergeMaps(const MergeOptions& options) {
   mosaic.threads = options.alignment.threads;
   mosaic.progress = options.alignment.progress;
   const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), mosaic);
-  WriteMosaic(first, second, deformation, coverage.Extent(), layout, mosaic, &writer);
+  WriteMosaic(first, second, deformation, {coverage.Extent(), layout, mosaic}, &writer);
 
   MergeReport report;
   for (const BaseMap* map : {&first, &second}) {

@@ -226,6 +226,7 @@ TEST(LocalizeOverloadTest, AFullQueueIsAnsweredWith503) {
   ServerConfig config;
   config.threads = 1;
   config.queue_length = 1;
+  config.queue_timeout_s = 60.0;  // slow machines and sanitizers: the second job must outwait the request
   TestServer server(config);
   ContractClient client(server.port());
   ASSERT_EQ(client.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
