@@ -119,7 +119,8 @@ class Checker {
       for (const Eigen::Vector2d& p : view.raw_px) {
         const int column = std::clamp(static_cast<int>(3.0 * p.x() / input_.width_px), 0, 2);
         const int row = std::clamp(static_cast<int>(3.0 * p.y() / input_.height_px), 0, 2);
-        covered[static_cast<std::size_t>(3 * row + column)] = true;
+        const int third = 3 * row + column;
+        covered[static_cast<std::size_t>(third)] = true;
       }
     });
     std::string missing;
