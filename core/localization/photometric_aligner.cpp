@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/localization/mounting_average.h"
 
 namespace floorloc {
@@ -279,14 +279,9 @@ double MeanOf(const std::vector<float>& values, double share) {
 }  // namespace
 
 void PhotometricOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(min_cell_samples >= 1, "min_cell_samples must be positive");
-  require(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
-  require(max_correction_radii > 0, "max_correction_radii must be positive");
+  RequireOption(min_cell_samples >= 1, "min_cell_samples must be positive");
+  RequireOption(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
+  RequireOption(max_correction_radii > 0, "max_correction_radii must be positive");
 }
 
 double PhotometricFit::MeanCorrelation() const { return MeanOf(ComparedCells(*this), 1.0); }

@@ -7,8 +7,9 @@
 #include <numbers>
 #include <numeric>
 #include <span>
-#include <stdexcept>
 #include <vector>
+
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
@@ -177,18 +178,13 @@ std::size_t FindBest(const std::vector<std::vector<double>>& odds) {
 }  // namespace
 
 void DecisionOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(structure_exponent > 0 && structure_exponent <= 1, "structure_exponent must be above 0 and at most 1");
-  require(cell_sigma > 0 && cell_sigma <= 1, "cell_sigma must be above 0 and at most 1");
-  require(trimmed_share > 0 && trimmed_share <= 1, "trimmed_share must be above 0 and at most 1");
-  require(max_correlation > 0 && max_correlation < 1, "max_correlation must be between 0 and 1");
-  require(distinctive_share > 0 && distinctive_share <= 1, "distinctive_share must be above 0 and at most 1");
-  require(look_alike_taken >= 0 && look_alike_taken <= 1, "look_alike_taken must be 0 to 1");
-  require(clear_p_wrong >= 0 && clear_p_wrong <= 1, "clear_p_wrong must be 0 to 1");
+  RequireOption(structure_exponent > 0 && structure_exponent <= 1, "structure_exponent must be above 0 and at most 1");
+  RequireOption(cell_sigma > 0 && cell_sigma <= 1, "cell_sigma must be above 0 and at most 1");
+  RequireOption(trimmed_share > 0 && trimmed_share <= 1, "trimmed_share must be above 0 and at most 1");
+  RequireOption(max_correlation > 0 && max_correlation < 1, "max_correlation must be between 0 and 1");
+  RequireOption(distinctive_share > 0 && distinctive_share <= 1, "distinctive_share must be above 0 and at most 1");
+  RequireOption(look_alike_taken >= 0 && look_alike_taken <= 1, "look_alike_taken must be 0 to 1");
+  RequireOption(clear_p_wrong >= 0 && clear_p_wrong <= 1, "clear_p_wrong must be 0 to 1");
 }
 
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <random>
-#include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/localization/oriented_matches.h"
 #include "core/registration/significance.h"
 
@@ -35,20 +35,15 @@ double OrderStatistic(std::vector<double> distances, double rank) {
 }  // namespace
 
 void VerificationOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(search_radii >= 1 && search_radii < 100, "search_radii must be 1 to 100");
-  require(yaw_radius_rad > 0 && yaw_radius_rad < 4, "yaw_radius_rad must be between 0 and 4");
-  require(alike_share > 0 && alike_share < 1, "alike_share must be between 0 and 1");
-  require(min_neighbour_radii >= 1 && min_neighbour_radii < max_neighbour_radii,
-          "min_neighbour_radii must be at least 1 and below max_neighbour_radii");
-  require(max_neighbour_radii < 1000, "max_neighbour_radii must be below 1000");
-  require(copies_sigma >= 0, "copies_sigma must not be negative");
-  require(min_chance > 0 && min_chance <= max_chance, "min_chance must be above 0 and at most max_chance");
-  require(max_chance < 1, "max_chance must be below 1");
+  RequireOption(search_radii >= 1 && search_radii < 100, "search_radii must be 1 to 100");
+  RequireOption(yaw_radius_rad > 0 && yaw_radius_rad < 4, "yaw_radius_rad must be between 0 and 4");
+  RequireOption(alike_share > 0 && alike_share < 1, "alike_share must be between 0 and 1");
+  RequireOption(min_neighbour_radii >= 1 && min_neighbour_radii < max_neighbour_radii,
+                "min_neighbour_radii must be at least 1 and below max_neighbour_radii");
+  RequireOption(max_neighbour_radii < 1000, "max_neighbour_radii must be below 1000");
+  RequireOption(copies_sigma >= 0, "copies_sigma must not be negative");
+  RequireOption(min_chance > 0 && min_chance <= max_chance, "min_chance must be above 0 and at most max_chance");
+  RequireOption(max_chance < 1, "max_chance must be below 1");
 }
 
 PoseVerifier::PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, const RegistrationOptions& registration,

@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/search_options.h"
 
-#include <stdexcept>
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 
 void SearchOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(votes_per_keypoint >= 1 && votes_per_keypoint <= 100, "votes_per_keypoint must be 1 to 100");
-  require(max_vote_distance >= 0.0F, "max_vote_distance must not be negative");
-  require(prior_failure_rate > 0.0 && prior_failure_rate < 1.0, "prior_failure_rate must be between 0 and 1");
-  require(min_rival_share >= 0.0 && min_rival_share <= 1.0, "min_rival_share must be 0 to 1");
-  require(clear_log10_nfa <= 0.0, "clear_log10_nfa must not be positive");
+  RequireOption(votes_per_keypoint >= 1 && votes_per_keypoint <= 100, "votes_per_keypoint must be 1 to 100");
+  RequireOption(max_vote_distance >= 0.0F, "max_vote_distance must not be negative");
+  RequireOption(prior_failure_rate > 0.0 && prior_failure_rate < 1.0, "prior_failure_rate must be between 0 and 1");
+  RequireOption(min_rival_share >= 0.0 && min_rival_share <= 1.0, "min_rival_share must be 0 to 1");
+  RequireOption(clear_log10_nfa <= 0.0, "clear_log10_nfa must not be positive");
 }
 
 }  // namespace floorloc

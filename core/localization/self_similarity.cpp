@@ -3,22 +3,18 @@
 
 #include <algorithm>
 #include <random>
-#include <stdexcept>
 #include <vector>
+
+#include "core/geometry/option_check.h"
 
 namespace floorloc {
 
 void SelfSimilarityOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(sample >= 1 && sample <= 1000000, "sample must be 1 to 1000000");
-  require(neighbours >= 1 && neighbours <= 1000, "neighbours must be 1 to 1000");
-  require(min_distance_m > 0, "min_distance_m must be positive");
-  require(max_bit_share >= 0 && max_bit_share < 1, "max_bit_share must be 0 to 1");
-  require(min_twin_share > 0 && min_twin_share < 1, "min_twin_share must be between 0 and 1");
+  RequireOption(sample >= 1 && sample <= 1000000, "sample must be 1 to 1000000");
+  RequireOption(neighbours >= 1 && neighbours <= 1000, "neighbours must be 1 to 1000");
+  RequireOption(min_distance_m > 0, "min_distance_m must be positive");
+  RequireOption(max_bit_share >= 0 && max_bit_share < 1, "max_bit_share must be 0 to 1");
+  RequireOption(min_twin_share > 0 && min_twin_share < 1, "min_twin_share must be between 0 and 1");
 }
 
 bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/option_check.h"
 #include "core/odometry/two_view.h"
 
 namespace floorloc {
@@ -58,17 +59,12 @@ const char* ToString(MonocularStatus status) {
 }
 
 void MonocularOdometryOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
   tracker.Check();
-  require(noise_px > 0.0 && noise_px <= 20.0, "noise_px must be above 0 and at most 20");
-  require(min_parallax_px > 0.0, "min_parallax_px must be positive");
-  require(keyframe_parallax_px > min_parallax_px, "keyframe_parallax_px must be above min_parallax_px");
-  require(min_points >= 10, "min_points must be at least 10");
-  require(min_inlier_share > 0.0 && min_inlier_share <= 1.0, "min_inlier_share must be above 0 and at most 1");
+  RequireOption(noise_px > 0.0 && noise_px <= 20.0, "noise_px must be above 0 and at most 20");
+  RequireOption(min_parallax_px > 0.0, "min_parallax_px must be positive");
+  RequireOption(keyframe_parallax_px > min_parallax_px, "keyframe_parallax_px must be above min_parallax_px");
+  RequireOption(min_points >= 10, "min_points must be at least 10");
+  RequireOption(min_inlier_share > 0.0 && min_inlier_share <= 1.0, "min_inlier_share must be above 0 and at most 1");
 }
 
 struct MonocularOdometry::State {

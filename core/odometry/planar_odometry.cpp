@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/option_check.h"
+
 namespace floorloc {
 namespace {
 
@@ -128,23 +130,19 @@ RegistrationOptions PlanarOdometryOptions::DefaultRegistration() {
 }
 
 void PlanarOdometryOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
   registration.Check();
-  require(resolution_m > 0 && resolution_m < 1, "resolution_m must be between 0 and 1 m");
-  require(max_ratio_binary > 0 && max_ratio_binary <= 1, "max_ratio_binary must be above 0 and at most 1");
-  require(max_ratio_float > 0 && max_ratio_float <= 1, "max_ratio_float must be above 0 and at most 1");
-  require(systematic_m >= 0 && systematic_m < 1, "systematic_m must be 0 to 1 m");
-  require(systematic_rad >= 0 && systematic_rad < 1, "systematic_rad must be 0 to 1 rad");
-  require(min_inlier_share >= 0 && min_inlier_share < 1, "min_inlier_share must be at least 0 and below 1");
-  require(min_overlap >= 0 && min_overlap <= 1, "min_overlap must be 0 to 1");
-  require(max_speed_m_s > 0 && max_speed_m_s < 1e3, "max_speed_m_s must be between 0 and 1000 m/s");
-  require(max_yaw_rate_rad_s > 0 && max_yaw_rate_rad_s < 1e3, "max_yaw_rate_rad_s must be between 0 and 1000 rad/s");
-  require(max_guess_error_m > 0, "max_guess_error_m must be positive");
-  require(max_guess_error_rad > 0, "max_guess_error_rad must be positive");
+  RequireOption(resolution_m > 0 && resolution_m < 1, "resolution_m must be between 0 and 1 m");
+  RequireOption(max_ratio_binary > 0 && max_ratio_binary <= 1, "max_ratio_binary must be above 0 and at most 1");
+  RequireOption(max_ratio_float > 0 && max_ratio_float <= 1, "max_ratio_float must be above 0 and at most 1");
+  RequireOption(systematic_m >= 0 && systematic_m < 1, "systematic_m must be 0 to 1 m");
+  RequireOption(systematic_rad >= 0 && systematic_rad < 1, "systematic_rad must be 0 to 1 rad");
+  RequireOption(min_inlier_share >= 0 && min_inlier_share < 1, "min_inlier_share must be at least 0 and below 1");
+  RequireOption(min_overlap >= 0 && min_overlap <= 1, "min_overlap must be 0 to 1");
+  RequireOption(max_speed_m_s > 0 && max_speed_m_s < 1e3, "max_speed_m_s must be between 0 and 1000 m/s");
+  RequireOption(max_yaw_rate_rad_s > 0 && max_yaw_rate_rad_s < 1e3,
+                "max_yaw_rate_rad_s must be between 0 and 1000 rad/s");
+  RequireOption(max_guess_error_m > 0, "max_guess_error_m must be positive");
+  RequireOption(max_guess_error_rad > 0, "max_guess_error_rad must be positive");
 }
 
 struct PlanarOdometry::State {

@@ -6,6 +6,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/vision/image/contrast.h"
 
 namespace floorloc {
@@ -90,17 +91,12 @@ PointDetector ParsePointDetector(const std::string& name) {
 }
 
 void PointTrackerOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(max_points >= 20 && max_points <= 100000, "max_points must be 20 to 100000");
-  require(min_distance_px >= 1.0 && min_distance_px <= 1000.0, "min_distance_px must be 1 to 1000");
-  require(border_px >= 0 && border_px <= 100000, "border_px must be 0 to 100000");
-  require(window_px >= 5 && window_px <= 101, "window_px must be 5 to 101");
-  require(levels >= 0 && levels <= 10, "levels must be 0 to 10");
-  require(max_return_px > 0.0 && max_return_px <= 10.0, "max_return_px must be above 0 and at most 10");
+  RequireOption(max_points >= 20 && max_points <= 100000, "max_points must be 20 to 100000");
+  RequireOption(min_distance_px >= 1.0 && min_distance_px <= 1000.0, "min_distance_px must be 1 to 1000");
+  RequireOption(border_px >= 0 && border_px <= 100000, "border_px must be 0 to 100000");
+  RequireOption(window_px >= 5 && window_px <= 101, "window_px must be 5 to 101");
+  RequireOption(levels >= 0 && levels <= 10, "levels must be 0 to 10");
+  RequireOption(max_return_px > 0.0 && max_return_px <= 10.0, "max_return_px must be above 0 and at most 10");
 }
 
 PointTracker::PointTracker(const PointTrackerOptions& options) : options_(options) {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 #include <span>
-#include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "core/registration/least_squares.h"
 #include "core/registration/pose_choice.h"
 #include "core/registration/significance.h"
@@ -104,22 +104,18 @@ const char* ToString(RegistrationStatus status) {
 }
 
 void RegistrationOptions::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(inlier_radius_m > 0 && inlier_radius_m < 1, "inlier_radius_m must be between 0 and 1 m");
-  require(vote_cell_m >= inlier_radius_m && vote_cell_m < 10, "vote_cell_m must be inlier_radius_m to 10 m");
-  require(vote_cell_rad > 0.01 && vote_cell_rad < 2, "vote_cell_rad must be 0.01 to 2 rad");
-  require(candidates >= 1 && candidates <= 1000, "candidates must be 1 to 1000");
-  require(ransac_iterations >= 1 && ransac_iterations <= 1000000, "ransac_iterations must be 1 to 1000000");
-  require(min_inliers >= 3, "min_inliers must be at least 3");
-  require(max_p_wrong > 0 && max_p_wrong <= 1, "max_p_wrong must be above 0 and at most 1");
-  require(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
-  require(min_p_wrong >= 0 && min_p_wrong < 1, "min_p_wrong must be at least 0 and below 1");
-  require(max_rival_log10_nfa <= 0, "max_rival_log10_nfa must not be positive");
-  require(inlier_independence > 0 && inlier_independence <= 1, "inlier_independence must be above 0 and at most 1");
+  RequireOption(inlier_radius_m > 0 && inlier_radius_m < 1, "inlier_radius_m must be between 0 and 1 m");
+  RequireOption(vote_cell_m >= inlier_radius_m && vote_cell_m < 10, "vote_cell_m must be inlier_radius_m to 10 m");
+  RequireOption(vote_cell_rad > 0.01 && vote_cell_rad < 2, "vote_cell_rad must be 0.01 to 2 rad");
+  RequireOption(candidates >= 1 && candidates <= 1000, "candidates must be 1 to 1000");
+  RequireOption(ransac_iterations >= 1 && ransac_iterations <= 1000000, "ransac_iterations must be 1 to 1000000");
+  RequireOption(min_inliers >= 3, "min_inliers must be at least 3");
+  RequireOption(max_p_wrong > 0 && max_p_wrong <= 1, "max_p_wrong must be above 0 and at most 1");
+  RequireOption(position_noise_floor_m > 0, "position_noise_floor_m must be positive");
+  RequireOption(min_p_wrong >= 0 && min_p_wrong < 1, "min_p_wrong must be at least 0 and below 1");
+  RequireOption(max_rival_log10_nfa <= 0, "max_rival_log10_nfa must not be positive");
+  RequireOption(inlier_independence > 0 && inlier_independence <= 1,
+                "inlier_independence must be above 0 and at most 1");
 }
 
 double KeypointNoise(double rms_m, int inliers, const RegistrationOptions& options) {

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "core/geometry/option_check.h"
 #include "mapbuilder/simulation/simulated_noise.h"
 
 namespace floorloc {
@@ -95,26 +96,21 @@ ConditionLevels ConditionLevels::FromName(const std::string& name) {
 }
 
 void ConditionLevels::Check() const {
-  const auto require = [](bool ok, const char* message) {
-    if (!ok) {
-      throw std::invalid_argument(message);
-    }
-  };
-  require(gain >= 0.0 && gain <= 0.9, "gain must be 0 to 0.9");
-  require(bias >= 0.0 && bias <= 100.0, "bias must be 0 to 100 grey values");
-  require(white_balance >= 0.0 && white_balance <= 0.5, "white balance must be 0 to 0.5");
-  require(vignetting >= 0.0 && vignetting <= 1.0, "vignetting must be 0 to 1");
-  require(light_gradient >= 0.0 && light_gradient <= 1.0, "light gradient must be 0 to 1");
-  require(lamps >= 0.0 && lamps <= 10.0, "lamps must be 0 to 10");
-  require(shadow >= 0.0 && shadow <= 1.0, "shadow must be 0 to 1");
-  require(blur_px >= 0.0 && blur_px <= 50.0, "blur must be 0 to 50 pixels");
-  require(defocus_px >= 0.0 && defocus_px <= 20.0, "defocus must be 0 to 20 pixels");
-  require(read_noise >= 0.0 && read_noise <= 100.0, "noise must be 0 to 100 grey values");
-  require(shot_noise >= 0.0 && shot_noise <= 10.0, "shot noise must be 0 to 10");
-  require(jpeg_quality >= 1 && jpeg_quality <= 100, "JPEG quality must be 1 to 100");
-  require(vibration_pitch_rad >= 0.0 && vibration_pitch_rad <= 0.1, "pitch vibration must be 0 to 0.1 rad");
-  require(vibration_roll_rad >= 0.0 && vibration_roll_rad <= 0.1, "roll vibration must be 0 to 0.1 rad");
-  require(vibration_height_m >= 0.0 && vibration_height_m <= 0.05, "height vibration must be 0 to 0.05 m");
+  RequireOption(gain >= 0.0 && gain <= 0.9, "gain must be 0 to 0.9");
+  RequireOption(bias >= 0.0 && bias <= 100.0, "bias must be 0 to 100 grey values");
+  RequireOption(white_balance >= 0.0 && white_balance <= 0.5, "white balance must be 0 to 0.5");
+  RequireOption(vignetting >= 0.0 && vignetting <= 1.0, "vignetting must be 0 to 1");
+  RequireOption(light_gradient >= 0.0 && light_gradient <= 1.0, "light gradient must be 0 to 1");
+  RequireOption(lamps >= 0.0 && lamps <= 10.0, "lamps must be 0 to 10");
+  RequireOption(shadow >= 0.0 && shadow <= 1.0, "shadow must be 0 to 1");
+  RequireOption(blur_px >= 0.0 && blur_px <= 50.0, "blur must be 0 to 50 pixels");
+  RequireOption(defocus_px >= 0.0 && defocus_px <= 20.0, "defocus must be 0 to 20 pixels");
+  RequireOption(read_noise >= 0.0 && read_noise <= 100.0, "noise must be 0 to 100 grey values");
+  RequireOption(shot_noise >= 0.0 && shot_noise <= 10.0, "shot noise must be 0 to 10");
+  RequireOption(jpeg_quality >= 1 && jpeg_quality <= 100, "JPEG quality must be 1 to 100");
+  RequireOption(vibration_pitch_rad >= 0.0 && vibration_pitch_rad <= 0.1, "pitch vibration must be 0 to 0.1 rad");
+  RequireOption(vibration_roll_rad >= 0.0 && vibration_roll_rad <= 0.1, "roll vibration must be 0 to 0.1 rad");
+  RequireOption(vibration_height_m >= 0.0 && vibration_height_m <= 0.05, "height vibration must be 0 to 0.05 m");
 }
 
 ConditionSampler::ConditionSampler(const ConditionLevels& levels, const FloorTexture& floor, const FloorCamera& camera,
