@@ -30,7 +30,7 @@ struct Contestants {
   Pose2 truth_from_map;
 };
 
-Column BaselineColumn(const std::string& title, const Baseline& baseline, const FrameSet& frames,
+Column BaselineColumn(const std::string& title, const Baseline& baseline, const BenchFrames& frames,
                       const Pose2& truth_from_map) {
   const MethodRun run = RunBaseline(baseline, frames);
   return {title,
@@ -40,7 +40,7 @@ Column BaselineColumn(const std::string& title, const Baseline& baseline, const 
           {}};
 }
 
-Column LocalizerColumn(const std::string& subtitle, const Contestants& all, const FrameSet& frames,
+Column LocalizerColumn(const std::string& subtitle, const Contestants& all, const BenchFrames& frames,
                        const Priors& priors) {
   const MethodRun run = RunLocalizer(all.localizer, frames, priors);
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
@@ -48,7 +48,7 @@ Column LocalizerColumn(const std::string& subtitle, const Contestants& all, cons
           run.stages, MeasureFixesPerSecond(all.localizer, frames, priors, threads)};
 }
 
-void Compare(const Contestants& all, const FrameSet& frames) {
+void Compare(const Contestants& all, const BenchFrames& frames) {
   std::cout << "\nframes: " << frames.name << ", " << frames.size() << " with ground truth\n";
   PrintTable(std::cout, {
                             LocalizerColumn("with prior", all, frames,
@@ -79,7 +79,7 @@ void Run(const Arguments& arguments) {
             << "Times are medians on one core, errors those of all localized frames; a success is within 10 mm and\n"
                "1 degree of the truth, wrong is a pose beyond. The map was aligned to the truth by its own frames.\n";
   for (const std::string& folder : arguments.frames) {
-    Compare(all, FrameSet::Read(folder));
+    Compare(all, BenchFrames::Read(folder));
   }
 }
 

@@ -51,7 +51,7 @@ Priors PerturbedPriors(const std::vector<Pose2>& truth_from_base, const Pose2& t
   return priors;
 }
 
-MethodRun RunLocalizer(const Localizer& localizer, const FrameSet& frames, const Priors& priors) {
+MethodRun RunLocalizer(const Localizer& localizer, const BenchFrames& frames, const Priors& priors) {
   MethodRun run;
   StageSamples samples;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -71,7 +71,7 @@ MethodRun RunLocalizer(const Localizer& localizer, const FrameSet& frames, const
   return run;
 }
 
-MethodRun RunBaseline(const Baseline& baseline, const FrameSet& frames) {
+MethodRun RunBaseline(const Baseline& baseline, const BenchFrames& frames) {
   MethodRun run;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Clock::time_point start = Clock::now();
@@ -83,7 +83,7 @@ MethodRun RunBaseline(const Baseline& baseline, const FrameSet& frames) {
   return run;
 }
 
-double MeasureFixesPerSecond(const Localizer& localizer, const FrameSet& frames, const Priors& priors, int threads) {
+double MeasureFixesPerSecond(const Localizer& localizer, const BenchFrames& frames, const Priors& priors, int threads) {
   const Clock::time_point start = Clock::now();
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/localization/localizer.h"
-#include "tests/bench/common/frame_set.h"
+#include "tests/bench/common/bench_frames.h"
 #include "tests/bench/common/score.h"
-#include "tests/bench/fix/baseline.h"
+#include "tests/bench/common/baseline.h"
 
 namespace floorloc {
 
@@ -34,10 +34,10 @@ Priors NoPriors(std::size_t frames);
 Priors PerturbedPriors(const std::vector<Pose2>& truth_from_base, const Pose2& truth_from_map);
 
 /// Localizes the frames one after the other.
-MethodRun RunLocalizer(const Localizer& localizer, const FrameSet& frames, const Priors& priors);
-MethodRun RunBaseline(const Baseline& baseline, const FrameSet& frames);
+MethodRun RunLocalizer(const Localizer& localizer, const BenchFrames& frames, const Priors& priors);
+MethodRun RunBaseline(const Baseline& baseline, const BenchFrames& frames);
 
 /// Localizes all frames repeatedly for about two seconds in `threads` threads.
-double MeasureFixesPerSecond(const Localizer& localizer, const FrameSet& frames, const Priors& priors, int threads);
+double MeasureFixesPerSecond(const Localizer& localizer, const BenchFrames& frames, const Priors& priors, int threads);
 
 }  // namespace floorloc

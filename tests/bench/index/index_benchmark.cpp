@@ -15,7 +15,7 @@
 #include "core/io/survey.h"
 #include "core/map/map_database.h"
 #include "core/vision/extractors/feature_extractor.h"
-#include "tests/bench/common/frame_set.h"
+#include "tests/bench/common/bench_frames.h"
 #include "tests/bench/common/score.h"
 #include "tests/bench/index/extrapolation.h"
 #include "tests/bench/index/index_table.h"
@@ -56,7 +56,7 @@ double MemoryGb(double area_m2) {
 std::vector<QueryFrame> ReadFrames(const Arguments& arguments, const FloorMap& map, const Pose2& truth_from_map) {
   cv::setNumThreads(1);
   const auto extractor = CreateFeatureExtractor(map.info.extractor);
-  const FrameSet set = FrameSet::Read(arguments.frames);
+  const BenchFrames set = BenchFrames::Read(arguments.frames);
   std::vector<QueryFrame> frames;
   for (std::size_t i = 0; i < set.size(); ++i) {
     frames.push_back(

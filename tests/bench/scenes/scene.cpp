@@ -6,7 +6,7 @@
 
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/simulation/simulated_noise.h"
-#include "tests/bench/common/frame_set.h"
+#include "tests/bench/common/bench_frames.h"
 #include "tests/bench/scenes/bench_floor.h"
 #include "tests/bench/scenes/frame_plan.h"
 #include "tests/bench/scenes/frame_runner.h"
@@ -54,7 +54,7 @@ FrameGroup RenderGroup(const GrayFloor& floor, const ConditionCase& condition, c
 }
 
 FrameGroup ReadGroup(const std::filesystem::path& folder) {
-  const FrameSet set = FrameSet::Read(folder);
+  const BenchFrames set = BenchFrames::Read(folder);
   FrameGroup group{folder.string(), set.rectifier.camera(), {}};
   for (std::size_t i = 0; i < set.size(); ++i) {
     cv::RNG rng(DeriveSeed(kFrameSeed, i));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/fix/baseline.h"
+#include "tests/bench/common/baseline.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/common/frame_set.h"
+#include "tests/bench/common/bench_frames.h"
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
@@ -8,9 +8,9 @@
 
 namespace floorloc {
 
-FrameSet FrameSet::Read(const std::filesystem::path& folder) {
+BenchFrames BenchFrames::Read(const std::filesystem::path& folder) {
   const Survey survey = ReadSurvey(folder);
-  FrameSet set{folder.string(), Rectifier(survey.camera, survey.mask), {}, {}};
+  BenchFrames set{folder.string(), Rectifier(survey.camera, survey.mask), {}, {}};
   for (const SurveyFrame& frame : survey.frames) {
     if (const std::optional<Pose2> truth = InterpolatePose(survey.ground_truth, frame.stamp_ns)) {
       set.encoded.push_back(ReadBinaryFile(survey.ImagePath(frame)));
@@ -23,7 +23,7 @@ FrameSet FrameSet::Read(const std::filesystem::path& folder) {
   return set;
 }
 
-cv::Mat FrameSet::Decode(std::size_t frame) const {
+cv::Mat BenchFrames::Decode(std::size_t frame) const {
   const CameraModel& camera = rectifier.camera().camera;
   return DecodeGray(encoded[frame], camera.width_px, camera.height_px, name);
 }
