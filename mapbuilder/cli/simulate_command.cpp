@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -17,6 +18,8 @@
 namespace floorloc {
 namespace {
 
+constexpr double kDegree = std::numbers::pi / 180.0;
+
 // Raw command line arguments, to be converted to SimulateOptions.
 struct Arguments {
   SimulateOptions options;
@@ -28,6 +31,7 @@ struct Arguments {
   std::string floor_yaml;
   bool keep_direction = false;
   bool no_odometry = false;
+  double roll_error_deg = 0.0, pitch_error_deg = 0.0;
   double odometry_drift = 1.0;
   double imu_errors = 1.0;
   std::optional<double> odometry_rate, imu_rate, speed_variation;
@@ -105,6 +109,8 @@ void Run(Arguments& arguments) {
   options.floor.rotate_patches = !arguments.keep_direction;
   options.floor.threads = options.threads;
   options.camera = ChooseCamera(arguments);
+  options.calibration_error.roll_rad = arguments.roll_error_deg * kDegree;
+  options.calibration_error.pitch_rad = arguments.pitch_error_deg * kDegree;
   options.conditions = ChooseConditions(arguments);
   options.path.type = ParsePathType(arguments.trajectory);
   options.path.odometry = options.path.odometry.Scaled(arguments.odometry_drift);
@@ -181,6 +187,18 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--jpeg-quality", a.jpeg_quality, "1 to 100, instead of the condition's");
 }
 
+void AddCalibrationOptions(CLI::App& command, Arguments& a) {
+  CalibrationError& error = a.options.calibration_error;
+  command.add_option("--radial-error", error.radial_px,
+                     "What camera.yaml is wrong by: radial distortion, pixels at the farthest corner");
+  command.add_option("--tangential-error", error.tangential_px, "Tangential distortion, pixels at the farthest corner");
+  command.add_option("--principal-point-error", error.principal_point_px, "Principal point, pixels");
+  command.add_option("--focal-error", error.focal_share, "Focal length, as a share of it");
+  command.add_option("--roll-error", a.roll_error_deg, "What floor.yaml is wrong by: roll of the camera, degrees");
+  command.add_option("--pitch-error", a.pitch_error_deg, "Pitch of the camera, degrees");
+  command.add_option("--height-error", error.height_m, "Height of the camera, metres");
+}
+
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
@@ -191,6 +209,7 @@ void AddSimulateCommand(CLI::App& app) {
   AddPathOptions(*command, *arguments);
   AddDriveOptions(*command, *arguments);
   AddImageOptions(*command, *arguments);
+  AddCalibrationOptions(*command, *arguments);
   command->add_option("--seed", arguments->options.seed, "Seed of everything but the floor")->capture_default_str();
   command->add_option("--threads", arguments->options.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))

@@ -55,6 +55,16 @@ std::string FormatEvents(const std::vector<DriveEvent>& events) {
   return text;
 }
 
+void WriteCalibration(const fs::path& folder, const SimulateOptions& options) {
+  const FloorCamera calibrated = Miscalibrated(options.camera, options.calibration_error);
+  WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(calibrated.camera));
+  WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(calibrated.floor));
+  if (!options.calibration_error.IsZero()) {
+    WriteFileAtomically(folder / "camera_truth.yaml", FormatCameraYaml(options.camera.camera));
+    WriteFileAtomically(folder / "floor_truth.yaml", FormatFloorYaml(options.camera.floor));
+  }
+}
+
 void WriteTables(const fs::path& folder, const SimulateOptions& options, const SimulatedPath& path) {
   std::string frames = "timestamp,filename\n";
   Trajectory truth;
@@ -63,8 +73,7 @@ void WriteTables(const fs::path& folder, const SimulateOptions& options, const S
     frames += FormatSeconds(frame.stamp_ns) + "," + ImageName(i) + "\n";
     truth.push_back(StampedPose3::FromPose2(frame.stamp_ns, frame.map_from_base));
   }
-  WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(options.camera.camera));
-  WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(options.camera.floor));
+  WriteCalibration(folder, options);
   WriteFileAtomically(folder / "frames.csv", frames);
   WriteFileAtomically(folder / "groundtruth.tum", FormatTum(truth));
   if (options.write_odometry && !path.odometry.empty()) {
@@ -116,6 +125,7 @@ SimulationResult Summarize(const SimulatedPath& path) {
 
 void SimulateOptions::Check() const {
   camera.Check();
+  calibration_error.Check();
   conditions.Check();
   floor.Check();
   RequireOption(wear >= 0.0 && wear <= 1.0, "wear must be 0 to 1");

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "mapbuilder/batch/progress.h"
+#include "mapbuilder/simulation/calibration_error.h"
 #include "mapbuilder/simulation/floor_texture.h"
 #include "mapbuilder/simulation/render_conditions.h"
 #include "mapbuilder/simulation/simulated_camera.h"
@@ -15,7 +16,10 @@ namespace floorloc {
 struct SimulateOptions {
   std::filesystem::path out;  ///< must not exist or be empty
   FloorTextureOptions floor;
-  FloorCamera camera = MakeDownwardCamera();
+  FloorCamera camera = MakeDownwardCamera();  ///< takes the images
+  /// Of the calibration that is written beside the images; if there is one, the true calibration is written as
+  /// camera_truth.yaml and floor_truth.yaml.
+  CalibrationError calibration_error;
   PathOptions path;  ///< Simulate() fills in floor size, view and seed
   ConditionLevels conditions;
   double wear = 0.0;  ///< share of the floor to change by wear
