@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Accuracy and honesty of fixes with a camera whose calibration is a little wrong, beside SIFT and RANSAC on the same
+// mosaic. `./run bench calibration` starts it.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <opencv2/core/utility.hpp>
+#include <optional>
+
+#include "tests/bench/calibration/calibration_trial.h"
+
+namespace floorloc {
+namespace {
+
+struct Arguments {
+  std::string state;
+  std::string photograph;
+  std::vector<std::string> cases;
+  int frames = 40;
+  std::optional<double> calibration_sigma_px;
+  std::vector<std::string> self_calibrate;
+};
+
+bool Wanted(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void PrintRow(const CalibrationRow& row) {
+  const CalibrationScore& a = row.floorloc;
+  const CalibrationScore& b = row.sift;
+  std::printf("  %-8s %3d/%d  %5.2f  %5.2f  %6.1f      %3d/%d  %5.2f  %5.2f\n", row.group.c_str(), a.localized,
+              a.frames, 1e3 * a.median_m, 1e3 * a.p95_m, a.mean_nees, b.localized, b.frames, 1e3 * b.median_m,
+              1e3 * b.p95_m);
+}
+
+void Run(const Arguments& arguments) {
+  cv::setNumThreads(1);
+  const CalibrationScene scene = MakeCalibrationScene(arguments.state, arguments.photograph, arguments.frames);
+  std::printf(
+      "Errors in mm after the offset of map and base frame that no image can tell; NEES: mean of (x, y, yaw), ideally "
+      "3\n"
+      "  %-8s %-7s %-6s %-6s %-10s  SIFT + RANSAC: found, median, 95 %%\n",
+      "frames", "found", "median", "95 %", "NEES");
+  BuildOptions build;
+  build.self_calibration.unknowns = ParseCameraUnknowns(arguments.self_calibrate);
+  LocalizerOptions localizer;
+  localizer.photometric.calibration_sigma_px =
+      arguments.calibration_sigma_px.value_or(localizer.photometric.calibration_sigma_px);
+  for (const CalibrationCase& test : CalibrationCases()) {
+    if (!Wanted(arguments.cases, test.name)) {
+      continue;
+    }
+    const CalibrationResult result = RunCase(scene, test, {build, localizer});
+    std::printf("%s: survey rms %.2f mm, built in %.1f s\n", test.name.c_str(), 1e3 * result.map_rms_m, result.build_s);
+    for (const CalibrationRow& row : result.rows) {
+      PrintRow(row);
+    }
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace floorloc
+
+int main(int argc, char** argv) {
+  floorloc::Arguments arguments;
+  CLI::App app("Localizes with cameras whose calibration is a little wrong.", "calibration_benchmark");
+  app.add_option("--state", arguments.state, "Folder for recordings and maps; recordings are made once")->required();
+  app.add_option("--photograph", arguments.photograph, "Image of a floor")->required();
+  app.add_option("--case", arguments.cases, "Only these cases, by name");
+  app.add_option("--frames", arguments.frames, "Frames per group")->capture_default_str();
+  app.add_option("--calibration-sigma", arguments.calibration_sigma_px,
+                 "What the localizer takes the calibration to be worth, pixels; 0: exact");
+  app.add_option("--self-calibrate", arguments.self_calibrate, "As of `floorloc-mapbuilder build`")->delimiter(',');
+  CLI11_PARSE(app, argc, argv);
+  try {
+    floorloc::Run(arguments);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "calibration_benchmark: " << error.what() << "\n";
+    return 1;
+  }
+}
