@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
-
 #include "core/geometry/floor_plane.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/vision/features/features.h"
@@ -11,10 +9,9 @@ namespace floorloc {
 
 /// What a Localizer needs of a frame: computed once, localized as often as needed.
 struct FrameObservation {
-  Features features;              ///< base frame
-  FrameSamples samples;           ///< to be aligned to the mosaic
-  Eigen::Vector3d camera_center;  ///< base frame, metres
-  RectM roi;                      ///< region of interest of the camera, base frame
+  Features features;     ///< base frame
+  FrameSamples samples;  ///< to be aligned to the mosaic
+  RectM roi;             ///< region of interest of the camera, base frame
   double rectify_ms = 0.0;
   double features_ms = 0.0;
 };

@@ -107,7 +107,7 @@ struct Localizer::Impl {
     }
     const PhotometricAligner aligner(*raster, options.photometric);
     const auto align = [&](VerifiedPose* pose) {
-      pose->photo = aligner.Align(frame.samples, frame.camera_center, pose->candidate.target_from_source);
+      pose->photo = aligner.Align(frame.samples, pose->candidate.target_from_source);
     };
     if (decision.p_wrong <= options.decision.clear_p_wrong) {
       align(&(*poses)[static_cast<std::size_t>(decision.best)]);
@@ -186,12 +186,8 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
   const GroundImage image = rectifier.Rectify(raw);
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
-  FrameObservation frame{impl_->extractor->Extract(image, prepared),
-                         FrameSamples(image, prepared),
-                         rectifier.camera().CameraCenter(),
-                         rectifier.camera().floor.roi,
-                         rectify_ms,
-                         0.0};
+  FrameObservation frame{impl_->extractor->Extract(image, prepared), FrameSamples(image, prepared, rectifier.camera()),
+                         rectifier.camera().floor.roi, rectify_ms, 0.0};
   frame.features_ms = stage.LapMs();
   return frame;
 }

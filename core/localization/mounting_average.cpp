@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace floorloc {
 namespace {
@@ -40,20 +41,79 @@ double Inflation(const MountingProblem& problem) {
   return std::isfinite(ratio) ? std::max(1.0, ratio) : 1.0;
 }
 
+// The calibration's error relative to its standard deviation: a log-normal distribution of a factor of two, by the
+// weights of the binomial distribution.
+struct CalibrationLevel {
+  double factor;
+  double probability;
+};
+constexpr std::array<CalibrationLevel, 5> kCalibrationLevels{
+    {{0.25, 1.0 / 16.0}, {0.5, 4.0 / 16.0}, {1.0, 6.0 / 16.0}, {2.0, 4.0 / 16.0}, {4.0, 1.0 / 16.0}}};
+
+// Of one mode, so that all modes together displace a corner by 1 px: at a corner of a 4:3 image the modes' squares add
+// up to 5.9.
+constexpr double kModeSigmaPx = 0.41;
+
+// For a calibration that is taken as exact: far below what images measure.
+constexpr double kExactPx = 1e-6;
+
+constexpr int kMotions = MountingVector::SizeAtCompileTime;
+constexpr int kUnknowns = kMotions + kCalibrationModes;
+using FullVector = Eigen::Matrix<double, kUnknowns, 1>;
+using FullMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+// Likelihood of motion, mounting and calibration: information matrix and information vector.
+struct Likelihood {
+  FullMatrix information;
+  FullVector pull;
+};
+
+Likelihood MakeLikelihood(const MountingProblem& problem, const MountingVector& unknowns) {
+  const double noise = problem.variance * Inflation(problem);
+  Likelihood likelihood;
+  likelihood.information << problem.information, problem.by_calibration, problem.by_calibration.transpose(),
+      problem.calibration_information;
+  likelihood.information /= noise;
+  likelihood.pull << problem.gradient, problem.calibration_gradient;
+  likelihood.pull = likelihood.pull / noise + likelihood.information.leftCols<kMotions>() * unknowns;
+  return likelihood;
+}
+
 struct Posterior {
   MountingVector mean;
   MountingMatrix covariance;
   double log_evidence;
 };
 
-Posterior PosteriorAt(double level, const MountingMatrix& likelihood, const MountingVector& pull) {
-  const Eigen::LDLT<MountingMatrix> lambda(likelihood + PriorInformation(level));
+// calibration_px: standard deviation of each mode.
+Posterior PosteriorAt(double level, double calibration_px, const Likelihood& likelihood) {
+  FullMatrix information = likelihood.information;
+  information.topLeftCorner<kMotions, kMotions>() += PriorInformation(level);
+  information.diagonal().tail<kCalibrationModes>().array() += 1.0 / (calibration_px * calibration_px);
+  const Eigen::LDLT<FullMatrix> lambda(information);
+  const FullVector mean = lambda.solve(likelihood.pull);
   Posterior posterior;
-  posterior.covariance = lambda.solve(MountingMatrix::Identity());
-  posterior.mean = posterior.covariance * pull;
-  posterior.log_evidence =
-      -4.0 * std::log(level) - 0.5 * lambda.vectorD().array().abs().log().sum() + 0.5 * pull.dot(posterior.mean);
+  posterior.mean = mean.head<kMotions>();
+  posterior.covariance = lambda.solve(FullMatrix::Identity().leftCols<kMotions>()).topRows<kMotions>();
+  posterior.log_evidence = -4.0 * std::log(level) - kCalibrationModes * std::log(calibration_px) -
+                           0.5 * lambda.vectorD().array().abs().log().sum() + 0.5 * likelihood.pull.dot(mean);
   return posterior;
+}
+
+std::vector<Posterior> PosteriorsOf(const Likelihood& likelihood, double calibration_sigma_px) {
+  std::vector<Posterior> posteriors;
+  for (const double level : kLevels) {
+    if (calibration_sigma_px <= 0.0) {
+      posteriors.push_back(PosteriorAt(level, kExactPx, likelihood));
+      continue;
+    }
+    for (const CalibrationLevel& calibration : kCalibrationLevels) {
+      const double sigma_px = kModeSigmaPx * calibration.factor * calibration_sigma_px;
+      posteriors.push_back(PosteriorAt(level, sigma_px, likelihood));
+      posteriors.back().log_evidence += std::log(calibration.probability);
+    }
+  }
+  return posteriors;
 }
 
 }  // namespace
@@ -65,15 +125,12 @@ MountingVector MountingStep(const MountingProblem& problem, const MountingVector
   return step.allFinite() ? step : MountingVector::Zero();
 }
 
-MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns) {
-  const double noise = problem.variance * Inflation(problem);
-  const MountingMatrix likelihood = problem.information / noise;
-  const MountingVector pull = likelihood * unknowns + problem.gradient / noise;
-  std::array<Posterior, kLevels.size()> posteriors;
+MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
+                                     double calibration_sigma_px) {
+  std::vector<Posterior> posteriors = PosteriorsOf(MakeLikelihood(problem, unknowns), calibration_sigma_px);
   double highest = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < kLevels.size(); ++k) {
-    posteriors[k] = PosteriorAt(kLevels[k], likelihood, pull);
-    highest = std::max(highest, posteriors[k].log_evidence);
+  for (const Posterior& p : posteriors) {
+    highest = std::max(highest, p.log_evidence);
   }
   double sum = 0.0;
   MountingEstimate estimate{MountingVector::Zero(), MountingMatrix::Zero()};

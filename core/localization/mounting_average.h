@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "core/localization/calibration_modes.h"
+
 namespace floorloc {
 
 /// Motion of the frame about its centre (x, y: map frame, m; yaw), then the camera's MountingError (rotation, height
@@ -10,13 +12,20 @@ namespace floorloc {
 using MountingVector = Eigen::Matrix<double, 7, 1>;
 using MountingMatrix = Eigen::Matrix<double, 7, 7>;
 
-/// Normal equations of a frame's fit, linear about the present unknowns.
+/// Normal equations of a frame's fit, linear about the present unknowns and a calibration without errors. J: Jacobian
+/// of the pixels with respect to the unknowns, L: with respect to the calibration's modes.
 struct MountingProblem {
   MountingMatrix information = MountingMatrix::Zero();  ///< J^T W J of the residuals
   MountingVector gradient = MountingVector::Zero();     ///< J^T W r
   MountingMatrix scatter = MountingMatrix::Zero();      ///< sum of g g^T, g: gradient of one cell of the frame
   double variance = 1.0;                                ///< of a residual
-  int cells = 0;                                        ///< number of cells summed in scatter; 0: many
+  /// J^T W L, L^T W L, L^T W r. Zero: the calibration is taken as exact.
+  Eigen::Matrix<double, 7, kCalibrationModes> by_calibration = Eigen::Matrix<double, 7, kCalibrationModes>::Zero();
+  Eigen::Matrix<double, kCalibrationModes, kCalibrationModes> calibration_information =
+      Eigen::Matrix<double, kCalibrationModes, kCalibrationModes>::Zero();
+  Eigen::Matrix<double, kCalibrationModes, 1> calibration_gradient =
+      Eigen::Matrix<double, kCalibrationModes, 1>::Zero();
+  int cells = 0;  ///< number of cells summed in scatter; 0: many
 };
 
 struct MountingEstimate {
@@ -27,9 +36,13 @@ struct MountingEstimate {
 /// One Gauss-Newton step, the mounting regularized by its loosest prior.
 MountingVector MountingStep(const MountingProblem& problem, const MountingVector& unknowns);
 
-/// Posterior of the unknowns. The level of vibration is unknown: the posteriors of several levels are averaged,
-/// weighted by their evidence (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is
-/// indistinguishable from a turn of the robot; its uncertainty follows the level.
-MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns);
+/// Posterior of the unknowns, marginalized over the calibration's errors: a lens that bends the image a little looks
+/// like a tilted camera, so the tilt is only as certain as the calibration. The levels of vibration and of the
+/// calibration's errors are unknown: the posteriors of several levels are averaged, weighted by their evidence
+/// (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is indistinguishable from a turn of
+/// the robot; its uncertainty follows the level. calibration_sigma_px: standard deviation of the calibration at the
+/// corners of the region of interest, uncertain by a factor of two; 0: exact.
+MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
+                                     double calibration_sigma_px = 0.0);
 
 }  // namespace floorloc

@@ -98,6 +98,15 @@ struct Warp {
     p.dy_rz = p.dx_h;
     return p;
   }
+
+  // Derivative of a floor point in the map with respect to motion and mounting.
+  Eigen::Matrix<double, 2, 7> Motions(const Eigen::Vector2d& point_in_base) const {
+    const Point p = At({static_cast<float>(point_in_base.x()), static_cast<float>(point_in_base.y()), 0.0F});
+    Eigen::Matrix<float, 2, 7> motions;
+    motions << 1.0F, 0.0F, -p.arm_y, p.dx_rx, p.dx_ry, p.dx_rz, p.dx_h, 0.0F, 1.0F, p.arm_x, p.dy_rx, p.dy_ry, p.dy_rz,
+        p.dy_h;
+    return motions.cast<double>();
+  }
 };
 
 // Adds the pixels of a cell that lie on surveyed floor. Derivatives are per metre in the map and per radian of
@@ -150,12 +159,8 @@ MountingMatrix ToMatrix(const std::array<Row, kRow>& rows) {
 // One fit of a frame to a patch of the mosaic.
 class Fit {
  public:
-  Fit(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const RasterPatch& patch,
-      const PhotometricOptions& options)
-      : frame_(frame),
-        camera_center_(camera_center),
-        patch_(patch),
-        min_cell_samples_(static_cast<float>(options.min_cell_samples)) {}
+  Fit(const FrameSamples& frame, const RasterPatch& patch, const PhotometricOptions& options)
+      : frame_(frame), patch_(patch), options_(options) {}
 
   PhotometricFit Run(const Pose2& start) {
     start_ = start;
@@ -177,8 +182,8 @@ class Fit {
     const double yaw = start_.yaw() + unknowns_(2);
     const Eigen::Vector2d middle = patch_.PixelFromMap(start_ * frame_.center() + unknowns_.head<2>());
     const Eigen::Matrix<float, 14, 1> n =
-        (Eigen::Matrix<double, 14, 1>() << std::cos(yaw), std::sin(yaw), camera_center_, frame_.center(), middle,
-         1.0 / patch_.resolution_m, unknowns_.tail<4>())
+        (Eigen::Matrix<double, 14, 1>() << std::cos(yaw), std::sin(yaw), frame_.camera_center(), frame_.center(),
+         middle, 1.0 / patch_.resolution_m, unknowns_.tail<4>())
             .finished()
             .cast<float>();
     return {n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), n(11), n(12), n(13)};
@@ -201,7 +206,7 @@ class Fit {
     Assemble();
   }
 
-  bool Compares(const CellSums& cell) const { return cell.n >= min_cell_samples_; }
+  bool Compares(const CellSums& cell) const { return cell.n >= static_cast<float>(options_.min_cell_samples); }
   double Weight(const CellSums& cell) const {
     return Compares(cell) ? std::max(0.0, static_cast<double>(cell.Correlation())) : 0.0;
   }
@@ -227,15 +232,37 @@ class Fit {
     problem_.variance = count > 0.0 ? std::max(squares / count, 1.0) : 1.0;
   }
 
+  // Adds the calibration's modes, which are smooth: a cell moves as its centre does.
+  MountingProblem WithCalibration(MountingProblem problem) const {
+    const Warp warp = MakeWarp();
+    for (int c = 0; c < frame_.cells(); ++c) {
+      const CellSums& cell = sums_[static_cast<std::size_t>(c)];
+      const double weight = Weight(cell);
+      if (weight <= 0.0) {
+        continue;
+      }
+      const Eigen::Matrix<double, 2, 7> motions = warp.Motions(frame_.cell_center(c));
+      const CalibrationJacobian modes = Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)).rotation() * frame_.cell_modes(c);
+      const Eigen::Matrix2d structure = weight * gain_ * gain_ * ToMatrix(cell.information).topLeftCorner<2, 2>();
+      const Eigen::Vector2d pull =
+          weight * gain_ * (ToVector(cell.frame_pull) - gain_ * ToVector(cell.mosaic_pull)).head<2>();
+      problem.by_calibration += motions.transpose() * structure * modes;
+      problem.calibration_information += modes.transpose() * structure * modes;
+      problem.calibration_gradient += modes.transpose() * pull;
+    }
+    return problem;
+  }
+
   PhotometricFit Conclude() const {
     PhotometricFit fit;
     for (const CellSums& cell : sums_) {
       fit.cell_correlation.push_back(Compares(cell) ? cell.Correlation() : 0.0F);
       fit.cell_samples.push_back(Compares(cell) ? static_cast<int>(cell.n) : 0);
     }
-    const Eigen::Vector2d bent = MountingJacobian(camera_center_, frame_.center()) * unknowns_.tail<4>();
+    const Eigen::Vector2d bent = MountingJacobian(frame_.camera_center(), frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
-    const MountingEstimate estimate = MarginalizeMounting(problem_, unknowns_);
+    const MountingEstimate estimate =
+        MarginalizeMounting(WithCalibration(problem_), unknowns_, options_.calibration_sigma_px);
     // From the motion about the frame's centre to the pose of the base.
     const double yaw = start_.yaw() + estimate.mean(2);
     const Eigen::Vector2d arm = Pose2(0.0, 0.0, yaw) * frame_.center();
@@ -250,9 +277,8 @@ class Fit {
   }
 
   const FrameSamples& frame_;
-  const Eigen::Vector3d camera_center_;
   const RasterPatch& patch_;
-  float min_cell_samples_;
+  const PhotometricOptions& options_;
   Pose2 start_;
   MountingVector unknowns_ = MountingVector::Zero();
   std::vector<CellSums> sums_;
@@ -282,6 +308,7 @@ void PhotometricOptions::Check() const {
   RequireOption(min_cell_samples >= 1, "min_cell_samples must be positive");
   RequireOption(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
   RequireOption(max_correction_radii > 0, "max_correction_radii must be positive");
+  RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
 
 double PhotometricFit::MeanCorrelation() const { return MeanOf(ComparedCells(*this), 1.0); }
@@ -292,7 +319,8 @@ double PhotometricFit::TrimmedCorrelation(double share) const {
   return MeanOf(cells, share);
 }
 
-FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) : grid_(image.grid) {
+FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, const FloorCamera& camera)
+    : camera_center_(camera.CameraCenter()), grid_(image.grid) {
   const GroundGrid& grid = image.grid;
   center_ = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));
   radius_m_ = 0.5 * grid.resolution_m * std::hypot(grid.width_px, grid.height_px);
@@ -309,6 +337,16 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized) 
       cell_start_.push_back(static_cast<int>(samples_.size()));
     }
   }
+  const CalibrationModes modes(camera);
+  for (int c = 0; c < cells(); ++c) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const Sample& sample : cell(c)) {
+      sum += Eigen::Vector2d(sample.x_m, sample.y_m);
+    }
+    const bool empty = cell(c).empty();
+    cell_centers_.push_back(empty ? center_ : Eigen::Vector2d(sum / static_cast<double>(cell(c).size())));
+    cell_modes_.push_back(empty ? CalibrationJacobian(CalibrationJacobian::Zero()) : modes.At(cell_centers_.back()));
+  }
 }
 
 int FrameSamples::CellAt(const Eigen::Vector2d& point_in_base) const {
@@ -322,13 +360,12 @@ int FrameSamples::CellAt(const Eigen::Vector2d& point_in_base) const {
   return v / kCellPx * columns + u / kCellPx;
 }
 
-PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Eigen::Vector3d& camera_center,
-                                         const Pose2& start) const {
+PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Pose2& start) const {
   const Eigen::Vector2d middle = start * frame.center();
   const double reach = frame.radius_m() + kMarginPx * raster_.resolution_m();
   const RasterPatch patch =
       raster_.Cut({middle.x() - reach, middle.x() + reach, middle.y() - reach, middle.y() + reach});
-  return Fit(frame, camera_center, patch, options_).Run(start);
+  return Fit(frame, patch, options_).Run(start);
 }
 
 }  // namespace floorloc

@@ -9,6 +9,7 @@
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/mounting.h"
 #include "core/geometry/pose2.h"
+#include "core/localization/calibration_modes.h"
 #include "core/map/mosaic_raster.h"
 #include "core/vision/image/ground_image.h"
 
@@ -22,6 +23,9 @@ struct PhotometricOptions {
   double min_correlation = 0.15;
   /// Largest correction of the frame's centre relative to the pose by keypoints, in inlier radii: a fit can diverge.
   double max_correction_radii = 2.0;
+  /// Standard deviation of a camera's calibration, pixels at the corners of its region of interest: a careful one
+  /// leaves 0.2 to 1 px. `./run bench calibration` measures its effect.
+  double calibration_sigma_px = 0.3;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
@@ -46,8 +50,8 @@ struct PhotometricFit {
 /// square cells, so that changed floor affects only its own cells.
 class FrameSamples {
  public:
-  /// normalized: CV_8UC1 of the image's grid, mean 128.
-  FrameSamples(const GroundImage& image, const cv::Mat& normalized);
+  /// normalized: CV_8UC1 of the image's grid, mean 128. camera: takes the image.
+  FrameSamples(const GroundImage& image, const cv::Mat& normalized, const FloorCamera& camera);
 
   struct Sample {
     float x_m, y_m;  // base frame
@@ -58,6 +62,11 @@ class FrameSamples {
     const auto i = static_cast<std::size_t>(c);
     return {samples_.data() + cell_start_[i], samples_.data() + cell_start_[i + 1]};
   }
+  /// Mean position of a cell's samples, base frame, metres; and how an error of the calibration displaces it.
+  const Eigen::Vector2d& cell_center(int c) const { return cell_centers_[static_cast<std::size_t>(c)]; }
+  const CalibrationJacobian& cell_modes(int c) const { return cell_modes_[static_cast<std::size_t>(c)]; }
+  /// Position of the camera in the base frame, metres.
+  const Eigen::Vector3d& camera_center() const { return camera_center_; }
   /// Cell of a point of the base frame; -1 outside the image.
   int CellAt(const Eigen::Vector2d& point_in_base) const;
   /// Centre of the visible floor, base frame, metres.
@@ -67,6 +76,9 @@ class FrameSamples {
  private:
   std::vector<Sample> samples_;  // cell by cell
   std::vector<int> cell_start_{0};
+  std::vector<Eigen::Vector2d> cell_centers_;
+  std::vector<CalibrationJacobian> cell_modes_;
+  Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();
   GroundGrid grid_;
   Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;  // of the circle about the centre that holds all samples
@@ -80,8 +92,8 @@ class PhotometricAligner {
   explicit PhotometricAligner(const MosaicRaster& raster, const PhotometricOptions& options = {})
       : raster_(raster), options_(options) {}
 
-  /// start: map_from_base, a few pixels from the truth at most. camera_center: base frame.
-  PhotometricFit Align(const FrameSamples& frame, const Eigen::Vector3d& camera_center, const Pose2& start) const;
+  /// start: map_from_base, a few pixels from the truth at most.
+  PhotometricFit Align(const FrameSamples& frame, const Pose2& start) const;
 
  private:
   const MosaicRaster& raster_;

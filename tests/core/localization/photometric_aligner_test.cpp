@@ -60,8 +60,8 @@ class PhotometricAlignerTest : public ::testing::Test {
   }
   PhotometricFit AlignView(const cv::Mat& gray, const Pose2& start) const {
     const GroundImage image = rectifier_.Rectify(gray);
-    const FrameSamples samples(image, NormalizeContrast(image.gray, image.mask, ContrastOptions()));
-    return PhotometricAligner(Raster()).Align(samples, camera().CameraCenter(), start);
+    const FrameSamples samples(image, NormalizeContrast(image.gray, image.mask, ContrastOptions()), camera());
+    return PhotometricAligner(Raster()).Align(samples, start);
   }
   double ErrorOf(const PhotometricFit& fit, const Pose2& truth) const {
     return ViewError(camera(), fit.map_from_base, truth);
@@ -216,7 +216,7 @@ TEST(FrameSamplesTest, TakesTheSeenPixelsCellByCell) {
   image.mask(cv::Rect(0, 0, 50, 60)).setTo(0);
   cv::Mat normalized(60, 100, CV_8UC1, cv::Scalar(128));
   normalized(cv::Rect(70, 0, 30, 60)).setTo(200);
-  const FrameSamples samples(image, normalized);
+  const FrameSamples samples(image, normalized, MakeDownwardCamera());
   ASSERT_EQ(samples.cells(), 6);
   EXPECT_LT((samples.center() - Eigen::Vector2d(0.4705, 0.1505)).norm(), 1e-12);
   EXPECT_NEAR(samples.radius_m(), 0.0583, 1e-4);
