@@ -29,21 +29,59 @@ Eigen::Matrix<T, 2, 1> InMap(const Observation& observation, const T* pose, cons
   return {cosine * p[0] - sine * p[1] + pose[0], sine * p[0] + cosine * p[1] + pose[1]};
 }
 
-struct ObservationError {
-  Observation observation;
-  double sigma_m;
+// Of an observation of an unknown floor point: pose, camera, tilt, point. Errors arise in the image, so they scale with
+// the floor's scale; with a constant sigma, shrinking the floor would reduce the cost. Analytic, since a large survey
+// has hundred thousands of them.
+class ObservationError : public ceres::SizedCostFunction<2, 3, kCameraUnknowns, kTiltUnknowns, 2> {
+ public:
+  ObservationError(const Observation& observation, double sigma_m) : observation_(observation), sigma_m_(sigma_m) {}
 
-  template <typename T>
-  bool operator()(const T* pose, const T* camera, const T* tilt, const T* point, T* residual) const {
-    const Eigen::Matrix<T, 2, 1> p = InMap(observation, pose, camera, tilt);
-    // Errors arise in the image, so they scale with the floor's scale; with a constant sigma, shrinking the floor would
-    // reduce the cost.
-    const T scale = T(1.0) + camera[static_cast<int>(CameraUnknown::kHeight)] -
-                    camera[static_cast<int>(CameraUnknown::kFocal)] + tilt[2];
-    residual[0] = (p[0] - point[0]) / (T(sigma_m) * scale);
-    residual[1] = (p[1] - point[1]) / (T(sigma_m) * scale);
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const double* pose = parameters[0];
+    const Eigen::Map<const CameraAdjustment> camera(parameters[1]);
+    const Eigen::Map<const Eigen::Vector3d> tilt(parameters[2]);
+    const Eigen::Map<const Eigen::Vector2d> point(parameters[3]);
+    const Eigen::Matrix2d rotation = Pose2(0.0, 0.0, pose[2]).rotation();
+    const Eigen::Vector2d in_base =
+        observation_.point_in_base_m + observation_.by_camera * camera + observation_.by_tilt * tilt;
+    const Eigen::Vector2d arm = rotation * in_base;
+    const double scale = 1.0 + camera[kHeight] - camera[kFocal] + tilt[2];
+    const double weight = 1.0 / (sigma_m_ * scale);
+    const Eigen::Vector2d residual = weight * (arm + Eigen::Vector2d(pose[0], pose[1]) - point);
+    Eigen::Map<Eigen::Vector2d> out(residuals);
+    out = residual;
+    if (jacobians == nullptr) {
+      return true;
+    }
+    const Eigen::Vector2d by_scale = -residual / scale;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> j(jacobians[0]);
+      j << weight, 0.0, -weight * arm.y(), 0.0, weight, weight * arm.x();
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kCameraUnknowns, Eigen::RowMajor>> j(jacobians[1]);
+      j = weight * rotation * observation_.by_camera;
+      j.col(kHeight) += by_scale;
+      j.col(kFocal) -= by_scale;
+    }
+    if (jacobians[2] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kTiltUnknowns, Eigen::RowMajor>> j(jacobians[2]);
+      j = weight * rotation * observation_.by_tilt;
+      j.col(2) += by_scale;
+    }
+    if (jacobians[3] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> j(jacobians[3]);
+      j = -weight * Eigen::Matrix2d::Identity();
+    }
     return true;
   }
+
+ private:
+  static constexpr int kHeight = static_cast<int>(CameraUnknown::kHeight);
+  static constexpr int kFocal = static_cast<int>(CameraUnknown::kFocal);
+
+  Observation observation_;
+  double sigma_m_;
 };
 
 struct ControlError {
@@ -162,11 +200,9 @@ class Adjuster {
 void Adjuster::AddObservations() {
   for (ObservedTrack& track : bundle_.tracks) {
     for (const Observation& observation : track.observations) {
-      problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<ObservationError, 2, 3, kCameraUnknowns, kTiltUnknowns, 2>(
-              new ObservationError{observation, bundle_.observation_sigma_m}),
-          Robust(), PoseOf(observation.frame), CameraOf(observation.frame), TiltOf(observation.frame),
-          track.position_m.data());
+      problem_.AddResidualBlock(new ObservationError(observation, bundle_.observation_sigma_m), Robust(),
+                                PoseOf(observation.frame), CameraOf(observation.frame), TiltOf(observation.frame),
+                                track.position_m.data());
     }
   }
 }

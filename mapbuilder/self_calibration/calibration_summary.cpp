@@ -22,7 +22,9 @@ constexpr std::array<UnknownText, kCameraUnknowns> kTexts = {{{"roll", "degrees"
                                                               {"height", "%", 100.0},
                                                               {"focal", "%", 100.0},
                                                               {"k1", "", 1.0},
-                                                              {"k2", "", 1.0}}};
+                                                              {"k2", "", 1.0},
+                                                              {"p1", "", 1.0},
+                                                              {"p2", "", 1.0}}};
 
 }  // namespace
 

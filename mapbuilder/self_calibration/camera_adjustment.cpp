@@ -18,6 +18,10 @@ FloorCamera Adjusted(const FloorCamera& camera, const CameraAdjustment& adjustme
   lens.fy *= focal;
   lens.distortion[0] += adjustment[static_cast<int>(CameraUnknown::kK1)];
   lens.distortion[1] += adjustment[static_cast<int>(CameraUnknown::kK2)];
+  if (lens.distortion_model != DistortionModel::kEquidistant) {
+    lens.distortion[2] += adjustment[static_cast<int>(CameraUnknown::kP1)];
+    lens.distortion[3] += adjustment[static_cast<int>(CameraUnknown::kP2)];
+  }
   // With the new focal length, an undistorted pixel has the ray of another pixel of the old homography.
   Eigen::Matrix3d old_pixel_from_pixel = Eigen::Matrix3d::Identity();
   old_pixel_from_pixel(0, 0) = old_pixel_from_pixel(1, 1) = 1.0 / focal;

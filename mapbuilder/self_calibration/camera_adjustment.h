@@ -12,12 +12,13 @@ namespace floorloc {
 
 /// Calibration parameters that can be wrong, in the order of CameraAdjustment. Rotation about the vertical is left out,
 /// since it only rotates the base frame.
-enum class CameraUnknown { kRoll, kPitch, kHeight, kFocal, kK1, kK2 };
+enum class CameraUnknown { kRoll, kPitch, kHeight, kFocal, kK1, kK2, kP1, kP2 };
 
-constexpr int kCameraUnknowns = 6;
+constexpr int kCameraUnknowns = 8;
 
 /// roll and pitch: rotation of the camera about the base's x and y axes, radians; height and focal length: relative
-/// change; k1, k2: change of the first two radial distortion coefficients.
+/// change; k1, k2: change of the first two radial distortion coefficients; p1, p2: of the tangential ones, which an
+/// equidistant lens does not have (no effect).
 using CameraAdjustment = Eigen::Matrix<double, kCameraUnknowns, 1>;
 
 /// The camera with changed mounting and lens: rays are rotated about the camera centre, which is raised. Exact, not

@@ -2,6 +2,7 @@
 #include "mapbuilder/self_calibration/self_calibration.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -15,13 +16,63 @@
 namespace floorloc {
 namespace {
 
-// Prior standard deviations of calibration errors: roll, pitch, height, focal length, k1, k2.
-constexpr std::array<double, kCameraUnknowns> kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1};
+// Prior standard deviations of calibration errors: roll, pitch, height, focal length, k1, k2, p1, p2.
+constexpr std::array<double, kCameraUnknowns> kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1, 0.005, 0.005};
 
-// Track radius per round: before the camera is calibrated, views of one floor point scatter more.
-constexpr std::array<double, 4> kTrackRadiusFactors = {2.5, 1.5, 1.0, 1.0};
+// A round of the calibration. Before the camera is calibrated, views of one floor point scatter more, and a share of
+// the observations is enough.
+struct Round {
+  double track_radius_factor;
+  double observation_share;
+};
+constexpr std::array<Round, 4> kRounds = {{{2.5, 0.4}, {1.0, 1.0}, {1.0, 1.0}, {1.0, 1.0}}};
 
 constexpr double kDistanceSigmaM = 1e-3;
+
+using Jacobian = Eigen::Matrix<double, 2, kCameraUnknowns>;
+
+// Derivative of the floor points with respect to the camera, interpolated between the nodes of a grid over the region
+// of interest: it is smooth, and exact values cost sixteen inversions of the lens model.
+class DerivativeGrid {
+ public:
+  explicit DerivativeGrid(const FloorCamera& camera) : camera_(camera), derivative_(camera) {
+    const RectM& roi = camera.floor.roi;
+    for (int row = 0; row <= kIntervals; ++row) {
+      for (int column = 0; column <= kIntervals; ++column) {
+        nodes_.push_back(
+            Exact({roi.x_min + roi.width_m() * column / kIntervals, roi.y_min + roi.height_m() * row / kIntervals}));
+      }
+    }
+  }
+
+  Jacobian At(const Eigen::Vector2d& point_in_base) const {
+    const RectM& roi = camera_.floor.roi;
+    if (!roi.Contains(point_in_base)) {
+      return Exact(point_in_base);
+    }
+    const double u = kIntervals * (point_in_base.x() - roi.x_min) / roi.width_m();
+    const double v = kIntervals * (point_in_base.y() - roi.y_min) / roi.height_m();
+    const int column = std::min(static_cast<int>(u), kIntervals - 1);
+    const int row = std::min(static_cast<int>(v), kIntervals - 1);
+    const double a = u - column, b = v - row;
+    return (1.0 - b) * ((1.0 - a) * Node(row, column) + a * Node(row, column + 1)) +
+           b * ((1.0 - a) * Node(row + 1, column) + a * Node(row + 1, column + 1));
+  }
+
+ private:
+  static constexpr int kIntervals = 32;
+
+  Jacobian Exact(const Eigen::Vector2d& point_in_base) const {
+    return derivative_.At(camera_.RawPixelFromFloor(point_in_base));
+  }
+  const Jacobian& Node(int row, int column) const {
+    return nodes_[static_cast<std::size_t>(row * (kIntervals + 1) + column)];
+  }
+
+  FloorCamera camera_;
+  AdjustmentDerivative derivative_;
+  std::vector<Jacobian> nodes_;
+};
 
 // Builds the observations of one survey's camera.
 class ObservationBuilder {
@@ -33,7 +84,7 @@ class ObservationBuilder {
     Observation observation;
     observation.frame = frame;
     observation.point_in_base_m = point_in_base;
-    observation.by_camera = derivative_.At(camera_.RawPixelFromFloor(point_in_base));
+    observation.by_camera = derivative_.At(point_in_base);
     const Eigen::Matrix<double, 2, 4> mounting = MountingJacobian(center_, point_in_base);
     observation.by_tilt << mounting.col(0), mounting.col(1), mounting.col(3);
     return observation;
@@ -42,7 +93,7 @@ class ObservationBuilder {
 
  private:
   FloorCamera camera_;
-  AdjustmentDerivative derivative_;
+  DerivativeGrid derivative_;
   Eigen::Vector3d center_;
 };
 
@@ -56,8 +107,8 @@ class Calibrator {
     RequireScale();
     SelfCalibration result;
     result.cameras.resize(surveys_.size());
-    for (std::size_t round = 0; round < kTrackRadiusFactors.size(); ++round) {
-      Bundle bundle = MakeBundle(kTrackRadiusFactors[round]);
+    for (std::size_t round = 0; round < kRounds.size(); ++round) {
+      Bundle bundle = MakeBundle(kRounds[round]);
       for (const CalibratedCamera& camera : result.cameras) {
         bundle.earlier_change.push_back(camera.change);
       }
@@ -67,7 +118,10 @@ class Calibrator {
       }
       result.rms_after_m = summary.rms_after_m;
       result.tracks = static_cast<int>(bundle.tracks.size());
-      Apply(bundle, summary, &result);
+      const double moved_px = Apply(bundle, summary, &result);
+      if (round > 0 && moved_px < options_.settled_px) {
+        break;
+      }
     }
     for (std::size_t s = 0; s < surveys_.size(); ++s) {
       result.cameras[s].camera = surveys_[s].survey.camera;
@@ -80,10 +134,11 @@ class Calibrator {
  private:
   void RequireScale() const;
   bool HasScaleConstraint() const;
-  Bundle MakeBundle(double radius_factor);
-  void ChooseTracks(double radius_factor, const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
+  Bundle MakeBundle(const Round& round);
+  void ChooseTracks(const Round& round, const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
   void AddAbsoluteConstraints(const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
-  void Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result);
+  // Returns by how many pixels of the rectified image the calibration moved the floor at most.
+  double Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result);
   void RemeasureLinks();
 
   std::vector<BuildFrame>& frames_;
@@ -112,7 +167,7 @@ void Calibrator::RequireScale() const {
   }
 }
 
-Bundle Calibrator::MakeBundle(double radius_factor) {
+Bundle Calibrator::MakeBundle(const Round& round) {
   Bundle bundle;
   std::vector<ObservationBuilder> builders;
   for (const LoadedSurvey& loaded : surveys_) {
@@ -130,7 +185,7 @@ Bundle Calibrator::MakeBundle(double radius_factor) {
   }
   bundle.prior.tilt_rad = options_.tilt_rad;
   bundle.prior.tilt_height = options_.tilt_height;
-  ChooseTracks(radius_factor, builders, &bundle);
+  ChooseTracks(round, builders, &bundle);
   AddAbsoluteConstraints(builders, &bundle);
   if (bundle.priors.empty() && bundle.control_points.empty()) {
     const auto first = std::find_if(placement_.map_from_base.begin(), placement_.map_from_base.end(),
@@ -141,10 +196,11 @@ Bundle Calibrator::MakeBundle(double radius_factor) {
 }
 
 // Chooses the longest tracks first, as long as one of their frames has too few observations.
-void Calibrator::ChooseTracks(double radius_factor, const std::vector<ObservationBuilder>& builders,
+void Calibrator::ChooseTracks(const Round& round, const std::vector<ObservationBuilder>& builders,
                               Bundle* bundle) const {
   TrackOptions track_options = TrackOptions().ForCamera(surveys_.front().survey.camera.floor);
-  track_options.radius_m *= radius_factor;
+  track_options.radius_m *= round.track_radius_factor;
+  const auto enough = static_cast<int>(std::ceil(round.observation_share * options_.observations_per_frame));
   track_options.min_views = 2;
   std::vector<KeypointTrack> tracks = FindTracks(frames_, placement_.map_from_base, track_options);
   std::stable_sort(tracks.begin(), tracks.end(),
@@ -152,7 +208,7 @@ void Calibrator::ChooseTracks(double radius_factor, const std::vector<Observatio
   std::vector<int> used(frames_.size(), 0);
   for (const KeypointTrack& track : tracks) {
     const bool wanted = std::any_of(track.views.begin(), track.views.end(), [&](const auto& view) {
-      return used[static_cast<std::size_t>(view.first)] < options_.observations_per_frame;
+      return used[static_cast<std::size_t>(view.first)] < enough;
     });
     if (!wanted) {
       continue;
@@ -203,7 +259,22 @@ void Calibrator::AddAbsoluteConstraints(const std::vector<ObservationBuilder>& b
   }
 }
 
-void Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result) {
+// Largest displacement of floor points at the region of interest's corners and centre, metres.
+double Displacement(const FloorCamera& before, const FloorCamera& after) {
+  const RectM& roi = before.floor.roi;
+  const Eigen::Vector2d middle = roi.Center();
+  double largest_m = 0.0;
+  for (const double x : {roi.x_min, middle.x(), roi.x_max}) {
+    for (const double y : {roi.y_min, middle.y(), roi.y_max}) {
+      const Eigen::Vector2d p(x, y);
+      const double moved_m = (after.FloorFromRawPixel(before.RawPixelFromFloor(p)) - p).norm();
+      largest_m = std::isfinite(moved_m) ? std::max(largest_m, moved_m) : largest_m;
+    }
+  }
+  return largest_m;
+}
+
+double Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result) {
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
     result->cameras[s].change += bundle.cameras[s];
     result->cameras[s].sigma = summary.camera_sigma[s];
@@ -221,9 +292,14 @@ void Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfC
       keypoint.y_m = static_cast<float>(p.y());
     }
   }
+  double moved_px = 0.0;
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
-    surveys_[s].survey.camera = Adjusted(surveys_[s].survey.camera, bundle.cameras[s]);
+    FloorCamera& camera = surveys_[s].survey.camera;
+    const FloorCamera before = camera;
+    camera = Adjusted(before, bundle.cameras[s]);
+    moved_px = std::max(moved_px, Displacement(before, camera) / camera.floor.resolution_m);
   }
+  return moved_px;
 }
 
 // Registers linked frames again, since links measured with the old camera are inconsistent with the new one.
@@ -260,7 +336,7 @@ std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& n
     } else if (name == "focal") {
       unknowns.push_back(CameraUnknown::kFocal);
     } else if (name == "distortion") {
-      unknowns.insert(unknowns.end(), {CameraUnknown::kK1, CameraUnknown::kK2});
+      unknowns.insert(unknowns.end(), {CameraUnknown::kK1, CameraUnknown::kK2, CameraUnknown::kP1, CameraUnknown::kP2});
     } else {
       throw std::invalid_argument("unknown '" + name + "' (mounting, height, focal, distortion)");
     }
@@ -270,6 +346,7 @@ std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& n
 
 void SelfCalibrationOptions::Check() const {
   RequireOption(observations_per_frame >= 1, "observations_per_frame must be at least 1");
+  RequireOption(settled_px > 0.0, "settled_px must be positive");
   RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");
   RequireOption(tilt_height >= 0.0, "tilt_height must not be negative");
   registration.Check();

@@ -12,8 +12,11 @@
 namespace floorloc {
 
 struct SelfCalibrationOptions {
-  std::vector<CameraUnknown> unknowns;   ///< of every survey's camera; empty: no self-calibration
-  int observations_per_frame = 80;       ///< keypoints of a frame that take part
+  std::vector<CameraUnknown> unknowns;  ///< of every survey's camera; empty: no self-calibration
+  int observations_per_frame = 80;      ///< keypoints of a frame that take part
+  /// The calibration is done when a round moves the floor in the image by less than this, pixels: a tenth of a
+  /// keypoint's error.
+  double settled_px = 0.05;
   double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
   double tilt_height = 5e-4;             ///< and of its height, as a share
   PairRegistrationOptions registration;  ///< for the links, which are measured again
@@ -22,7 +25,8 @@ struct SelfCalibrationOptions {
   void Check() const;
 };
 
-/// Parses names from the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2). Throws
+/// Parses names from the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2,
+/// p1, p2). Throws
 /// std::invalid_argument.
 std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& names);
 
