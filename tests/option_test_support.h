@@ -43,6 +43,14 @@ class OptionTable {
     return *this;
   }
 
+  /// For options that embed RunOptions.
+  OptionTable& RefusesBadRun() {
+    Options options = good_;
+    options.run.threads = -1;
+    EXPECT_THAT(Diagnostic(options), testing::HasSubstr("threads"));
+    return *this;
+  }
+
  private:
   template <typename Number>
   void ExpectRefused(const std::string& name, Number Options::*field, Number value) {

@@ -50,8 +50,8 @@ struct ExtractedFrames {
 
 ExtractedFrames ExtractFrames(std::vector<LoadedSurvey> surveys, const BuildOptions& options, BuildJournal* journal) {
   FrameJournal done(journal, surveys, options.extractor);
-  std::vector<BuildFrame> frames = ExtractSurveyFrames(
-      surveys, {options.extractor, options.threads, options.progress, &done, BadFramePolicy::kSkip});
+  std::vector<BuildFrame> frames =
+      ExtractSurveyFrames(surveys, {options.extractor, options.run, &done, BadFramePolicy::kSkip});
   return {{std::move(surveys), std::move(frames)}, done.restored()};
 }
 
@@ -104,8 +104,8 @@ MosaicLayout WriteFramesAndMosaic(const SurveyedFloor& floor, const MosaicOption
   const auto& [set, placement, calibration] = floor.frames;
   const auto extended = floor.base != nullptr ? std::make_unique<ExtendedMosaic>(*floor.base, floor.coverage) : nullptr;
   const MosaicBackground background = extended ? extended->Background() : nullptr;
-  const Exposure exposure = EstimateExposure(
-      {set.frames, set.surveys, placement.links, placement.map_from_base, background, options.threads});
+  const Exposure exposure =
+      EstimateExposure({set.frames, set.surveys, placement.links, placement.map_from_base, background, options.run});
   report->flat_fields = SampleFlatFields(exposure);
   const MapFramesAndLinks placed = CollectMapFrames(set.frames, placement, exposure, floor.base);
   writer->WriteFrames(placed.frames);
@@ -133,7 +133,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
       LoadSurveys(requested.surveys, BadFramePolicy::kSkip, base ? base->map.info.camera().floor.resolution_m : 0.0);
   const BuildOptions options = WithSharedOptions(requested, surveys, base.get());
   MapWriter writer(options.out);  // first, so that an unwritable output fails before the work is done
-  BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.progress.stream);
+  BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.run.progress.stream);
 
   ExtractedFrames extracted = ExtractFrames(std::move(surveys), options, &journal);
   report.resumed_frames = extracted.restored;

@@ -14,7 +14,7 @@ void BuildOptions::Check() const {
   held_out.Check();
   mosaic.Check();
   RequireOption(max_keypoints_per_m2 >= 0.0, "max_keypoints_per_m2 must be positive; 0: what suits the camera");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSurvey>& surveys, const BaseMap* base) {
@@ -24,23 +24,21 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
     options.mosaic.tile_px = base->map.mosaic.tile_px;
     options.mosaic.resolution_m = base->map.mosaic.resolution_m;
   }
-  options.placement.registration.threads = options.threads;
-  options.placement.registration.progress = options.progress;
+  options.placement.registration.run = options.run;
   const FloorPlane& floor = surveys.front().survey.camera.floor;
   options.placement.registration.resolution_m = floor.resolution_m;
   options.fusion = options.fusion.ForCamera(floor, options.extractor.max_keypoints);
   if (options.max_keypoints_per_m2 > 0.0) {
     options.fusion.pruning.max_per_m2 = options.max_keypoints_per_m2;
   }
-  options.fusion.threads = options.threads;
+  options.fusion.run = options.run;
   options.fusion.seed = options.seed;
   options.placement.registration.registration.seed = options.seed;
   options.self_calibration.registration = options.placement.registration;
   options.held_out.extractor = options.extractor;
   options.held_out.fusion = options.fusion;
-  options.held_out.threads = options.threads;
-  options.mosaic.threads = options.threads;
-  options.mosaic.progress = options.progress;
+  options.held_out.run = options.run;
+  options.mosaic.run = options.run;
   if (options.mosaic.resolution_m <= 0.0) {
     options.mosaic.resolution_m = surveys.front().survey.camera.floor.resolution_m;
   }

@@ -7,7 +7,7 @@
 
 #include "core/io/trajectory.h"
 #include "core/vision/extractors/feature_extractor.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/build/held_out.h"
 #include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
@@ -32,12 +32,11 @@ struct BuildOptions {
   bool hold_out = true;               ///< localize some frames in a map built without them
   HeldOutOptions held_out;
   MosaicOptions mosaic;  ///< resolution_m 0: that of the surveys
-  int threads = 0;       ///< 0: one per core
+  RunOptions run;
   std::uint32_t seed = 1;
   bool resume = false;  ///< reuse what an earlier run left in the journal beside `out`
   /// Encodes all options; journal entries written under another fingerprint are ignored.
   std::string fingerprint;
-  ProgressOutput progress;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -82,7 +82,7 @@ void HeldOutOptions::Check() const {
   RequireOption(min_others >= 1, "min_others must be at least 1");
   RequireOption(wrong_m > 0.0, "wrong_m must be positive");
   RequireOption(wrong_rad > 0.0, "wrong_rad must be positive");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<int> ChooseHeldOut(const PlacedSurvey& placed, const HeldOutOptions& options) {
@@ -126,7 +126,7 @@ std::vector<HeldOutFrame> LocalizeHeldOut(const PlacedSurvey& placed, const Held
     return results;
   }
   const Localizer localizer(MapWithout(chosen, placed, options), {});
-  ParallelFor(static_cast<int>(chosen.size()), options.threads, [&](int i) {
+  ParallelFor(static_cast<int>(chosen.size()), options.run.threads, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     results[index] = LocalizeHeldOutFrame(localizer, placed, chosen[index], options);
   });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/vision/extractors/feature_extractor.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/build/build_report.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
 #include "mapbuilder/survey/build_frame.h"
@@ -20,7 +21,7 @@ struct HeldOutOptions {
   double wrong_rad = 0.017453;     ///< or with a larger yaw error
   ExtractorOptions extractor;
   KeypointFusionOptions fusion;
-  int threads = 0;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -33,8 +33,7 @@ std::optional<MarkerSurvey> FindMarkers(const FrameSet& set, const BuildOptions&
     return std::nullopt;
   }
   MarkerOptions with_shared = options.markers;
-  with_shared.detection.threads = options.threads;
-  with_shared.detection.progress = options.progress;
+  with_shared.detection.run = options.run;
   return MarkerSurvey(with_shared, set);
 }
 
@@ -50,8 +49,7 @@ std::vector<PosePriorFactor> LocateInMapOnce(const FrameSet& set, const BaseMap&
   if (auto done = RestoreFixes(key, set.frames.size(), journal)) {
     return std::move(*done);
   }
-  std::vector<PosePriorFactor> fixes =
-      LocateInMap(base, set.surveys, set.frames, {options.threads, options.seed, options.progress});
+  std::vector<PosePriorFactor> fixes = LocateInMap(base, set.surveys, set.frames, {options.run, options.seed});
   StoreFixes(fixes, key, journal);
   return fixes;
 }

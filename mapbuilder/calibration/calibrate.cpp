@@ -146,7 +146,7 @@ CalibrationResult Calibrate(const CalibrateOptions& options) {
   options.Check();
   const FileList list = ListAll(options);
   CalibrationResult result;
-  result.images = FindBoards(list.files, options.board, options.reading);
+  result.images = FindBoards(list.files, options.board, options.run);
   const CameraCalibrationInput input = MakeCameraInput(result.images, options);
   result.camera = CalibrateCamera(input, options.camera);
   result.camera.camera.name = options.camera_name;

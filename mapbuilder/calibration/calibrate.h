@@ -29,7 +29,7 @@ struct CalibrateOptions {
   std::string camera_name = "camera";
   CameraCalibrationOptions camera;
   FloorRegionOptions region;
-  ImageReadingOptions reading;
+  RunOptions run;
 
   /// Throws std::invalid_argument when an option is invalid.
   void Check() const;

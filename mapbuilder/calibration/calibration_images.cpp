@@ -6,7 +6,6 @@
 #include <map>
 #include <system_error>
 
-#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
@@ -88,19 +87,17 @@ std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folde
   return files;
 }
 
-void ImageReadingOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
-
 CalibrationImages FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
-                             const ImageReadingOptions& options) {
-  options.Check();
+                             const RunOptions& run) {
+  run.Check();
   const std::vector<std::optional<SizePx>> sizes = ReadSizes(files);
   const SizePx common = MostFrequent(sizes, files.front());
   CalibrationImages result{common.first, common.second, {}};
   for (const std::filesystem::path& file : files) {
     result.images.push_back({file, std::nullopt, ""});
   }
-  ProgressBar progress("boards", static_cast<std::int64_t>(files.size()), options.progress);
-  ParallelFor(static_cast<int>(files.size()), options.threads, [&](int i) {
+  ProgressBar progress("boards", static_cast<std::int64_t>(files.size()), run.progress);
+  ParallelFor(static_cast<int>(files.size()), run.threads, [&](int i) {
     CalibrationImage& image = result.images[static_cast<std::size_t>(i)];
     const std::optional<SizePx>& size = sizes[static_cast<std::size_t>(i)];
     if (!size) {

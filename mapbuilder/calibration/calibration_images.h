@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/fiducials/board.h"
 
 namespace floorloc {
@@ -28,17 +28,9 @@ struct CalibrationImages {
 /// JPEG and PNG files of a folder, sorted by name. Throws InputError when there are none.
 std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder);
 
-struct ImageReadingOptions {
-  int threads = 0;  ///< 0: one per core
-  ProgressOutput progress;
-
-  /// Throws std::invalid_argument that names the first bad field and what it may be.
-  void Check() const;
-};
-
 /// Detects the board in every image. Images that are unreadable or whose size differs from most others have a problem
 /// instead of a view. Throws InputError when no image is readable.
 CalibrationImages FindBoards(const std::vector<std::filesystem::path>& files, const Board& board,
-                             const ImageReadingOptions& options);
+                             const RunOptions& run);
 
 }  // namespace floorloc

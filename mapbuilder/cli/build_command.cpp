@@ -84,12 +84,12 @@ void Run(Arguments& a) {
     a.options.placement.prior_sigma_m = a.poses_sigma[0];
     a.options.placement.prior_sigma_rad = a.poses_sigma[1];
   }
-  a.options.progress = ProgressOutput::Stderr();
+  a.options.run.progress = ProgressOutput::Stderr();
   a.options.hold_out = !a.no_held_out;
   if (!a.report.empty()) {
     PrepareReportFolder(a.report);
   }
-  const VideoInput video(a.video, a.options.out, a.options.progress, &a.options.surveys);
+  const VideoInput video(a.video, a.options.out, a.options.run.progress, &a.options.surveys);
   BuildReport report = BuildWithResumeHint(a.options);
   report.warnings.insert(report.warnings.end(), video.warnings().begin(), video.warnings().end());
   video.Finish();
@@ -157,7 +157,7 @@ void AddBuildCommand(CLI::App& app) {
                       "Metres per pixel of the mosaic (default: survey's)");
   command->add_option("--report", a->report, "Folder for report.html and report.json on the quality of this map");
   command->add_flag("--no-held-out", a->no_held_out, "Don't test whether held-out frames are localized");
-  command->add_option("--threads", a->options.threads, "Number of threads; 0: one per core")->capture_default_str();
+  command->add_option("--threads", a->options.run.threads, "Number of threads; 0: one per core")->capture_default_str();
   command->add_option("--seed", a->options.seed, "Seed of all random choices")->capture_default_str();
   command
       ->add_option("--extend", a->options.extend,

@@ -85,7 +85,7 @@ void Run(Arguments& a) {
   if (a.roi.size() == 4) {
     options.region.roi = RectM{a.roi[0], a.roi[1], a.roi[2], a.roi[3]};
   }
-  options.reading.progress = ProgressOutput::Stderr();
+  options.run.progress = ProgressOutput::Stderr();
   const CalibrationResult result = Calibrate(options);
   WriteCalibration(options, result, a.out);
   std::cout << (a.json ? ToJson(options, result) + "\n" : ToText(result));
@@ -139,7 +139,7 @@ void AddCalibrateCommand(CLI::App& app) {
   AddBoardOptions(*command, *a);
   AddFloorOptions(*command, *a);
   command->add_option("--out", a->out, "Folder for camera.yaml and floor.yaml, such as the survey's")->required();
-  command->add_option("--threads", a->options.reading.threads, "Number of threads; 0: one per core")
+  command->add_option("--threads", a->options.run.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", a->json, "Print the content of calibration.json");

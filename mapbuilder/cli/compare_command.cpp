@@ -54,7 +54,7 @@ LaboratoryOptions Translate(const Arguments& a) {
   options.tolerance = {1e-3 * a.tolerance_mm, kRadPerDeg * a.tolerance_deg};
   options.jump = {1e-2 * a.jump_cm, kRadPerDeg * a.jump_deg};
   options.inlier_radius_m = 1e-3 * a.inlier_mm;
-  options.progress = ProgressOutput::Stderr();
+  options.run.progress = ProgressOutput::Stderr();
   return options;
 }
 
@@ -150,7 +150,7 @@ void AddCompareCommand(CLI::App& app) {
   command->add_flag("--json", a->json, "Print JSON");
   command->add_option("--report", a->report, "Write a page with plots and tables (HTML)");
   command->add_option("--seed", o.seed, "Seed of FLANN's trees")->capture_default_str();
-  command->add_option("--threads", o.threads, "Number of threads; 0: one per core")->capture_default_str();
+  command->add_option("--threads", o.run.threads, "Number of threads; 0: one per core")->capture_default_str();
   command->callback([a] { Run(*a); });
 }
 

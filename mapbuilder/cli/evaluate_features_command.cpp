@@ -33,7 +33,7 @@ FeatureEvaluationOptions Translate(const Arguments& a) {
     options.features = ParseDetectors(a.features);
   }
   options.image_folder = a.out;
-  options.progress = ProgressOutput::Stderr();
+  options.run.progress = ProgressOutput::Stderr();
   return options;
 }
 

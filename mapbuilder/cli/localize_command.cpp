@@ -96,7 +96,7 @@ void LocalizeAndFuse(Arguments& a, const Localizer& localizer, const Survey& sur
   a.fusion.tracker.method = ParseFusionMethod(a.fusion_method);
   a.fusion.use_prior = !(a.prior_given && a.options.prior == PriorSource::kNone);
   a.fusion.use_imu = !a.no_imu;
-  a.fusion.progress = a.options.progress;
+  a.fusion.run.progress = a.options.run.progress;
   const FusedDrive drive = FuseFrames(localizer, survey, a.fusion);
   WriteFileAtomically(a.out, FormatTum(ToTrajectory(drive.poses)));
   WriteResults(a.results, drive.frames);
@@ -123,7 +123,7 @@ void Run(Arguments& a) {
     CheckWritable(a.results);
   }
   a.options.prior = ParsePriorSource(a.prior);
-  a.options.progress = ProgressOutput::Stderr();
+  a.options.run.progress = ProgressOutput::Stderr();
   if (a.fuse && a.options.prior == PriorSource::kTruth) {
     throw CLI::ValidationError("--fuse", "searches around the fused pose; leave --prior truth out");
   }
@@ -173,7 +173,7 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--max-p-wrong", a->max_p_wrong, "Largest probability of being wrong that is accepted")
       ->check(CLI::Range(1e-300, 1.0))
       ->capture_default_str();
-  command->add_option("--threads", a->options.threads, "0: one per core; with odometry, frames run one by one")
+  command->add_option("--threads", a->options.run.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();
   command->add_option("--seed", a->seed, "Seed of all random choices")->capture_default_str();
   AddFusionOptions(*command, *a);

@@ -40,7 +40,7 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
 }
 
 void Run(Arguments& a) {
-  a.options.alignment.progress = ProgressOutput::Stderr();
+  a.options.alignment.run.progress = ProgressOutput::Stderr();
   Print(MergeMaps(a.options), a.options, a.json);
 }
 
@@ -54,7 +54,7 @@ void AddMergeCommand(CLI::App& app) {
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
   command->add_flag("--same-frame", a->options.alignment.same_frame,
                     "Both have one frame already (control points, poses of one system); they need not overlap");
-  command->add_option("--threads", a->options.alignment.threads, "Number of threads; 0: one per core")
+  command->add_option("--threads", a->options.alignment.run.threads, "Number of threads; 0: one per core")
       ->capture_default_str();
   command->add_option("--seed", a->options.alignment.seed, "Seed of all random choices")->capture_default_str();
   command->add_flag("--json", a->json, "Print the report as JSON");

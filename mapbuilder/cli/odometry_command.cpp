@@ -125,8 +125,8 @@ void RunPlanar(const Arguments& a) {
   options.extractor.type = a.features.empty() ? options.extractor.type : ParseExtractorType(a.features);
   options.odometry.registration.seed = a.seed;
   options.use_wheels = a.prior == "odometry";
-  options.threads = a.threads;
-  options.progress = ProgressOutput::Stderr();
+  options.run.threads = a.threads;
+  options.run.progress = ProgressOutput::Stderr();
   WriteAndPrint(TrackPlanarFrames(ReadSurvey(a.frames), options), a);
 }
 
@@ -141,7 +141,7 @@ void RunMonocular(const Arguments& a) {
   if (!a.scale_from.empty()) {
     options.positions = ReadTrajectory(a.scale_from);
   }
-  options.progress = ProgressOutput::Stderr();
+  options.run.progress = ProgressOutput::Stderr();
   WriteAndPrint(TrackMonocularFrames(ReadCameraRecording(a.frames), options), a);
 }
 

@@ -107,7 +107,7 @@ void Run(Arguments& arguments) {
   SimulateOptions& options = arguments.options;
   ChooseSize(arguments.size, options.floor);
   options.floor.rotate_patches = !arguments.keep_direction;
-  options.floor.threads = options.threads;
+  options.floor.run = options.run;
   options.camera = ChooseCamera(arguments);
   options.calibration_error.roll_rad = arguments.roll_error_deg * kDegree;
   options.calibration_error.pitch_rad = arguments.pitch_error_deg * kDegree;
@@ -116,7 +116,7 @@ void Run(Arguments& arguments) {
   options.path.odometry = options.path.odometry.Scaled(arguments.odometry_drift);
   ChooseSensors(arguments, options.path);
   options.write_odometry = !arguments.no_odometry;
-  options.progress = ProgressOutput::Stderr();
+  options.run.progress = ProgressOutput::Stderr();
   const SimulationResult result = Simulate(options);
   arguments.json ? PrintJson(options, result) : PrintSummary(options, result);
 }
@@ -211,7 +211,7 @@ void AddSimulateCommand(CLI::App& app) {
   AddImageOptions(*command, *arguments);
   AddCalibrationOptions(*command, *arguments);
   command->add_option("--seed", arguments->options.seed, "Seed of everything but the floor")->capture_default_str();
-  command->add_option("--threads", arguments->options.threads, "Number of threads; 0: one per core")
+  command->add_option("--threads", arguments->options.run.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Machine-readable summary on stdout");

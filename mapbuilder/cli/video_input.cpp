@@ -85,7 +85,7 @@ fs::path VideoInput::Convert(VideoSurveyOptions options) {
   }
   options.out = folder_ / (std::to_string(count_) + "-" + options.video.stem().string());
   options.step_s = arguments_.step_s;
-  options.progress = progress_;
+  options.run.progress = progress_;
   ++count_;
   const std::string source = SourceOf(options);
   if (!IsMadeFrom(options.out, source)) {

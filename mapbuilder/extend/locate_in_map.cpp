@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/localization/localizer.h"
 #include "mapbuilder/batch/parallel.h"
@@ -50,8 +49,8 @@ class Locator {
  private:
   void Locate(const std::vector<int>& which, const std::vector<std::optional<PosePrior>>& priors) {
     ProgressBar progress("finding the frames in " + base_map_.file.filename().string(),
-                         static_cast<std::int64_t>(which.size()), options_.progress);
-    ParallelFor(static_cast<int>(which.size()), options_.threads, [&](int k) {
+                         static_cast<std::int64_t>(which.size()), options_.run.progress);
+    ParallelFor(static_cast<int>(which.size()), options_.run.threads, [&](int k) {
       const int i = which[static_cast<std::size_t>(k)];
       const BuildFrame& frame = frames_[static_cast<std::size_t>(i)];
       const LoadedSurvey& from = surveys_[static_cast<std::size_t>(frame.survey)];
@@ -129,7 +128,7 @@ class Locator {
 
 }  // namespace
 
-void LocateOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
+void LocateOptions::Check() const { run.Check(); }
 
 std::vector<PosePriorFactor> LocateInMap(const BaseMap& base_map, const std::vector<LoadedSurvey>& surveys,
                                          const std::vector<BuildFrame>& frames, const LocateOptions& options) {

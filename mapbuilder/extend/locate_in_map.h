@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/placement/pose_graph.h"
 #include "mapbuilder/survey/build_frame.h"
@@ -11,9 +11,8 @@
 namespace floorloc {
 
 struct LocateOptions {
-  int threads = 0;  ///< 0: one per core
+  RunOptions run;
   std::uint32_t seed = 1;
-  ProgressOutput progress;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

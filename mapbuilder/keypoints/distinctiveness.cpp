@@ -52,7 +52,7 @@ double RivalDistance(const std::vector<Keypoint>& keypoints, std::size_t self, c
 
 void DistinctivenessOptions::Check() const {
   RequireOption(same_place_m >= 0.0, "same_place_m must not be negative");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<std::uint8_t> MeasureDistinctiveness(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors,
@@ -67,7 +67,7 @@ std::vector<std::uint8_t> MeasureDistinctiveness(const std::vector<Keypoint>& ke
   index_options.seed = options.seed;
   const std::unique_ptr<DescriptorIndex> index = CreateDescriptorIndex(descriptors, index_options);
   const int chunks = (descriptors.rows + kChunk - 1) / kChunk;
-  ParallelFor(chunks, options.threads, [&](int chunk) {
+  ParallelFor(chunks, options.run.threads, [&](int chunk) {
     const cv::Range rows(chunk * kChunk, std::min(descriptors.rows, (chunk + 1) * kChunk));
     const auto found = index->Search(descriptors.rowRange(rows), {.count = kNeighbours, .probes = kProbes});
     for (std::size_t i = 0; i < found.size(); ++i) {

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
+#include "mapbuilder/batch/run_options.h"
 
 namespace floorloc {
 
 struct DistinctivenessOptions {
   double same_place_m = 0.03;  ///< nearer keypoints are ignored: confusing them does little harm
-  int threads = 0;             ///< 0: one per core
+  RunOptions run;
   std::uint32_t seed = 1;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.

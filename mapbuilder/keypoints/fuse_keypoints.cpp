@@ -145,7 +145,7 @@ MapKeypoints FusePoints(const KeypointFusionInput& input, const std::vector<Cand
   map.last_survey.resize(candidates.size());
   map.descriptors = MakeDescriptors(input, candidates.size());
   const double huber_m = 0.25 * options.tracks.radius_m;
-  ParallelFor(static_cast<int>((candidates.size() + kChunk - 1) / kChunk), options.threads, [&](int chunk) {
+  ParallelFor(static_cast<int>((candidates.size() + kChunk - 1) / kChunk), options.run.threads, [&](int chunk) {
     const std::size_t begin = static_cast<std::size_t>(chunk) * kChunk;
     TrackFuser fuser(input.frames, input.map_from_base, map.descriptors, huber_m);
     for (std::size_t i = begin; i < std::min(candidates.size(), begin + kChunk); ++i) {
@@ -223,7 +223,7 @@ void KeypointFusionOptions::Check() const {
   RequireOption(min_coverage >= 1, "min_coverage must be at least 1");
   RequireOption(min_frames_gone >= 1, "min_frames_gone must be at least 1");
   RequireOption(gone_probability > 0.0 && gone_probability < 1.0, "gone_probability must be between 0 and 1");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options) {
@@ -239,7 +239,7 @@ MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusio
   });
   MapKeypoints map = FusePoints(input, candidates, options);
   map.distinctiveness =
-      MeasureDistinctiveness(map.keypoints, map.descriptors, {.threads = options.threads, .seed = options.seed});
+      MeasureDistinctiveness(map.keypoints, map.descriptors, {.run = options.run, .seed = options.seed});
   return Select(map, SelectUseful(map, candidates, rates, coverage, options.pruning));
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/keypoints/keypoint_tracks.h"
 #include "mapbuilder/keypoints/prune_keypoints.h"
@@ -18,7 +19,7 @@ struct KeypointFusionOptions {
   int min_coverage = 3;            ///< points that this many frames cover need two observations
   int min_frames_gone = 3;         ///< frames that must cover an unobserved point of the base map to remove it,
   double gone_probability = 0.05;  ///< if the probability of that for an existing point is below this
-  int threads = 0;                 ///< 0: one per core
+  RunOptions run;
   std::uint32_t seed = 1;
 
   KeypointFusionOptions ForCamera(const FloorPlane& floor, int keypoints_per_frame) const;

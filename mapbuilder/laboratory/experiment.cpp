@@ -68,8 +68,8 @@ class Experiment {
   std::vector<CombinationRun> Run() {
     Detect();
     std::vector<std::vector<CombinationRun>> of_pair(plan_.pairs.size());
-    ProgressBar progress("match", static_cast<std::int64_t>(plan_.pairs.size()), options_.progress);
-    ParallelFor(static_cast<int>(plan_.pairs.size()), options_.threads, [&](int i) {
+    ProgressBar progress("match", static_cast<std::int64_t>(plan_.pairs.size()), options_.run.progress);
+    ParallelFor(static_cast<int>(plan_.pairs.size()), options_.run.threads, [&](int i) {
       const auto pair = static_cast<std::size_t>(i);
       of_pair[pair] = RunPair(plan_.pairs[pair]);
       progress.Advance();
@@ -97,8 +97,8 @@ class Experiment {
     for (const auto& entry : detected_) {
       kinds.push_back(entry.first);
     }
-    ProgressBar progress("detect", static_cast<std::int64_t>(kinds.size()), options_.progress);
-    ParallelFor(static_cast<int>(kinds.size()), options_.threads, [&](int i) {
+    ProgressBar progress("detect", static_cast<std::int64_t>(kinds.size()), options_.run.progress);
+    ParallelFor(static_cast<int>(kinds.size()), options_.run.threads, [&](int i) {
       const DetectorKind kind = kinds[static_cast<std::size_t>(i)];
       const auto detector = CreateDetector(kind, options_.detection.settings);
       DetectedAll& detected = detected_.at(kind);
@@ -214,7 +214,7 @@ void ExperimentOptions::Check() const {
   pose.Check();
   jump.Check();
   RequireOption(repeat_radius_m > 0.0, "repeat_radius_m must be positive");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<CombinationRun> RunExperiment(const FloorImage& map, const std::vector<FrameBag>& bags,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/fusion/jump_filter.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/laboratory/combination.h"
 #include "mapbuilder/laboratory/image_features.h"
 #include "mapbuilder/laboratory/pose_from_matches.h"
@@ -22,8 +22,7 @@ struct ExperimentOptions {
   JumpFilterOptions jump;
   std::uint32_t seed = 1;           ///< of FLANN's trees
   double repeat_radius_m = 0.0015;  ///< a map keypoint this near to its true position counts as repeated
-  int threads = 0;
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -29,7 +29,7 @@ std::vector<SetScore> ScoreSet(const ImageSet& set, const FeatureEvaluationOptio
     images.push_back(ReadImage(file));
   }
   ProgressBar progress("features of " + set.name, static_cast<std::int64_t>(images.size() * options.features.size()),
-                       options.progress);
+                       options.run.progress);
   std::vector<SetScore> scores;
   for (const DetectorKind kind : options.features) {
     SetScore score{set.name, kind, {}};
@@ -93,7 +93,7 @@ std::vector<FollowingScore> ScoreSequences(const FeatureEvaluationOptions& optio
     sequences.push_back(ReadSequence(folder, options.following_frames));
   }
   const std::size_t steps = options.features.size() * options.features_of_sequences.size() * sequences.size();
-  ProgressBar progress("following frames", static_cast<std::int64_t>(steps), options.progress);
+  ProgressBar progress("following frames", static_cast<std::int64_t>(steps), options.run.progress);
   std::vector<FollowingScore> scores;
   for (const DetectorKind kind : options.features) {
     for (const int wanted : options.features_of_sequences) {
@@ -139,7 +139,7 @@ void AddDriveTable(const FeatureEvaluationOptions& options, LaboratoryReport* re
     report->conditions.push_back("table 6 is left out: it needs --drive FOLDER");
     return;
   }
-  const std::vector<DriveScore> scores = ScoreDrive(options.drive, options.features, options.progress);
+  const std::vector<DriveScore> scores = ScoreDrive(options.drive, options.features, options.run.progress);
   report->tables.push_back(DriveTable(scores));
   if (!options.image_folder.empty()) {
     DrawDrive(scores, options.image_folder);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/laboratory/combination.h"
 #include "mapbuilder/laboratory/image_set.h"
 #include "mapbuilder/laboratory/laboratory.h"
@@ -24,7 +24,7 @@ struct FeatureEvaluationOptions {
   int following_frames = 29;
   std::uint32_t seed = 1;              ///< for the manipulations
   std::filesystem::path image_folder;  ///< output folder for images of matches and paths; empty: none
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument.
   void Check() const;

@@ -83,15 +83,14 @@ struct Settings {
     experiment.thesis_ratios = thesis && !o.ratio;
     experiment.jump = o.jump;
     experiment.seed = o.seed;
-    experiment.threads = o.threads;
-    experiment.progress = o.progress;
+    experiment.run = o.run;
   }
 };
 
 std::vector<FrameBag> ReadBags(const LaboratoryOptions& o, const Settings& settings, double resolution_m) {
   std::vector<FrameBag> bags;
   for (const std::filesystem::path& folder : o.frames) {
-    bags.push_back(ReadFrameBag(folder, {o.skip_frames, o.max_frames, resolution_m, settings.normalize, o.threads}));
+    bags.push_back(ReadFrameBag(folder, {o.skip_frames, o.max_frames, resolution_m, settings.normalize, o.run}));
   }
   return bags;
 }
@@ -99,7 +98,7 @@ std::vector<FrameBag> ReadBags(const LaboratoryOptions& o, const Settings& setti
 // The middle frame of the survey.
 TestFrame SurveyFrame(const LaboratoryOptions& o, const Settings& settings, double resolution_m) {
   const int middle = static_cast<int>(ReadSurvey(o.survey).frames.size()) / 2;
-  return ReadFrameBag(o.survey, {middle, 1, resolution_m, settings.normalize, o.threads}).frames.front();
+  return ReadFrameBag(o.survey, {middle, 1, resolution_m, settings.normalize, o.run}).frames.front();
 }
 
 std::string Format(double value, int decimals) { return CellText(NumberCell(value), decimals); }
@@ -196,8 +195,7 @@ void RunComparison(const LaboratoryOptions& o, const Settings& settings, const W
   std::vector<CombinationRun> runs = RunExperiment(floor.image, bags, ComparisonPlan(o), settings.experiment);
   if (o.templates) {
     TemplateSearchOptions search;
-    search.threads = o.threads;
-    search.progress = o.progress;
+    search.run = o.run;
     runs.push_back(RunTemplateSearch(floor.image, bags, search));
     report->conditions.push_back("template: " + std::to_string(search.headings) + " headings on a map of at most " +
                                  std::to_string(search.max_map_pixels) + " pixels, refined; " +
@@ -228,7 +226,7 @@ void LaboratoryOptions::Check() const {
   Require(skip_frames >= 0 && max_frames >= 0, "frames to skip or to take: must not be negative");
   Require(tolerance.position_m > 0.0 && tolerance.yaw_rad > 0.0, "tolerance: must be positive");
   Require(jump.max_distance_m > 0.0 && jump.max_angle_rad > 0.0, "jump filter: must be positive");
-  Require(threads >= 0, "threads: must not be negative");
+  run.Check();
 }
 
 LaboratoryReport RunLaboratory(const LaboratoryOptions& options) {
@@ -237,7 +235,7 @@ LaboratoryReport RunLaboratory(const LaboratoryOptions& options) {
   // Reads the frames first: that is fast, so that errors in them are reported early.
   const double resolution_m = ReadSurvey(options.survey).camera.floor.resolution_m;
   std::vector<FrameBag> bags = ReadBags(options, settings, resolution_m);
-  WholeFloor floor = ComposeWholeFloor(options.survey, {options.threads, options.progress});
+  WholeFloor floor = ComposeWholeFloor(options.survey, options.run);
   if (settings.normalize) {
     floor.image = Normalized(floor.image);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/laboratory/experiment.h"
 #include "mapbuilder/laboratory/run_summary.h"
 
@@ -35,8 +36,7 @@ struct LaboratoryOptions {
   Tolerance tolerance;
   JumpFilterOptions jump;
   std::uint32_t seed = 1;
-  int threads = 0;
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument when a field is out of range.
   void Check() const;

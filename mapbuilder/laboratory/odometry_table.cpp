@@ -29,7 +29,7 @@ Trajectory CameraPath(const Survey& survey) {
 Trajectory TrackCamera(const Survey& survey, const std::string& detector, const ProgressOutput& progress) {
   MonocularFramesOptions options;
   options.odometry.tracker.detector = ParsePointDetector(detector);
-  options.progress = progress;
+  options.run.progress = progress;
   return ToTrajectory(TrackMonocularFrames({survey.folder, survey.camera.camera, survey.frames}, options));
 }
 

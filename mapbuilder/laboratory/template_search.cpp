@@ -141,7 +141,7 @@ void TemplateSearchOptions::Check() const {
   RequireOption(max_map_pixels >= 1, "max_map_pixels must be at least 1");
   RequireOption(headings >= 1, "headings must be at least 1");
   RequireOption(max_frames >= 1, "max_frames must be at least 1");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 CombinationRun RunTemplateSearch(const FloorImage& map, const std::vector<FrameBag>& bags,
@@ -164,8 +164,8 @@ CombinationRun RunTemplateSearch(const FloorImage& map, const std::vector<FrameB
       run.outcomes.back().frame = frame;
     }
   }
-  ProgressBar progress("template", static_cast<std::int64_t>(run.outcomes.size()), options.progress);
-  ParallelFor(static_cast<int>(run.outcomes.size()), options.threads, [&](int i) {
+  ProgressBar progress("template", static_cast<std::int64_t>(run.outcomes.size()), options.run.progress);
+  ParallelFor(static_cast<int>(run.outcomes.size()), options.run.threads, [&](int i) {
     TestFrameOutcome& outcome = run.outcomes[static_cast<std::size_t>(i)];
     const FrameBag& bag = bags[static_cast<std::size_t>(outcome.bag)];
     const FloorImage& frame = bag.frames[static_cast<std::size_t>(outcome.frame)].image;

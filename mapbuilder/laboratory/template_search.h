@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/laboratory/experiment.h"
 
 namespace floorloc {
@@ -12,8 +13,7 @@ struct TemplateSearchOptions {
   int max_map_pixels = 250'000;  ///< the first search runs on the floor's image downscaled to this size
   int headings = 60;             ///< number of rotations tried
   int max_frames = 10;           ///< number of frames tried, since each takes about a second
-  int threads = 0;
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

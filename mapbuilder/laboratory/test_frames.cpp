@@ -14,7 +14,7 @@ void TestFrameOptions::Check() const {
   RequireOption(skip_frames >= 0, "skip_frames must be 0 or more");
   RequireOption(max_frames >= 0, "max_frames must be 0 (all) or more");
   RequireOption(resolution_m >= 0.0 && resolution_m < 1.0, "resolution_m must be a positive number of metres below 1");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOptions& options) {
@@ -37,7 +37,7 @@ FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOption
                                  "; the laboratory needs the truth");
   }
   const CameraModel& camera = survey.camera.camera;
-  ParallelFor(static_cast<int>(bag.frames.size()), options.threads, [&](int i) {
+  ParallelFor(static_cast<int>(bag.frames.size()), options.run.threads, [&](int i) {
     TestFrame& frame = bag.frames[static_cast<std::size_t>(i)];
     const cv::Mat raw = ReadGrayImage(folder / frame.filename, camera.width_px, camera.height_px);
     const FloorImage image = FloorImage::FromGround(rectifier.Rectify(raw));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/laboratory/floor_image.h"
 
 namespace floorloc {
@@ -31,7 +32,7 @@ struct TestFrameOptions {
   int max_frames = 0;         ///< consecutive frames of the folder; 0: all
   double resolution_m = 0.0;  ///< of the rectified images
   bool normalize = true;      ///< normalise contrast
-  int threads = 0;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -179,7 +179,7 @@ ResultTable CountFeatures(const FloorImage& map, const std::vector<DetectorKind>
                    {"features_per_dm2", "per dm2", 2},
                    {"detect_ms", "ms"}};
   table.rows.resize(detectors.size());
-  ParallelFor(static_cast<int>(detectors.size()), options.threads, [&](int i) {
+  ParallelFor(static_cast<int>(detectors.size()), options.run.threads, [&](int i) {
     const DetectorKind kind = detectors[static_cast<std::size_t>(i)];
     std::vector<TableCell>& row = table.rows[static_cast<std::size_t>(i)];
     row = {std::string(ToString(kind))};
@@ -205,8 +205,8 @@ ResultTable CountMatches(const FloorImage& map, const TestFrame& frame, const Co
   }
   const std::vector<DetectorKind> detectors = DetectorsOf(plan.pairs);
   std::vector<DetectorMatches> matches(detectors.size());
-  ProgressBar progress("test 2", static_cast<std::int64_t>(detectors.size()), options.progress);
-  ParallelFor(static_cast<int>(detectors.size()), options.threads, [&](int i) {
+  ProgressBar progress("test 2", static_cast<std::int64_t>(detectors.size()), options.run.progress);
+  ParallelFor(static_cast<int>(detectors.size()), options.run.threads, [&](int i) {
     const auto d = static_cast<std::size_t>(i);
     matches[d] = MatchDetector(map, frame, detectors[d], plan, options);
     progress.Advance();
@@ -230,8 +230,8 @@ ResultTable FindBestRatios(const FloorImage& map, const std::vector<FrameBag>& b
                    {"detector", "detector"},   {"right", "right matches"},
                    {"wrong", "wrong matches"}, {"not_possible", "not possible"}};
   table.rows.resize(pairs.size());
-  ProgressBar progress("test 3", static_cast<std::int64_t>(pairs.size()), options.progress);
-  ParallelFor(static_cast<int>(pairs.size()), options.threads, [&](int i) {
+  ProgressBar progress("test 3", static_cast<std::int64_t>(pairs.size()), options.run.progress);
+  ParallelFor(static_cast<int>(pairs.size()), options.run.threads, [&](int i) {
     const DetectorDescriptor& pair = pairs[static_cast<std::size_t>(i)];
     const std::string failure_reason = IncompatibilityReason(pair.first, pair.second);
     std::vector<TableCell>& row = table.rows[static_cast<std::size_t>(i)];

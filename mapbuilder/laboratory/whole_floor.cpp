@@ -6,7 +6,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/mosaic/mosaic.h"
@@ -31,10 +30,9 @@ std::optional<Placement> PlaceByTruth(const std::vector<BuildFrame>& frames, con
 }
 
 Placement PlaceByBuilder(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
-                         const WholeFloorOptions& options) {
+                         const RunOptions& run) {
   PlacementOptions placement;
-  placement.registration.threads = options.threads;
-  placement.registration.progress = options.progress;
+  placement.registration.run = run;
   placement.registration.resolution_m = surveys.front().survey.camera.floor.resolution_m;
   return PlaceFrames(frames, surveys, placement);
 }
@@ -77,12 +75,11 @@ class MosaicCanvas {
   cv::Mat gray_;
 };
 
-FloorImage Compose(const MosaicInput& input, const WholeFloorOptions& options) {
+FloorImage Compose(const MosaicInput& input, const RunOptions& run) {
   MosaicOptions mosaic;
   mosaic.jpeg_quality = 97;
   mosaic.resolution_m = input.surveys.front().survey.camera.floor.resolution_m;
-  mosaic.threads = options.threads;
-  mosaic.progress = options.progress;
+  mosaic.run = run;
   const double pixels = input.extent.width_m() * input.extent.height_m() / std::pow(mosaic.resolution_m, 2);
   if (pixels > kMaxPixels) {
     throw InputError(input.surveys.front().survey.folder,
@@ -99,20 +96,17 @@ FloorImage Compose(const MosaicInput& input, const WholeFloorOptions& options) {
 
 }  // namespace
 
-void WholeFloorOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
-
-WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const WholeFloorOptions& options) {
-  options.Check();
+WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const RunOptions& run) {
+  run.Check();
   const std::vector<LoadedSurvey> surveys = LoadSurveys({survey_folder});
   const Survey& survey = surveys.front().survey;
-  const std::vector<BuildFrame> frames =
-      ExtractSurveyFrames(surveys, {ExtractorOptions(), options.threads, options.progress});
+  const std::vector<BuildFrame> frames = ExtractSurveyFrames(surveys, {ExtractorOptions(), run});
   const std::optional<Placement> truth = PlaceByTruth(frames, survey);
-  const Placement placement = truth ? *truth : PlaceByBuilder(frames, surveys, options);
+  const Placement placement = truth ? *truth : PlaceByBuilder(frames, surveys, run);
   const CoverageGrid coverage(placement.map_from_base, std::vector<RectM>(frames.size(), survey.camera.floor.roi));
   const Exposure exposure = EstimateExposure({frames, surveys, placement.links, placement.map_from_base});
   WholeFloor floor;
-  floor.image = Compose({frames, surveys, placement.map_from_base, exposure, coverage.Extent()}, options);
+  floor.image = Compose({frames, surveys, placement.map_from_base, exposure, coverage.Extent()}, run);
   floor.true_poses = truth.has_value();
   floor.frames = static_cast<int>(std::count_if(placement.map_from_base.begin(), placement.map_from_base.end(),
                                                 [](const auto& pose) { return pose.has_value(); }));

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "core/vision/image/rectifier.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/laboratory/floor_image.h"
 
 namespace floorloc {
@@ -16,16 +16,8 @@ struct WholeFloor {
   int frames = 0;           ///< number of placed frames
 };
 
-struct WholeFloorOptions {
-  int threads = 0;
-  ProgressOutput progress;
-
-  /// Throws std::invalid_argument that names the first bad field and what it may be.
-  void Check() const;
-};
-
 /// Composes the mosaic of a survey with the stages of the builder. Frames are placed by groundtruth.tum or, without it,
 /// by the builder. Throws InputError, also for a floor too large for one image.
-WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const WholeFloorOptions& options);
+WholeFloor ComposeWholeFloor(const std::filesystem::path& survey_folder, const RunOptions& run);
 
 }  // namespace floorloc

@@ -78,7 +78,7 @@ bool MarkerDetection::IsSquare(double tolerance) const {
 
 void MarkerDetectionOptions::Check() const {
   RequireOption(size_m >= 0.0, "size_m must be a positive number of metres, or 0 where no markers are sought");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames,
@@ -87,8 +87,8 @@ std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames
   options.Check();
   const cv::Ptr<cv::aruco::Dictionary> dictionary = FindArucoDictionary(options.dictionary);
   std::vector<std::vector<MarkerDetection>> per_frame(frames.size());
-  ProgressBar progress("markers", static_cast<std::int64_t>(frames.size()), options.progress);
-  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+  ProgressBar progress("markers", static_cast<std::int64_t>(frames.size()), options.run.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     const Survey& survey = surveys[static_cast<std::size_t>(frames[index].survey)].survey;
     const CameraModel& camera = survey.camera.camera;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
@@ -14,8 +14,7 @@ namespace floorloc {
 struct MarkerDetectionOptions {
   std::string dictionary = "DICT_4X4_50";  ///< a name of ArucoDictionaryNames()
   double size_m = 0.0;                     ///< side of the black square, metres
-  int threads = 0;                         ///< 0: one per core
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/option_check.h"
 #include "core/localization/oriented_matches.h"
 #include "core/map/map_error.h"
 #include "core/vision/matching/guided_matcher.h"
@@ -116,8 +115,8 @@ class MapAligner {
   template <typename Locate>
   std::vector<PosePriorFactor> ForFrames(const std::vector<int>& frames, const char* label, const Locate& locate) {
     std::vector<std::optional<PosePriorFactor>> found(frames.size());
-    ProgressBar progress(label, static_cast<std::int64_t>(frames.size()), options_.progress);
-    ParallelFor(static_cast<int>(frames.size()), options_.threads, [&](int i) {
+    ProgressBar progress(label, static_cast<std::int64_t>(frames.size()), options_.run.progress);
+    ParallelFor(static_cast<int>(frames.size()), options_.run.threads, [&](int i) {
       found[static_cast<std::size_t>(i)] = locate(frames[static_cast<std::size_t>(i)]);
       progress.Advance();
     });
@@ -202,7 +201,7 @@ class MapAligner {
 
 }  // namespace
 
-void MapAlignmentOptions::Check() const { RequireOption(threads >= 0, "threads must be 0 (one per core) or more"); }
+void MapAlignmentOptions::Check() const { run.Check(); }
 
 MapAlignment AlignMaps(const BaseMap& first, const BaseMap& second, const MapAlignmentOptions& options) {
   options.Check();

@@ -3,16 +3,15 @@
 
 #include <vector>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/finished_map/base_map.h"
 
 namespace floorloc {
 
 struct MapAlignmentOptions {
   bool same_frame = false;  ///< the maps already share one frame; they need not overlap
-  int threads = 0;          ///< 0: one per core
+  RunOptions run;
   std::uint32_t seed = 1;
-  ProgressOutput progress;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -125,8 +125,7 @@ MergeReport MergeMaps(const MergeOptions& options) {
   mosaic.tile_px = first.map.mosaic.tile_px;
   mosaic.resolution_m = first.map.mosaic.resolution_m;
   mosaic.jpeg_quality = options.jpeg_quality;
-  mosaic.threads = options.alignment.threads;
-  mosaic.progress = options.alignment.progress;
+  mosaic.run = options.alignment.run;
   const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), mosaic);
   WriteMosaic(first, second, deformation, {coverage.Extent(), layout, mosaic}, &writer);
 

@@ -93,7 +93,7 @@ class GainSolver {
   // Log gains, one row per frame.
   Eigen::MatrixX3d Solve() const {
     std::vector<std::optional<GainDifference>> found(input_.links.size() + cell_colors_.size());
-    ParallelFor(static_cast<int>(found.size()), input_.threads, [&](int index) {
+    ParallelFor(static_cast<int>(found.size()), input_.run.threads, [&](int index) {
       const auto i = static_cast<std::size_t>(index);
       found[i] = i < input_.links.size() ? Compare(input_.links[i])
                                          : CompareToBackground(static_cast<int>(i - input_.links.size()));
@@ -261,7 +261,7 @@ cv::Vec3f Exposure::GainOf(std::size_t frame) const {
 
 Exposure EstimateExposure(const ExposureInput& input) {
   Exposure exposure;
-  exposure.cell_colors = MeasureCellColors({input.frames, input.surveys, input.map_from_base, input.threads});
+  exposure.cell_colors = MeasureCellColors({input.frames, input.surveys, input.map_from_base, input.run});
   const std::vector<ExposureGrid> grids = MakeExposureGrids(input.surveys);
   std::vector<cv::Mat> log_fields;
   for (std::size_t s = 0; s < grids.size(); ++s) {

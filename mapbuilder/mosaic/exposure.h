@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/mosaic/mosaic_patch.h"
 #include "mapbuilder/placement/link.h"
 #include "mapbuilder/survey/build_frame.h"
@@ -28,7 +29,7 @@ struct ExposureInput {
   const std::vector<Link>& links;
   const std::vector<std::optional<Pose2>>& map_from_base;
   MosaicBackground background = nullptr;  ///< image whose exposure the frames shall match; may be empty
-  int threads = 0;
+  RunOptions run = {};
 };
 
 /// Estimates flat fields (vignetting and lamps that ride on the robot) from the median over each survey's frames, then

@@ -56,7 +56,7 @@ std::vector<cv::Mat> MeasureCellColors(const CellColorInput& input) {
     pixels.push_back(SmallPixels(grids[s], input.surveys[s].survey.camera));
   }
   std::vector<cv::Mat> cell_colors(input.frames.size());
-  ParallelFor(static_cast<int>(cell_colors.size()), input.threads, [&](int index) {
+  ParallelFor(static_cast<int>(cell_colors.size()), input.run.threads, [&](int index) {
     const auto i = static_cast<std::size_t>(index);
     if (!input.map_from_base[i]) {
       return;

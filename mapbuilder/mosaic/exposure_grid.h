@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
@@ -35,7 +36,7 @@ struct CellColorInput {
   const std::vector<BuildFrame>& frames;
   const std::vector<LoadedSurvey>& surveys;
   const std::vector<std::optional<Pose2>>& map_from_base;
-  int threads = 0;
+  RunOptions run = {};
 };
 
 /// Colour of every cell of every frame: CV_8UC3 of its survey's grid, zero where invalid; empty for frames that were

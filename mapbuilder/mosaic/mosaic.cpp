@@ -33,8 +33,8 @@ class Composer {
         options_(options),
         sink_(sink),
         block_zoom_(std::max(0, layout.max_zoom - kBlockLevels)),
-        blender_(input, layout.resolution_m, options.threads),
-        progress_("mosaic", CountBlocks(), options.progress) {}
+        blender_(input, layout.resolution_m, options.run.threads),
+        progress_("mosaic", CountBlocks(), options.run.progress) {}
 
   void Run() {
     const double side = layout_.TileSide(0);
@@ -118,7 +118,7 @@ class Composer {
     };
     const int half = side / 2;
     std::vector<MosaicPatch> coarser(static_cast<std::size_t>(half * half));
-    ParallelFor(half * half, options_.threads, [&](int i) {
+    ParallelFor(half * half, options_.run.threads, [&](int i) {
       const int x = 2 * (i % half);
       const int y = 2 * (i / half);
       coarser[static_cast<std::size_t>(i)] = ShrinkFour({at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)});
@@ -128,7 +128,7 @@ class Composer {
 
   void EmitTiles(const std::vector<MosaicPatch>& level, const TileId& lower_left, int side) {
     std::vector<MosaicTile> tiles(level.size());
-    ParallelFor(static_cast<int>(level.size()), options_.threads, [&](int i) {
+    ParallelFor(static_cast<int>(level.size()), options_.run.threads, [&](int i) {
       const auto index = static_cast<std::size_t>(i);
       tiles[index].id = {lower_left.z, lower_left.x + i % side, lower_left.y + i / side};
       if (!level[index].empty()) {
@@ -155,7 +155,7 @@ void MosaicOptions::Check() const {
   RequireOption(jpeg_quality >= 1 && jpeg_quality <= 100, "jpeg_quality must be 1 to 100");
   RequireOption(resolution_m >= 0.0 && resolution_m < 1.0,
                 "resolution_m must be a positive number of metres below 1; 0: the surveys own");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 MosaicLayout MakeMosaicLayout(const RectM& extent, const MosaicOptions& options) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/map/floor_map.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/mosaic/mosaic_input.h"
 
 namespace floorloc {
@@ -14,8 +14,7 @@ struct MosaicOptions {
   int tile_px = 256;
   int jpeg_quality = 90;
   double resolution_m = 0.0;  ///< of the finest level
-  int threads = 0;
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

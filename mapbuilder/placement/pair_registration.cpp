@@ -192,15 +192,15 @@ void PairRegistrationOptions::Check() const {
   RequireOption(max_ratio_float > 0.0F && max_ratio_float <= 1.0F, "max_ratio_float must be above 0 and at most 1");
   RequireOption(systematic_m >= 0.0, "systematic_m must not be negative");
   RequireOption(systematic_rad >= 0.0, "systematic_rad must not be negative");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<Link> RegisterPairs(const std::vector<BuildFrame>& frames, const std::vector<RectM>& floor_in_base,
                                 const std::vector<FramePair>& pairs, const PairRegistrationOptions& options) {
   options.Check();
   std::vector<std::optional<Link>> found(pairs.size());
-  ProgressBar progress("registration", static_cast<std::int64_t>(pairs.size()), options.progress);
-  ParallelFor(static_cast<int>(pairs.size()), options.threads, [&](int i) {
+  ProgressBar progress("registration", static_cast<std::int64_t>(pairs.size()), options.run.progress);
+  ParallelFor(static_cast<int>(pairs.size()), options.run.threads, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     const RectM& floor = floor_in_base[static_cast<std::size_t>(pairs[index].first)];
     found[index] = RegisterPair(frames, floor, pairs[index], options);

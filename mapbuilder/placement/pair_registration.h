@@ -5,7 +5,7 @@
 
 #include "core/registration/registration.h"
 #include "core/vision/matching/guided_matcher.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/placement/link.h"
 #include "mapbuilder/placement/pair_selection.h"
 #include "mapbuilder/survey/build_frame.h"
@@ -21,8 +21,7 @@ struct PairRegistrationOptions {
   double systematic_m = 2e-4;
   double systematic_rad = 4e-4;
   bool measure_agreement = false;  ///< also where the motion is predicted
-  int threads = 0;
-  ProgressOutput progress;
+  RunOptions run;
 
   static RegistrationOptions DefaultRegistration();
 

@@ -114,7 +114,7 @@ void Placer::AddSimilarCandidates(int pairs_per_frame) {
     known.emplace(link.first, link.second);
   }
   std::vector<FramePair> pairs = SelectSimilarPairs(frames_, FindComponents(count_, graph_.LinksAndOdometry()),
-                                                    {pairs_per_frame, registration_.threads});
+                                                    {pairs_per_frame, registration_.run});
   std::erase_if(pairs, [&](const FramePair& pair) { return known.contains({pair.first, pair.second}); });
   const std::vector<Link> similar = RegisterPairs(frames_, floors_, pairs, registration_);
   candidates_.insert(candidates_.end(), similar.begin(), similar.end());

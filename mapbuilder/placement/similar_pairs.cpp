@@ -104,7 +104,7 @@ void KeepBest(const std::unordered_map<int, int>& votes, int count, std::vector<
 
 void SimilarPairsOptions::Check() const {
   RequireOption(pairs_per_frame >= 1, "pairs_per_frame must be at least 1");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames, const std::vector<int>& part,
@@ -112,7 +112,7 @@ std::vector<FramePair> SelectSimilarPairs(const std::vector<BuildFrame>& frames,
   options.Check();
   const std::map<int, FrameIndex> indexes = BuildIndexes(frames, part);
   std::vector<std::vector<int>> similar(frames.size());
-  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int self) {
+  ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int self) {
     const auto i = static_cast<std::size_t>(self);
     const cv::Mat descriptors = StrongestDescriptors(frames[i]);
     for (const auto& [number, index] : indexes) {

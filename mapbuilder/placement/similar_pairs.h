@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/placement/pair_selection.h"
 #include "mapbuilder/survey/build_frame.h"
 
@@ -10,7 +11,7 @@ namespace floorloc {
 
 struct SimilarPairsOptions {
   int pairs_per_frame = 6;  ///< with frames of each other part
-  int threads = 0;          ///< 0: one per core
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

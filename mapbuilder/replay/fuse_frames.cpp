@@ -24,7 +24,7 @@ class Run {
         tracker_(options.tracker, localizer.map().info.camera().floor.resolution_m) {}
 
   FusedDrive All() {
-    ProgressBar progress("localize", static_cast<std::int64_t>(survey_.frames.size()), options_.progress);
+    ProgressBar progress("localize", static_cast<std::int64_t>(survey_.frames.size()), options_.run.progress);
     for (const SurveyFrame& frame : survey_.frames) {
       SendMotionUntil(frame.stamp_ns);
       drive_.frames.push_back(SendFrame(frame));

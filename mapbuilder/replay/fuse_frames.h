@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/tracking/vehicle_tracker.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/replay/localize_frames.h"
 
 namespace floorloc {
@@ -15,7 +16,7 @@ struct FuseFramesOptions {
   bool use_prior = true;  ///< false: global search for every frame
   bool use_imu = true;
   bool dense = false;  ///< poses at every message instead of at the frames only
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

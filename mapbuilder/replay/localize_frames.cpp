@@ -61,8 +61,8 @@ std::vector<LocalizedFrame> LocalizeIndependently(const Localizer& localizer, co
   }
   const Pose2 map_from_truth = with_truth ? AlignTruthToMap(localizer, rectifier, survey) : Pose2();
   std::vector<LocalizedFrame> frames(survey.frames.size());
-  ProgressBar progress("localize", static_cast<std::int64_t>(frames.size()), options.progress);
-  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+  ProgressBar progress("localize", static_cast<std::int64_t>(frames.size()), options.run.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int i) {
     const SurveyFrame& frame = survey.frames[static_cast<std::size_t>(i)];
     std::optional<PosePrior> prior;
     if (const auto truth = with_truth ? InterpolatePose(survey.ground_truth, frame.stamp_ns) : std::nullopt) {
@@ -82,7 +82,7 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
   }
   std::vector<LocalizedFrame> frames;
   std::optional<Pose2> map_from_odom;
-  ProgressBar progress("localize", static_cast<std::int64_t>(survey.frames.size()), options.progress);
+  ProgressBar progress("localize", static_cast<std::int64_t>(survey.frames.size()), options.run.progress);
   for (const SurveyFrame& frame : survey.frames) {
     const auto odom_from_base = InterpolatePose(survey.odometry, frame.stamp_ns);
     std::optional<PosePrior> prior;
@@ -131,7 +131,7 @@ PriorSource ParsePriorSource(const std::string& name) {
 void LocalizeFramesOptions::Check() const {
   RequireOption(prior_radius_m > 0.0, "prior_radius_m must be positive");
   RequireOption(prior_yaw_radius_rad > 0.0, "prior_yaw_radius_rad must be positive");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,

@@ -8,7 +8,7 @@
 
 #include "core/io/survey.h"
 #include "core/localization/localizer.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 
 namespace floorloc {
 
@@ -25,8 +25,7 @@ struct LocalizeFramesOptions {
   PriorSource prior = PriorSource::kNone;
   double prior_radius_m = 0.25;
   double prior_yaw_radius_rad = 0.26;
-  int threads = 1;  ///< 0: one per core; not used with PriorSource::kOdometry
-  ProgressOutput progress;
+  RunOptions run{.threads = 1};  ///< not used with PriorSource::kOdometry
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 
-#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/vision/image/rectifier.h"
@@ -100,7 +99,7 @@ std::vector<Features> ExtractFrames(const Survey& survey, const FeatureExtractor
 void PlanarFramesOptions::Check() const {
   extractor.Check();
   odometry.Check();
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 void MonocularFramesOptions::Check() const { odometry.Check(); }
@@ -119,11 +118,11 @@ std::vector<PlanarFrame> TrackPlanarFrames(const Survey& survey, const PlanarFra
   for (const SurveyFrame& frame : survey.frames) {
     frames.emplace_back().frame = frame;
   }
-  ProgressBar progress("odometry", static_cast<std::int64_t>(frames.size()), options.progress);
+  ProgressBar progress("odometry", static_cast<std::int64_t>(frames.size()), options.run.progress);
   for (std::size_t first = 0; first < frames.size(); first += kFramesAtOnce) {
     const std::span<PlanarFrame> some =
         std::span(frames).subspan(first, std::min(kFramesAtOnce, frames.size() - first));
-    const std::vector<Features> features = ExtractFrames(survey, *extractor, options.threads, some);
+    const std::vector<Features> features = ExtractFrames(survey, *extractor, options.run.threads, some);
     for (std::size_t i = 0; i < some.size(); ++i) {
       const auto guess = options.use_wheels ? WheelMotion(survey, first + i) : std::nullopt;
       Stopwatch watch;
@@ -173,7 +172,7 @@ std::vector<MonocularFrame> TrackMonocularFrames(const CameraRecording& recordin
   options.Check();
   MonocularOdometry odometry(recording.camera, options.odometry);
   std::vector<MonocularFrame> frames;
-  ProgressBar progress("odometry", static_cast<std::int64_t>(recording.frames.size()), options.progress);
+  ProgressBar progress("odometry", static_cast<std::int64_t>(recording.frames.size()), options.run.progress);
   for (const SurveyFrame& frame : recording.frames) {
     const auto position = PositionAt(options.positions, frame.stamp_ns);
     if (!options.positions.empty() && !position) {

@@ -8,7 +8,7 @@
 #include "core/odometry/monocular_odometry.h"
 #include "core/odometry/planar_odometry.h"
 #include "core/vision/extractors/feature_extractor.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 
 namespace floorloc {
 
@@ -16,8 +16,7 @@ struct PlanarFramesOptions {
   ExtractorOptions extractor;
   PlanarOdometryOptions odometry;  ///< with the survey's resolution
   bool use_wheels = false;         ///< search each frame around the prediction of odometry.tum
-  int threads = 1;                 ///< for feature extraction; 0: one per core
-  ProgressOutput progress;
+  RunOptions run{.threads = 1};    ///< for feature extraction
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -47,7 +46,7 @@ std::string ToJsonLine(const PlanarFrame& frame);
 struct MonocularFramesOptions {
   MonocularOdometryOptions odometry;
   Trajectory positions;  ///< of the camera, in any fixed frame, to determine the scale; may be empty
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

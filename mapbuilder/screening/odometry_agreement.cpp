@@ -171,7 +171,7 @@ std::vector<FramePair> SidewaysPairs(const std::vector<BuildFrame>& frames, int 
 
 std::vector<MotionPair> MeasureMotions(const std::vector<BuildFrame>& frames, int survey, const RectM& floor,
                                        PairRegistrationOptions registration) {
-  registration.progress = {};
+  registration.run.progress = {};
   std::vector<FramePair> pairs = ForwardPairs(frames, survey, floor);
   const std::vector<FramePair> sideways = SidewaysPairs(frames, survey, floor);
   pairs.insert(pairs.end(), sideways.begin(), sideways.end());

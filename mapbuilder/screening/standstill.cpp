@@ -23,7 +23,7 @@ class Standstill {
  public:
   Standstill(const std::vector<BuildFrame>& frames, const RectM& floor, const PairRegistrationOptions& registration)
       : frames_(frames), floor_(floor), floors_(frames.size(), floor), registration_(registration) {
-    registration_.progress = {};
+    registration_.run.progress = {};
   }
 
   std::vector<Link> StationaryLinks(const std::vector<FramePair>& pairs) const {

@@ -67,7 +67,7 @@ FloorTexture MakeFloorTexture(const FloorTextureOptions& options) {
     quilt.image_width_m = options.image_width_m;
     quilt.rotate_patches = options.rotate_patches;
     quilt.seed = options.seed;
-    quilt.threads = options.threads;
+    quilt.run = options.run;
     texture.bgr = QuiltFloor(ReadImage(options.source), grid, quilt);
   }
   return texture;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "mapbuilder/batch/run_options.h"
+
 namespace floorloc {
 
 /// Texture of a floor. Map frame: x right, y up, origin at the lower left corner of the image, metres.
@@ -29,7 +31,7 @@ struct FloorTextureOptions {
   double image_width_m = 0.8;  ///< photograph: width of the floor in it
   bool rotate_patches = true;  ///< photograph: false for floors with a direction, such as wood
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: one per core; does not change the result
+  RunOptions run;  ///< does not change the result
 
   /// Throws std::invalid_argument when a field is out of range.
   void Check() const;

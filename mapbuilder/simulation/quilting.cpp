@@ -153,7 +153,7 @@ cv::Mat ToneOf(const cv::Mat& photograph) {
 
 void QuiltOptions::Check() const {
   RequireOption(image_width_m > 0.0, "image_width_m must be positive");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const QuiltOptions& options) {
@@ -173,7 +173,7 @@ cv::Mat QuiltFloor(const cv::Mat& photograph, const PixelGrid& grid, const Quilt
   cv::Mat floor(grid.size_px, CV_8UC3);
   const int columns = (grid.size_px.width + kTilePx - 1) / kTilePx;
   const int rows = (grid.size_px.height + kTilePx - 1) / kTilePx;
-  ParallelFor(columns * rows, options.threads, [&](int i) {
+  ParallelFor(columns * rows, options.run.threads, [&](int i) {
     const cv::Rect tile =
         cv::Rect(i % columns * kTilePx, i / columns * kTilePx, kTilePx, kTilePx) & cv::Rect({0, 0}, grid.size_px);
     const Window window{{tile.x * step, tile.y * step}, step, tile.size()};

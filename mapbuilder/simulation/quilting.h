@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
+#include "mapbuilder/batch/run_options.h"
+
 namespace floorloc {
 
 /// Size and resolution of the image to paint.
@@ -16,7 +18,7 @@ struct QuiltOptions {
   double image_width_m = 0.8;  ///< width of the floor in the photograph
   bool rotate_patches = true;
   std::uint64_t seed = 1;
-  int threads = 0;
+  RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

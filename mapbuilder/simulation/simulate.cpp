@@ -94,8 +94,8 @@ void RenderFrames(const fs::path& folder, const SimulateOptions& options, const 
                   const SimulatedPath& path) {
   const CameraRenderer renderer(floor, options.camera);
   const ConditionSampler sampler(options.conditions, floor, options.camera, DeriveSeed(options.seed, kConditionSeed));
-  ProgressBar progress("Rendering", static_cast<std::int64_t>(path.frames.size()), options.progress);
-  ParallelFor(static_cast<int>(path.frames.size()), options.threads, [&](int i) {
+  ProgressBar progress("Rendering", static_cast<std::int64_t>(path.frames.size()), options.run.progress);
+  ParallelFor(static_cast<int>(path.frames.size()), options.run.threads, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     const PathFrame& frame = path.frames[index];
     const double time_s = ToSeconds(frame.stamp_ns - path.frames.front().stamp_ns);
@@ -129,7 +129,7 @@ void SimulateOptions::Check() const {
   conditions.Check();
   floor.Check();
   RequireOption(wear >= 0.0 && wear <= 1.0, "wear must be 0 to 1");
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 SimulationResult Simulate(const SimulateOptions& options) {

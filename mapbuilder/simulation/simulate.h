@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/simulation/calibration_error.h"
 #include "mapbuilder/simulation/floor_texture.h"
 #include "mapbuilder/simulation/render_conditions.h"
@@ -25,8 +25,7 @@ struct SimulateOptions {
   double wear = 0.0;  ///< share of the floor to change by wear
   bool write_odometry = true;
   std::uint64_t seed = 1;  ///< for everything but the floor itself
-  int threads = 0;         ///< 0: one per core; does not change the files
-  ProgressOutput progress;
+  RunOptions run;          ///< does not change the files
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
@@ -55,7 +54,7 @@ std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& 
 
 void ExtractionOptions::Check() const {
   extractor.Check();
-  RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
+  run.Check();
 }
 
 std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& surveys,
@@ -72,8 +71,8 @@ std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& sur
     }
   }
   const auto extractor = CreateFeatureExtractor(options.extractor);
-  ProgressBar progress("features", static_cast<std::int64_t>(frames.size()), options.progress);
-  ParallelFor(static_cast<int>(frames.size()), options.threads, [&](int i) {
+  ProgressBar progress("features", static_cast<std::int64_t>(frames.size()), options.run.progress);
+  ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int i) {
     BuildFrame& frame = frames[static_cast<std::size_t>(i)];
     if (options.journal != nullptr && options.journal->Restore(&frame)) {
       progress.Advance();

@@ -6,7 +6,7 @@
 
 #include "core/io/survey.h"
 #include "core/vision/extractors/feature_extractor.h"
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/survey/build_frame.h"
 
 namespace floorloc {
@@ -20,8 +20,7 @@ class FrameJournal;
 
 struct ExtractionOptions {
   ExtractorOptions extractor;
-  int threads = 0;  ///< 0: one per core
-  ProgressOutput progress;
+  RunOptions run = {};
   FrameJournal* journal = nullptr;  ///< what an earlier run of the build did, and where this one notes what it does
   BadFramePolicy bad_frames = BadFramePolicy::kThrow;  ///< kSkip: BuildFrame::unreadable instead of an error
 

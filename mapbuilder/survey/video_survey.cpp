@@ -208,7 +208,7 @@ void CheckSize(const cv::Mat& frame, const CameraModel& camera, const VideoSurve
 // Writes the sharpest image of every time step.
 void PickFrames(const VideoSurveyOptions& options, const CameraModel& camera, VideoReader* reader,
                 SurveyWriter* writer) {
-  ProgressBar progress("video", reader->expected(), options.progress);
+  ProgressBar progress("video", reader->expected(), options.run.progress);
   VideoFrame best;
   std::int64_t span = 0;
   cv::Mat bgr;

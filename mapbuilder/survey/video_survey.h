@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/batch/progress.h"
+#include "mapbuilder/batch/run_options.h"
 
 namespace floorloc {
 
@@ -18,7 +18,7 @@ struct VideoSurveyOptions {
   std::filesystem::path out;       ///< survey folder to write; an existing one is replaced
   double start_s = 0.0;            ///< time of the first image on the clock of the odometry
   double step_s = 0.2;             ///< one image is used per time step
-  ProgressOutput progress;
+  RunOptions run;
 
   /// Throws std::invalid_argument when a field is out of range.
   void Check() const;

@@ -78,7 +78,7 @@ void WriteSmallMap(const std::filesystem::path& survey, const std::filesystem::p
   options.out = map;
   options.extractor.max_keypoints = 60;
   options.mosaic.tile_px = 32;
-  options.threads = 1;
+  options.run.threads = 1;
   BuildMap(options);
 }
 

@@ -34,7 +34,7 @@ BuiltMap Read(const MapDatabase& database, const std::filesystem::path& survey) 
   BuiltMap built;
   built.map = database.ReadMap();
   const std::vector<LoadedSurvey> surveys = LoadSurveys({survey});
-  built.frames = ExtractSurveyFrames(surveys, {built.map.info.extractor, 0, {}});
+  built.frames = ExtractSurveyFrames(surveys, {.extractor = built.map.info.extractor});
   const std::vector<MapFrame> placed = database.ReadFrames();
   std::unordered_map<std::string, Pose2> pose_of;
   for (const MapFrame& frame : placed) {

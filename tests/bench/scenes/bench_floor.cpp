@@ -117,7 +117,7 @@ void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const Pr
   BuildOptions options;
   options.surveys = {files.Survey()};
   options.out = files.Map();
-  options.progress = progress;
+  options.run.progress = progress;
   BuildMap(options);
 }
 

@@ -241,10 +241,10 @@ TEST_F(BuildMapTest, KeepAllKeepsBothPartsSideBySide) {
 }
 
 TEST_F(BuildMapTest, EveryThreadCountGivesTheSameMap) {
-  options_.threads = 1;
+  options_.run.threads = 1;
   const std::string version = Build().content_version;
   for (const int threads : {1, 2, 5}) {
-    options_.threads = threads;
+    options_.run.threads = threads;
     EXPECT_EQ(Build().content_version, version) << threads;
   }
 }

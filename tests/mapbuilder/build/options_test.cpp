@@ -26,7 +26,7 @@ TEST(BuilderOptionsTest, EachBadFieldOfPlacementIsRefusedByName) {
       .Refuses("max_ratio_float", &PairRegistrationOptions::max_ratio_float, {0.0F, 1.1F})
       .Refuses("systematic_m", &PairRegistrationOptions::systematic_m, {-1.0})
       .Refuses("systematic_rad", &PairRegistrationOptions::systematic_rad, {-1.0})
-      .Refuses("threads", &PairRegistrationOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<NearbyOptions>()
       .Refuses("min_overlap", &NearbyOptions::min_overlap, {0.0, 1.1})
       .Refuses("radius_m", &NearbyOptions::radius_m, {-0.1})
@@ -34,7 +34,7 @@ TEST(BuilderOptionsTest, EachBadFieldOfPlacementIsRefusedByName) {
       .Refuses("first_new", &NearbyOptions::first_new, {-1});
   OptionTable<SimilarPairsOptions>()
       .Refuses("pairs_per_frame", &SimilarPairsOptions::pairs_per_frame, {0})
-      .Refuses("threads", &SimilarPairsOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<PlacementOptions>()
       .Refuses("prior_sigma_m", &PlacementOptions::prior_sigma_m, {0.0})
       .Refuses("prior_sigma_rad", &PlacementOptions::prior_sigma_rad, {0.0});
@@ -42,12 +42,10 @@ TEST(BuilderOptionsTest, EachBadFieldOfPlacementIsRefusedByName) {
       .Refuses("observations_per_frame", &SelfCalibrationOptions::observations_per_frame, {0})
       .Refuses("tilt_rad", &SelfCalibrationOptions::tilt_rad, {-1.0})
       .Refuses("tilt_height", &SelfCalibrationOptions::tilt_height, {-1.0});
-  OptionTable<MarkerDetectionOptions>()
-      .Refuses("size_m", &MarkerDetectionOptions::size_m, {-0.1})
-      .Refuses("threads", &MarkerDetectionOptions::threads, {-1});
+  OptionTable<MarkerDetectionOptions>().Refuses("size_m", &MarkerDetectionOptions::size_m, {-0.1}).RefusesBadRun();
   OptionTable<MarkerOptions>().Refuses("margin_m", &MarkerOptions::margin_m, {1.0});
-  OptionTable<LocateOptions>().Refuses("threads", &LocateOptions::threads, {-1});
-  OptionTable<MapAlignmentOptions>().Refuses("threads", &MapAlignmentOptions::threads, {-1});
+  OptionTable<LocateOptions>().RefusesBadRun();
+  OptionTable<MapAlignmentOptions>().RefusesBadRun();
   OptionTable<MergeOptions>().Refuses("jpeg_quality", &MergeOptions::jpeg_quality, {0, 101});
 }
 
@@ -65,10 +63,10 @@ TEST(BuilderOptionsTest, EachBadFieldOfKeypointsAndMosaicIsRefusedByName) {
       .Refuses("min_coverage", &KeypointFusionOptions::min_coverage, {0})
       .Refuses("min_frames_gone", &KeypointFusionOptions::min_frames_gone, {0})
       .Refuses("gone_probability", &KeypointFusionOptions::gone_probability, {0.0, 1.0})
-      .Refuses("threads", &KeypointFusionOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<DistinctivenessOptions>()
       .Refuses("same_place_m", &DistinctivenessOptions::same_place_m, {-0.1})
-      .Refuses("threads", &DistinctivenessOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<HeldOutOptions>()
       .Refuses("max_frames", &HeldOutOptions::max_frames, {-1})
       .Refuses("max_share", &HeldOutOptions::max_share, {-0.1, 1.1})
@@ -76,30 +74,26 @@ TEST(BuilderOptionsTest, EachBadFieldOfKeypointsAndMosaicIsRefusedByName) {
       .Refuses("min_others", &HeldOutOptions::min_others, {0})
       .Refuses("wrong_m", &HeldOutOptions::wrong_m, {0.0})
       .Refuses("wrong_rad", &HeldOutOptions::wrong_rad, {0.0})
-      .Refuses("threads", &HeldOutOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<MosaicOptions>()
       .Refuses("tile_px", &MosaicOptions::tile_px, {0, 8192})
       .Refuses("jpeg_quality", &MosaicOptions::jpeg_quality, {0, 101})
       .Refuses("resolution_m", &MosaicOptions::resolution_m, {-1e-3, 1.0})
-      .Refuses("threads", &MosaicOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<BuildOptions>()
       .Refuses("max_keypoints_per_m2", &BuildOptions::max_keypoints_per_m2, {-1.0})
-      .Refuses("threads", &BuildOptions::threads, {-1});
+      .RefusesBadRun();
 }
 
 TEST(BuilderOptionsTest, EachBadFieldOfReplayAndSimulationIsRefusedByName) {
-  OptionTable<ExtractionOptions>().Refuses("threads", &ExtractionOptions::threads, {-1});
+  OptionTable<ExtractionOptions>().RefusesBadRun();
   OptionTable<LocalizeFramesOptions>()
       .Refuses("prior_radius_m", &LocalizeFramesOptions::prior_radius_m, {0.0})
       .Refuses("prior_yaw_radius_rad", &LocalizeFramesOptions::prior_yaw_radius_rad, {0.0})
-      .Refuses("threads", &LocalizeFramesOptions::threads, {-1});
-  OptionTable<PlanarFramesOptions>().Refuses("threads", &PlanarFramesOptions::threads, {-1});
-  OptionTable<QuiltOptions>()
-      .Refuses("image_width_m", &QuiltOptions::image_width_m, {0.0})
-      .Refuses("threads", &QuiltOptions::threads, {-1});
-  OptionTable<SimulateOptions>()
-      .Refuses("wear", &SimulateOptions::wear, {-0.1, 1.1})
-      .Refuses("threads", &SimulateOptions::threads, {-1});
+      .RefusesBadRun();
+  OptionTable<PlanarFramesOptions>().RefusesBadRun();
+  OptionTable<QuiltOptions>().Refuses("image_width_m", &QuiltOptions::image_width_m, {0.0}).RefusesBadRun();
+  OptionTable<SimulateOptions>().Refuses("wear", &SimulateOptions::wear, {-0.1, 1.1}).RefusesBadRun();
   OptionTable<NoiseOptions>()
       .Refuses("cell_x_px", &NoiseOptions::cell_x_px, {0.0})
       .Refuses("cell_y_px", &NoiseOptions::cell_y_px, {0.0})

@@ -8,7 +8,6 @@ namespace floorloc {
 namespace {
 
 TEST(CalibrationOptionsTest, EachBadFieldIsRefusedByName) {
-  OptionTable<ImageReadingOptions>().Refuses("threads", &ImageReadingOptions::threads, {-1});
   OptionTable<CameraCalibrationOptions>()
       .Refuses("max_error_ratio", &CameraCalibrationOptions::max_error_ratio, {1.0})
       .Refuses("max_error_floor_px", &CameraCalibrationOptions::max_error_floor_px, {-0.1});

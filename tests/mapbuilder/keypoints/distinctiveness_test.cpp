@@ -36,8 +36,8 @@ TEST_P(DistinctivenessTest, DuplicatesElsewhereCountNearbyOnesDoNot) {
 
 TEST_P(DistinctivenessTest, ThreadsDoNotMatter) {
   const FloorPoints floor(GetParam().count, GetParam().binary, 2);
-  EXPECT_EQ(MeasureDistinctiveness(floor.points, floor.descriptors, {.threads = 1}),
-            MeasureDistinctiveness(floor.points, floor.descriptors, {.threads = 3}));
+  EXPECT_EQ(MeasureDistinctiveness(floor.points, floor.descriptors, {.run = {.threads = 1}}),
+            MeasureDistinctiveness(floor.points, floor.descriptors, {.run = {.threads = 3}}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, DistinctivenessTest,

@@ -51,7 +51,7 @@ class ExperimentTest : public testing::Test {
     for (const Pose2& pose : {Pose2(0.15, 0.25, 0.2), Pose2(0.35, 0.1, 1.7), Pose2(0.45, 0.3, -2.9)}) {
       bags_.front().frames.push_back(MakeFrame(map_, pose));
     }
-    options_.threads = 1;
+    options_.run.threads = 1;
   }
 
   FloorImage map_ = MakeFloor();
@@ -116,7 +116,7 @@ TEST_F(ExperimentTest, AnswersDoNotDependOnThreads) {
                              {MatcherKind::kFlann},
                              {{MatchFilter::kRatioRansac, false}}};
   const auto poses = [&](int threads) {
-    options_.threads = threads;
+    options_.run.threads = threads;
     std::vector<double> numbers;
     for (const CombinationRun& run : RunExperiment(map_, bags_, plan, options_)) {
       for (const TestFrameOutcome& outcome : run.outcomes) {
@@ -131,7 +131,7 @@ TEST_F(ExperimentTest, AnswersDoNotDependOnThreads) {
 
 TEST_F(ExperimentTest, TemplatesAreFoundInAnyHeading) {
   TemplateSearchOptions options;
-  options.threads = 1;
+  options.run.threads = 1;
   options.max_map_pixels = 20'000;
   const CombinationRun run = RunTemplateSearch(map_, bags_, options);
   const RunSummary summary = SummarizeRun(run, bags_, Tolerance());

@@ -23,16 +23,15 @@ TEST(LaboratoryOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("max_map_pixels", &TemplateSearchOptions::max_map_pixels, {0})
       .Refuses("headings", &TemplateSearchOptions::headings, {0})
       .Refuses("max_frames", &TemplateSearchOptions::max_frames, {0})
-      .Refuses("threads", &TemplateSearchOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<TestFrameOptions>()
       .Refuses("skip_frames", &TestFrameOptions::skip_frames, {-1})
       .Refuses("max_frames", &TestFrameOptions::max_frames, {-1})
       .Refuses("resolution_m", &TestFrameOptions::resolution_m, {-1.0})
-      .Refuses("threads", &TestFrameOptions::threads, {-1});
-  OptionTable<WholeFloorOptions>().Refuses("threads", &WholeFloorOptions::threads, {-1});
+      .RefusesBadRun();
   OptionTable<ExperimentOptions>()
       .Refuses("repeat_radius_m", &ExperimentOptions::repeat_radius_m, {0.0})
-      .Refuses("threads", &ExperimentOptions::threads, {-1});
+      .RefusesBadRun();
 }
 
 }  // namespace

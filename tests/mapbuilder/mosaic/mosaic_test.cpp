@@ -64,7 +64,7 @@ class MosaicTest : public ::testing::Test {
     const cv::Mat& mask = surveys[0].rectifier->mask();
     exposure.flat_field.push_back(cv::Mat(mask.size(), CV_32F, cv::Scalar(1.0)));
     MosaicOptions options = OptionsFor(survey);
-    options.threads = recipe.threads;
+    options.run.threads = recipe.threads;
     Tiles tiles;
     ComposeMosaic({frames, surveys, TruePoses(survey), exposure, recipe.extent, recipe.background},
                   MakeMosaicLayout(recipe.extent, options), options, [&](const std::vector<MosaicTile>& finished) {

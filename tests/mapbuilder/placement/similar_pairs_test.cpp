@@ -29,7 +29,7 @@ TEST(SimilarPairsTest, AreFramesWithTheSameDescriptors) {
     }
   }
   std::set<std::pair<int, int>> found;
-  for (const FramePair& pair : SelectSimilarPairs(frames, Alone(frames.size()), {2, 1})) {
+  for (const FramePair& pair : SelectSimilarPairs(frames, Alone(frames.size()), {2, {.threads = 1}})) {
     found.emplace(pair.first, pair.second);
     EXPECT_LT(pair.first, pair.second);
     EXPECT_FALSE(pair.first_from_second);
@@ -55,7 +55,7 @@ TEST(SimilarPairsTest, AFramesOwnPartDoesNotHideTheOthers) {
     frames[i].features.descriptors = descriptors;
     part.push_back(i < kHalf ? 0 : 1);
   }
-  const std::vector<FramePair> pairs = SelectSimilarPairs(frames, part, {3, 2});
+  const std::vector<FramePair> pairs = SelectSimilarPairs(frames, part, {3, {.threads = 2}});
   std::set<std::pair<int, int>> found;
   for (const FramePair& pair : pairs) {
     EXPECT_NE(part[static_cast<std::size_t>(pair.first)], part[static_cast<std::size_t>(pair.second)]);
@@ -67,7 +67,7 @@ TEST(SimilarPairsTest, AFramesOwnPartDoesNotHideTheOthers) {
 }
 
 TEST(SimilarPairsTest, FramesWithoutTextureHaveNone) {
-  EXPECT_TRUE(SelectSimilarPairs(std::vector<BuildFrame>(3), Alone(3), {2, 1}).empty());
+  EXPECT_TRUE(SelectSimilarPairs(std::vector<BuildFrame>(3), Alone(3), {2, {.threads = 1}}).empty());
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ class StandstillTest : public ::testing::Test {
  protected:
   StandstillTest() : rectifier_(floor_.camera()) {
     registration_.resolution_m = floor_.camera().floor.resolution_m;
-    registration_.threads = 1;
+    registration_.run.threads = 1;
   }
 
   // Adds a frame at this pose with independent noise.

@@ -157,7 +157,7 @@ TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNothingThatCounts) {
   const auto run = [](int threads) {
     Survey20 survey(Error(CameraUnknown::kPitch, 0.008));
     survey.options.unknowns = ParseCameraUnknowns({"mounting", "distortion"});
-    survey.options.registration.threads = threads;
+    survey.options.registration.run.threads = threads;
     std::vector<double> numbers;
     const CameraAdjustment change = survey.Run().cameras[0].change;
     numbers.assign(change.begin(), change.end());

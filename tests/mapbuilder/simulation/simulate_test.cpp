@@ -174,10 +174,10 @@ TEST(Simulate, GivesTheSameBytesForTheSameSeedAndAnyNumberOfThreads) {
   options.path.type = PathType::kRandom;
   options.path.frames = 4;
   options.wear = 0.05;
-  options.threads = 1;
+  options.run.threads = 1;
   Simulate(options);
   options.out = folder.path() / "b";
-  options.threads = 3;
+  options.run.threads = 3;
   Simulate(options);
   options.out = folder.path() / "c";
   options.seed += 1;
