@@ -61,6 +61,17 @@ CREATE TABLE camera (
   resolution_m     REAL NOT NULL
 );
 
+-- What the calibration of a survey's camera is worth, and the calibration that the survey had before the images corrected
+-- it: a vehicle with the same one is corrected likewise.
+CREATE TABLE calibration (
+  survey           INTEGER PRIMARY KEY,
+  sigma_px         REAL NOT NULL,  -- standard deviation at the corners of the region of interest; 0: unknown
+  offset_sigma_m   REAL NOT NULL,  -- of the base frame's place by roll and pitch; 0: unknown
+  given_fx REAL NOT NULL, given_fy REAL NOT NULL, given_cx REAL NOT NULL, given_cy REAL NOT NULL,
+  given_distortion BLOB NOT NULL,  -- float64[n], of the camera's distortion_model
+  given_homography BLOB NOT NULL   -- float64[9]
+);
+
 -- Survey frames with their optimised poses.
 CREATE TABLE frame (
   id         INTEGER PRIMARY KEY,  -- from 0

@@ -101,6 +101,7 @@ void CameraModel::Check() const {
   for (const double k : distortion) {
     Require(std::isfinite(k), "distortion_coefficients must be finite");
   }
+  Require(std::isfinite(sigma_px) && sigma_px >= 0, "calibration_sigma must be a number of pixels, 0 or more");
 }
 
 Eigen::Vector2d CameraModel::Distort(const Eigen::Vector2d& undistorted_px) const {

@@ -26,6 +26,8 @@ struct CameraModel {
   double cx = 0.0, cy = 0.0;  ///< principal point, px
   DistortionModel distortion_model = DistortionModel::kPlumbBob;
   std::vector<double> distortion;  ///< coefficients in the order of the model
+  /// Standard deviation of the calibration at the corners of the region of interest, px; 0: unknown.
+  double sigma_px = 0.0;
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;

@@ -55,6 +55,7 @@ void FloorPlane::Check() const {
           "roi / resolution gives an image of more than 16384 pixels: is the resolution in metres per pixel?");
   Require(roi.width_m() / resolution_m >= 16 && roi.height_m() / resolution_m >= 16,
           "roi / resolution gives an image of less than 16 pixels: is the resolution in metres per pixel?");
+  Require(std::isfinite(offset_sigma_m) && offset_sigma_m >= 0, "offset_sigma must be a number of metres, 0 or more");
 }
 
 void FloorCamera::Check() const {

@@ -26,6 +26,9 @@ struct FloorPlane {
   Eigen::Matrix3d base_from_pixel = Eigen::Matrix3d::Identity();
   RectM roi;                  ///< the part of the floor that is used, base frame
   double resolution_m = 0.0;  ///< metres per pixel of the rectified image
+  /// Standard deviation of the base frame's place relative to the floor that the camera sees, by the camera's roll and
+  /// pitch, metres; 0: unknown.
+  double offset_sigma_m = 0.0;
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;

@@ -70,6 +70,12 @@ class YamlDocument {
     return static_cast<int>(number);
   }
 
+  // 0 when the key is missing.
+  double OptionalNumber(const std::string& key) const {
+    const YAML::Node value = root_[key];
+    return value.IsDefined() && !value.IsNull() ? Number(value, key) : 0.0;
+  }
+
   std::string Text(const YAML::Node& value, const std::string& key) const {
     if (!value.IsScalar()) {
       Fail(value.Mark(), key + " must be a string; correct it");
@@ -165,6 +171,7 @@ CameraModel CameraFromYaml(const YamlDocument& document) {
   camera.cy = k[5];
   camera.distortion_model = ParseDistortionModel(document);
   camera.distortion = document.Numbers("distortion_coefficients");
+  camera.sigma_px = document.OptionalNumber("calibration_sigma");
   return camera;
 }
 
@@ -179,6 +186,7 @@ FloorPlane FloorFromYaml(const YamlDocument& document) {
   const auto bound = [&](const std::string& key) { return document.Number(document.Get(roi, key), "roi." + key); };
   floor.roi = {bound("x_min"), bound("x_max"), bound("y_min"), bound("y_max")};
   floor.resolution_m = document.Number(document.Get(document.root(), "resolution"), "resolution");
+  floor.offset_sigma_m = document.OptionalNumber("offset_sigma");
   return floor;
 }
 
@@ -191,6 +199,11 @@ std::string NumberText(double value) {
     text.insert(std::min(text.find('e'), text.size()), ".0");
   }
   return text;
+}
+
+// A line for a number that is left out when it is unknown.
+std::string OptionalText(const std::string& key, double value) {
+  return value > 0.0 ? key + ": " + NumberText(value) + "\n" : "";
 }
 
 std::string ListText(const std::vector<double>& numbers) {
@@ -239,7 +252,8 @@ std::string FormatCameraYaml(const CameraModel& camera) {
          "distortion_model: " + ToString(camera.distortion_model) + "\n" +
          MatrixText("distortion_coefficients", 1, camera.distortion) +
          MatrixText("rectification_matrix", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}) +
-         MatrixText("projection_matrix", 3, {camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0});
+         MatrixText("projection_matrix", 3, {camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0}) +
+         OptionalText("calibration_sigma", camera.sigma_px);
 }
 
 std::string FormatFloorYaml(const FloorPlane& floor) {
@@ -248,7 +262,8 @@ std::string FormatFloorYaml(const FloorPlane& floor) {
          "homography: " +
          ListText({h.data(), h.data() + h.size()}) + "\nroi: {x_min: " + NumberText(floor.roi.x_min) +
          ", x_max: " + NumberText(floor.roi.x_max) + ", y_min: " + NumberText(floor.roi.y_min) +
-         ", y_max: " + NumberText(floor.roi.y_max) + "}\nresolution: " + NumberText(floor.resolution_m) + "\n";
+         ", y_max: " + NumberText(floor.roi.y_max) + "}\nresolution: " + NumberText(floor.resolution_m) + "\n" +
+         OptionalText("offset_sigma", floor.offset_sigma_m);
 }
 
 }  // namespace floorloc

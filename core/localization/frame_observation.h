@@ -9,9 +9,10 @@ namespace floorloc {
 
 /// What a Localizer needs of a frame: computed once, localized as often as needed.
 struct FrameObservation {
-  Features features;     ///< base frame
-  FrameSamples samples;  ///< to be aligned to the mosaic
-  RectM roi;             ///< region of interest of the camera, base frame
+  Features features;            ///< base frame
+  FrameSamples samples;         ///< to be aligned to the mosaic
+  RectM roi;                    ///< region of interest of the camera, base frame
+  double offset_sigma_m = 0.0;  ///< FloorPlane::offset_sigma_m of the camera
   double rectify_ms = 0.0;
   double features_ms = 0.0;
 };

@@ -143,6 +143,8 @@ struct Localizer::Impl {
       return;
     }
     FillPose(best, frame.samples.center(), result);
+    // The camera's place in the robot: no image shows its error, which is the same in all frames.
+    result->covariance.topLeftCorner<2, 2>().diagonal().array() += frame.offset_sigma_m * frame.offset_sigma_m;
   }
 
   // center_in_base: centre of the visible floor, metres.
@@ -186,8 +188,12 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
   const GroundImage image = rectifier.Rectify(raw);
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
-  FrameObservation frame{impl_->extractor->Extract(image, prepared), FrameSamples(image, prepared, rectifier.camera()),
-                         rectifier.camera().floor.roi, rectify_ms, 0.0};
+  FrameObservation frame{impl_->extractor->Extract(image, prepared),
+                         FrameSamples(image, prepared, rectifier.camera()),
+                         rectifier.camera().floor.roi,
+                         rectifier.camera().floor.offset_sigma_m,
+                         rectify_ms,
+                         0.0};
   frame.features_ms = stage.LapMs();
   return frame;
 }

@@ -232,6 +232,10 @@ class Fit {
     problem_.variance = count > 0.0 ? std::max(squares / count, 1.0) : 1.0;
   }
 
+  double CalibrationSigmaPx() const {
+    return frame_.calibration_sigma_px() > 0.0 ? frame_.calibration_sigma_px() : options_.calibration_sigma_px;
+  }
+
   // Adds the calibration's modes, which are smooth: a cell moves as its centre does.
   MountingProblem WithCalibration(MountingProblem problem) const {
     const Warp warp = MakeWarp();
@@ -261,8 +265,7 @@ class Fit {
     }
     const Eigen::Vector2d bent = MountingJacobian(frame_.camera_center(), frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
-    const MountingEstimate estimate =
-        MarginalizeMounting(WithCalibration(problem_), unknowns_, options_.calibration_sigma_px);
+    const MountingEstimate estimate = MarginalizeMounting(WithCalibration(problem_), unknowns_, CalibrationSigmaPx());
     // From the motion about the frame's centre to the pose of the base.
     const double yaw = start_.yaw() + estimate.mean(2);
     const Eigen::Vector2d arm = Pose2(0.0, 0.0, yaw) * frame_.center();
@@ -320,7 +323,7 @@ double PhotometricFit::TrimmedCorrelation(double share) const {
 }
 
 FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, const FloorCamera& camera)
-    : camera_center_(camera.CameraCenter()), grid_(image.grid) {
+    : camera_center_(camera.CameraCenter()), calibration_sigma_px_(camera.camera.sigma_px), grid_(image.grid) {
   const GroundGrid& grid = image.grid;
   center_ = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));
   radius_m_ = 0.5 * grid.resolution_m * std::hypot(grid.width_px, grid.height_px);

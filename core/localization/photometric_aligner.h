@@ -65,6 +65,8 @@ class FrameSamples {
   /// Mean position of a cell's samples, base frame, metres; and how an error of the calibration displaces it.
   const Eigen::Vector2d& cell_center(int c) const { return cell_centers_[static_cast<std::size_t>(c)]; }
   const CalibrationJacobian& cell_modes(int c) const { return cell_modes_[static_cast<std::size_t>(c)]; }
+  /// CameraModel::sigma_px of the camera; 0: unknown.
+  double calibration_sigma_px() const { return calibration_sigma_px_; }
   /// Position of the camera in the base frame, metres.
   const Eigen::Vector3d& camera_center() const { return camera_center_; }
   /// Cell of a point of the base frame; -1 outside the image.
@@ -79,6 +81,7 @@ class FrameSamples {
   std::vector<Eigen::Vector2d> cell_centers_;
   std::vector<CalibrationJacobian> cell_modes_;
   Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();
+  double calibration_sigma_px_ = 0.0;
   GroundGrid grid_;
   Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;  // of the circle about the centre that holds all samples

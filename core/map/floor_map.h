@@ -43,7 +43,9 @@ struct MapInfo {
   RectM extent;               ///< of the surveyed floor, map frame
   double area_m2 = 0.0;       ///< surveyed floor
   ExtractorOptions extractor;
-  std::vector<FloorCamera> cameras;  ///< one per survey, at least one
+  std::vector<FloorCamera> cameras;  ///< one per survey, at least one; corrected by self-calibration
+  /// One per survey: its camera as the survey had it, before the images corrected it. Empty: the file does not tell.
+  std::vector<FloorCamera> given_cameras;
   std::vector<MapParent> parents;
   std::vector<MapFileLayer> layers;  ///< as the file has them, also those that this program does not know
   std::string surveys_json;          ///< provenance: one object per survey

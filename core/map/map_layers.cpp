@@ -17,20 +17,30 @@ namespace {
 struct KnownLayer {
   const char* name;
   int version;
-  std::array<const char*, 2> rows;
+  bool required;
+  std::array<const char*, 2> rows;  // nullptr: none
 };
 
-constexpr std::array<KnownLayer, 3> kKnownLayers = {{
+constexpr std::array<KnownLayer, 4> kKnownLayers = {{
+    {kCalibrationLayer,
+     1,
+     false,
+     {"SELECT survey, sigma_px, offset_sigma_m, given_fx, given_fy, given_cx, given_cy, given_distortion, "
+      "given_homography FROM calibration ORDER BY survey",
+      nullptr}},
     {"frames",
      1,
+     true,
      {"SELECT id, survey, stamp_ns, filename, x, y, yaw, gain, odom_x, odom_y, odom_yaw FROM frame ORDER BY id",
       "SELECT first, second, x, y, yaw, covariance, inliers, rms_m, residual_sigma FROM link ORDER BY first, second"}},
     {"keypoints",
      1,
+     true,
      {"SELECT keypoint_tile_m, descriptor_type, descriptor_length FROM map",
       "SELECT x, y, count, checksum FROM keypoint_tile ORDER BY x, y"}},
     {"mosaic",
      1,
+     true,
      {"SELECT resolution_m, mosaic_tile_px, mosaic_max_zoom FROM map",
       "SELECT z, x, y, checksum FROM mosaic_tile ORDER BY z, x, y"}},
 }};
@@ -51,10 +61,10 @@ MapFileLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement
   if (!IsSha256(layer.content_hash)) {
     row.Refuse("content_hash is no SHA-256 in hex");
   }
-  // This program needs every known layer, so a newer version of one is unsupported, required or not.
+  // A newer version of a layer that this program needs is unsupported, whatever the file calls it.
   const KnownLayer* known = FindKnown(layer.name);
-  layer.known = known != nullptr;
-  if (layer.known ? layer.version > known->version : layer.required) {
+  layer.known = known != nullptr && layer.version <= known->version;
+  if (!layer.known && (layer.required || (known != nullptr && known->required))) {
     throw MapError(connection.file().string() + " has the layer '" + layer.name + "' in version " +
                        std::to_string(layer.version) +
                        ", which this program does not know and must not leave out; use a newer version of floorloc",
@@ -65,11 +75,17 @@ MapFileLayer ReadLayer(const SqliteConnection& connection, const SqliteStatement
 
 }  // namespace
 
+bool HasLayer(const std::vector<MapFileLayer>& layers, const std::string& name) {
+  return std::any_of(layers.begin(), layers.end(), [&](const MapFileLayer& l) { return l.known && l.name == name; });
+}
+
 std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection) {
   std::vector<MapFileLayer> layers;
   if (ReadFormatVersion(connection) < kFirstVersionWithLayers) {
     for (const KnownLayer& known : kKnownLayers) {
-      layers.push_back({known.name, 1, true, "", true});
+      if (known.required) {
+        layers.push_back({known.name, 1, true, "", true});
+      }
     }
     return layers;
   }
@@ -78,7 +94,8 @@ std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection) {
     layers.push_back(ReadLayer(connection, statement));
   }
   for (const KnownLayer& known : kKnownLayers) {
-    if (std::none_of(layers.begin(), layers.end(), [&](const MapFileLayer& l) { return l.name == known.name; })) {
+    if (known.required &&
+        std::none_of(layers.begin(), layers.end(), [&](const MapFileLayer& l) { return l.name == known.name; })) {
       ThrowDamaged(connection, "it has no layer '" + std::string(known.name) + "'");
     }
   }
@@ -86,9 +103,10 @@ std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection) {
 }
 
 void WriteLayers(const SqliteConnection& connection) {
-  SqliteStatement insert(connection, "INSERT INTO layer VALUES (?,?,1,?)");
+  SqliteStatement insert(connection, "INSERT INTO layer VALUES (?,?,?,?)");
   for (const KnownLayer& known : kKnownLayers) {
-    insert.Bind(std::string(known.name)).Bind(known.version).Bind(ComputeLayerHash(connection, known.name)).Run();
+    insert.Bind(std::string(known.name)).Bind(known.version).Bind(known.required ? 1 : 0);
+    insert.Bind(ComputeLayerHash(connection, known.name)).Run();
   }
 }
 
@@ -96,7 +114,9 @@ std::string ComputeLayerHash(const SqliteConnection& connection, const std::stri
   const KnownLayer* known = FindKnown(name);
   ContentHash hash;
   for (const char* rows : known->rows) {
-    AddRows(connection, rows, &hash);
+    if (rows != nullptr) {
+      AddRows(connection, rows, &hash);
+    }
   }
   return hash.Hex();
 }

@@ -11,6 +11,13 @@ namespace floorloc {
 
 // The table of layers: schema/README.md has the policy.
 
+/// What the calibrations of the surveys' cameras are worth, and what they were before the images corrected them.
+/// Optional.
+inline constexpr const char* kCalibrationLayer = "calibration";
+
+/// True for a layer that the file has and this program reads.
+bool HasLayer(const std::vector<MapFileLayer>& layers, const std::string& name);
+
 /// The layers of a map, by name. Throws a MapError: unsupported when one is required that this program does not know,
 /// damaged when one is missing that it needs. Maps of format version 2 have no table, and these layers in version 1.
 std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection);

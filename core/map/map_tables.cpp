@@ -81,6 +81,42 @@ std::vector<FloorCamera> ReadCameras(const SqliteConnection& connection) {
   return cameras;
 }
 
+// Fills in what the cameras are worth and what they were before.
+void ReadCalibration(const SqliteConnection& connection, MapInfo* info) {
+  constexpr double kMaxSigmaPx = 1e4;
+  SqliteStatement statement(connection,
+                            "SELECT survey, sigma_px, offset_sigma_m, given_fx, given_fy, given_cx, given_cy, "
+                            "given_distortion, given_homography FROM calibration ORDER BY survey");
+  while (statement.Step()) {
+    const std::size_t survey = info->given_cameras.size();
+    const CheckedRow row(connection, statement, "calibration " + std::to_string(survey));
+    if (survey >= info->cameras.size() || row.Long(0, "survey") != static_cast<std::int64_t>(survey)) {
+      row.Refuse("it does not belong to a camera");
+    }
+    FloorCamera& camera = info->cameras[survey];
+    camera.camera.sigma_px = row.Real(1, "sigma_px", 0.0, kMaxSigmaPx);
+    camera.floor.offset_sigma_m = row.Real(2, "offset_sigma_m", 0.0, kMaxRoiM);
+    FloorCamera given = camera;
+    given.camera.fx = row.Real(3, "given_fx", 0.0, kMaxReal);
+    given.camera.fy = row.Real(4, "given_fy", 0.0, kMaxReal);
+    given.camera.cx = row.Real(5, "given_cx", -kMaxReal, kMaxReal);
+    given.camera.cy = row.Real(6, "given_cy", -kMaxReal, kMaxReal);
+    given.camera.distortion = row.Doubles(7, "given_distortion", camera.camera.distortion.size());
+    const std::vector<double> homography = row.Doubles(8, "given_homography", 9);
+    given.floor.base_from_pixel = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(homography.data());
+    given.camera.sigma_px = given.floor.offset_sigma_m = 0.0;
+    try {
+      given.Check();
+    } catch (const std::invalid_argument& error) {
+      row.Refuse(error.what());
+    }
+    info->given_cameras.push_back(given);
+  }
+  if (info->given_cameras.size() != info->cameras.size()) {
+    ThrowDamaged(connection, "a camera has no row in calibration");
+  }
+}
+
 std::vector<MapParent> ReadParents(const SqliteConnection& connection) {
   SqliteStatement statement(connection, "SELECT relation, id, content_version FROM parent ORDER BY rowid");
   std::vector<MapParent> parents;
@@ -208,6 +244,9 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
   info.cameras = ReadCameras(connection);
   info.parents = ReadParents(connection);
   info.layers = ReadLayers(connection);
+  if (HasLayer(info.layers, kCalibrationLayer)) {
+    ReadCalibration(connection, &info);
+  }
   return info;
 }
 

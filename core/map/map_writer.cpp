@@ -33,6 +33,14 @@ void WriteCamera(const SqliteConnection& connection, int survey, const FloorCame
   insert.Bind(c.floor.resolution_m).Run();
 }
 
+void WriteCalibration(const SqliteConnection& connection, int survey, const FloorCamera& c, const FloorCamera& given) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> homography = given.floor.base_from_pixel;
+  SqliteStatement insert(connection, "INSERT INTO calibration VALUES (?,?,?,?,?,?,?,?,?)");
+  insert.Bind(survey).Bind(c.camera.sigma_px).Bind(c.floor.offset_sigma_m);
+  insert.Bind(given.camera.fx).Bind(given.camera.fy).Bind(given.camera.cx).Bind(given.camera.cy);
+  insert.Bind(PackDoubles(given.camera.distortion)).Bind(PackDoubles(std::span(homography.data(), 9))).Run();
+}
+
 }  // namespace
 
 struct MapWriter::Impl {
@@ -63,7 +71,10 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
     SqliteStatement(connection, "INSERT INTO extractor_parameter VALUES (?,?)").Bind(name).Bind(value).Run();
   }
   for (std::size_t survey = 0; survey < info.cameras.size(); ++survey) {
-    WriteCamera(connection, static_cast<int>(survey), info.cameras[survey]);
+    const FloorCamera& camera = info.cameras[survey];
+    WriteCamera(connection, static_cast<int>(survey), camera);
+    WriteCalibration(connection, static_cast<int>(survey), camera,
+                     info.given_cameras.empty() ? camera : info.given_cameras[survey]);
   }
   for (const MapParent& parent : info.parents) {
     SqliteStatement(connection, "INSERT INTO parent VALUES (?,?,?)")

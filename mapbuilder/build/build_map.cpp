@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 
+#include "core/map/camera_correction.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build/build_findings.h"
@@ -40,6 +41,21 @@ class StageClock {
 
 std::unique_ptr<BaseMap> OpenBaseMap(const std::filesystem::path& file) {
   return file.empty() ? nullptr : std::make_unique<BaseMap>(file);
+}
+
+// Surveys at the base map's resolution; cameras that it knows are corrected as its surveys corrected them.
+std::vector<LoadedSurvey> LoadSurveysFor(const BuildOptions& options, const BaseMap* base) {
+  if (base == nullptr) {
+    return LoadSurveys(options.surveys, BadFramePolicy::kSkip);
+  }
+  const MapInfo& info = base->map.info;
+  std::vector<LoadedSurvey> surveys =
+      LoadSurveys(options.surveys, BadFramePolicy::kSkip, info.camera().floor.resolution_m);
+  for (LoadedSurvey& loaded : surveys) {
+    loaded.survey.camera = CorrectedOrGiven(info, loaded.given_camera);
+    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera, loaded.survey.mask);
+  }
+  return surveys;
 }
 
 // Frames of a survey with their features, and how many of them were restored from the journal of an earlier run.
@@ -129,8 +145,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   BuildReport report;
   StageClock clock(&report);
   const std::unique_ptr<BaseMap> base = OpenBaseMap(requested.extend);
-  std::vector<LoadedSurvey> surveys =
-      LoadSurveys(requested.surveys, BadFramePolicy::kSkip, base ? base->map.info.camera().floor.resolution_m : 0.0);
+  std::vector<LoadedSurvey> surveys = LoadSurveysFor(requested, base.get());
   const BuildOptions options = WithSharedOptions(requested, surveys, base.get());
   MapWriter writer(options.out);  // first, so that an unwritable output fails before the work is done
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.run.progress.stream);

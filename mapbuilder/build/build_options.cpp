@@ -23,6 +23,7 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
     options.extractor = base->map.info.extractor;
     options.mosaic.tile_px = base->map.mosaic.tile_px;
     options.mosaic.resolution_m = base->map.mosaic.resolution_m;
+    options.self_calibration.automatic = false;  // the base map's frames are not adjusted
   }
   options.placement.registration.run = options.run;
   const FloorPlane& floor = surveys.front().survey.camera.floor;

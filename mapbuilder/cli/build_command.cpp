@@ -21,7 +21,7 @@ struct Arguments {
   VideoArguments video;
   std::string features = "auto";
   std::string poses_file;
-  std::vector<std::string> self_calibrate;
+  std::vector<std::string> self_calibrate{"auto"};
   std::vector<double> poses_sigma;
   std::filesystem::path report;
   bool no_held_out = false;
@@ -76,7 +76,7 @@ void Run(Arguments& a) {
   if (a.features != "auto") {
     a.options.extractor.type = ParseExtractorType(a.features);
   }
-  a.options.self_calibration.unknowns = ParseCameraUnknowns(a.self_calibrate);
+  ParseCameraUnknowns(a.self_calibrate, &a.options.self_calibration);
   if (!a.poses_file.empty()) {
     a.options.poses = ReadTrajectory(a.poses_file);
   }
@@ -144,11 +144,13 @@ void AddBuildCommand(CLI::App& app) {
       ->expected(2)
       ->needs("--poses");
   command
-      ->add_option("--self-calibrate", a->self_calibrate,
-                   "Correct the surveys' calibration from the images: mounting (pitch and roll), distortion and,\n"
-                   "with control points, markers, known distances or --poses, height, focal")
+      ->add_option(
+          "--self-calibrate", a->self_calibrate,
+          "What the images correct of the surveys' calibration: auto (all that they tell), none, or a list of\n"
+          "mounting (pitch and roll), distortion and, with control points, markers, known distances or\n"
+          "--poses, height, focal")
       ->delimiter(',')
-      ->check(CLI::IsMember({"mounting", "height", "focal", "distortion"}));
+      ->check(CLI::IsMember({"auto", "none", "mounting", "height", "focal", "distortion"}));
   AddMarkerOptions(*command, a->options.markers);
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,

@@ -41,6 +41,12 @@ void AppendProvenance(const MapInfo& info, nlohmann::ordered_json* provenance) {
   }
 }
 
+// Cameras as the surveys had them; those of a file that does not tell are taken as its cameras.
+void AppendGivenCameras(const MapInfo& info, std::vector<FloorCamera>* given) {
+  const std::vector<FloorCamera>& cameras = info.given_cameras.empty() ? info.cameras : info.given_cameras;
+  given->insert(given->end(), cameras.begin(), cameras.end());
+}
+
 MapInfo NewInfo(const std::string& name, const std::string& id) {
   MapInfo info;
   info.builder_version = FLOORLOC_VERSION;
@@ -58,11 +64,13 @@ MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& su
   if (base_map != nullptr) {
     const MapInfo& before = base_map->map.info;
     info.cameras = before.cameras;
+    AppendGivenCameras(before, &info.given_cameras);
     info.parents = {{"extends", before.id, before.content_version}};
     AppendProvenance(before, &provenance);
   }
   for (const LoadedSurvey& loaded : surveys) {
     info.cameras.push_back(loaded.survey.camera);
+    info.given_cameras.push_back(loaded.given_camera);
     provenance.push_back(ProvenanceOf(loaded.survey));
   }
   info.surveys_json = provenance.dump();
@@ -76,6 +84,7 @@ MapInfo MakeMergedInfo(const std::string& name, const BaseMap& first, const Base
   for (const BaseMap* map : {&first, &second}) {
     const MapInfo& before = map->map.info;
     info.cameras.insert(info.cameras.end(), before.cameras.begin(), before.cameras.end());
+    AppendGivenCameras(before, &info.given_cameras);
     info.parents.push_back({"merges", before.id, before.content_version});
     AppendProvenance(before, &provenance);
   }

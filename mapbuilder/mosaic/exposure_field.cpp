@@ -78,7 +78,8 @@ ExposureField::ExposureField(const MosaicInput& input, const FrameIndex& index, 
     : input_(input), index_(index), surveys_(surveys), grids_(MakeExposureGrids(input.surveys)) {}
 
 FrameView ExposureField::ViewOf(int frame) const {
-  return {surveys_[SurveyOf(frame)], *input_.map_from_base[static_cast<std::size_t>(frame)]};
+  const auto i = static_cast<std::size_t>(frame);
+  return {surveys_[SurveyOf(frame)], *input_.map_from_base[i], input_.frames[i].mounting_error};
 }
 
 std::optional<ExposureField::ColorSample> ExposureField::SampleFrame(int frame, const FrameView& view,

@@ -24,10 +24,12 @@ cv::Mat DepthOf(const cv::Mat& mask) {
 SurveyView::SurveyView(const LoadedSurvey& survey, cv::Mat gain)
     : rectifier(survey.rectifier), depth(DepthOf(survey.rectifier->mask())), flat_gain(std::move(gain)) {}
 
-FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base)
+FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base, const MountingError& error)
     : survey_(&survey),
       map_from_base_(Eigen::Translation2d(map_from_base.translation()) * Eigen::Rotation2Dd(map_from_base.yaw())),
-      base_from_map_(map_from_base_.inverse()) {}
+      base_from_map_(map_from_base_.inverse()),
+      camera_center_(survey.rectifier->camera().CameraCenter()),
+      mounting_error_(error.rotation_rad.x(), error.rotation_rad.y(), error.rotation_rad.z(), error.height_share) {}
 
 cv::Rect FrameView::Footprint(const MosaicGrid& grid) const {
   const RectM& roi = survey_->rectifier->camera().floor.roi;
@@ -63,7 +65,10 @@ float FrameView::FlatGain(const Eigen::Vector2d& point_in_map) const {
 }
 
 cv::Vec2f FrameView::RawPixel(const Eigen::Vector2d& point_in_map) const {
-  const Eigen::Vector2d raw = survey_->rectifier->camera().RawPixelFromFloor(base_from_map_ * point_in_map);
+  const Eigen::Vector2d in_base = base_from_map_ * point_in_map;
+  // Where the calibrated camera would see the point that the displaced one sees here.
+  const Eigen::Vector2d calibrated = in_base - MountingJacobian(camera_center_, in_base) * mounting_error_;
+  const Eigen::Vector2d raw = survey_->rectifier->camera().RawPixelFromFloor(calibrated);
   if (!raw.allFinite()) {
     return {kFarOutsidePx, kFarOutsidePx};
   }

@@ -24,7 +24,7 @@ struct SurveyView {
 /// Geometry of a placed frame for resampling into the mosaic.
 class FrameView {
  public:
-  FrameView(const SurveyView& survey, const Pose2& map_from_base);
+  FrameView(const SurveyView& survey, const Pose2& map_from_base, const MountingError& mounting_error);
 
   Eigen::Vector2d BaseFromMap(const Eigen::Vector2d& p) const { return base_from_map_ * p; }
   Eigen::Vector2d MapFromBase(const Eigen::Vector2d& p) const { return map_from_base_ * p; }
@@ -45,6 +45,8 @@ class FrameView {
   const SurveyView* survey_;
   Eigen::Isometry2d map_from_base_;
   Eigen::Isometry2d base_from_map_;
+  Eigen::Vector3d camera_center_;   // base frame, metres
+  Eigen::Vector4d mounting_error_;  // rotation, height share
 };
 
 }  // namespace floorloc

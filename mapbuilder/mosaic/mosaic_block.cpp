@@ -129,7 +129,8 @@ NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<in
   std::vector<FrameView> views;
   for (const int frame : frames) {
     const auto i = static_cast<std::size_t>(frame);
-    views.emplace_back(surveys_[static_cast<std::size_t>(input_.frames[i].survey)], *input_.map_from_base[i]);
+    views.emplace_back(surveys_[static_cast<std::size_t>(input_.frames[i].survey)], *input_.map_from_base[i],
+                       input_.frames[i].mounting_error);
   }
   NodeChoices choices = ChooseFrames(grid, views);
   const std::vector<int> chosen = ChosenCandidates(choices, views.size());

@@ -6,12 +6,18 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/input_error.h"
+#include "core/map/camera_correction.h"
 
 namespace floorloc {
 namespace {
 
 // Maximum mean tilt of gravity from the IMU's z axis.
 constexpr double kMaxTilt = 0.2;
+
+FloorCamera CameraOf(const MapInfo& info, const Survey& survey, const FuseFramesOptions& options) {
+  const FloorCamera camera = options.correct_camera ? CorrectedOrGiven(info, survey.camera) : survey.camera;
+  return camera.AtResolution(info.camera().floor.resolution_m);
+}
 
 /// Replays a drive through the tracker.
 class Run {
@@ -20,7 +26,7 @@ class Run {
       : localizer_(localizer),
         survey_(survey),
         options_(options),
-        rectifier_(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask),
+        rectifier_(CameraOf(localizer.map().info, survey, options), survey.mask),
         tracker_(options.tracker, localizer.map().info.camera().floor.resolution_m) {}
 
   FusedDrive All() {

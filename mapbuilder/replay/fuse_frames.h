@@ -15,7 +15,8 @@ struct FuseFramesOptions {
   TrackerOptions tracker;
   bool use_prior = true;  ///< false: global search for every frame
   bool use_imu = true;
-  bool dense = false;  ///< poses at every message instead of at the frames only
+  bool correct_camera = true;  ///< by the map's self-calibration, if the camera is that of one of its surveys
+  bool dense = false;          ///< poses at every message instead of at the frames only
   RunOptions run;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.

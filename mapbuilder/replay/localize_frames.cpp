@@ -9,6 +9,7 @@
 #include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/map/camera_correction.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
@@ -137,7 +138,9 @@ void LocalizeFramesOptions::Check() const {
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,
                                            const LocalizeFramesOptions& options) {
   options.Check();
-  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask);
+  const MapInfo& info = localizer.map().info;
+  const FloorCamera camera = options.correct_camera ? CorrectedOrGiven(info, survey.camera) : survey.camera;
+  const Rectifier rectifier(camera.AtResolution(info.camera().floor.resolution_m), survey.mask);
   if (options.prior == PriorSource::kOdometry) {
     return LocalizeWithOdometry(localizer, rectifier, survey, options);
   }

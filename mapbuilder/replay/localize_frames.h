@@ -25,6 +25,7 @@ struct LocalizeFramesOptions {
   PriorSource prior = PriorSource::kNone;
   double prior_radius_m = 0.25;
   double prior_yaw_radius_rad = 0.26;
+  bool correct_camera = true;    ///< by the map's self-calibration, if the camera is that of one of its surveys
   RunOptions run{.threads = 1};  ///< not used with PriorSource::kOdometry
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.

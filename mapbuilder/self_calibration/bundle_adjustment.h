@@ -40,11 +40,14 @@ struct ObservedDistance {
   double sigma_m = 1e-3;
 };
 
+/// Standard deviations of a camera's unknowns, as in CameraAdjustment; 0: known exactly.
+using CameraPriors = std::array<double, kCameraUnknowns>;
+
 /// Standard deviations of the priors; 0: known exactly.
 struct BundlePriors {
-  std::array<double, kCameraUnknowns> camera{};  ///< of each camera's unknowns, as in CameraAdjustment
-  double tilt_rad = 0.0;                         ///< of a frame's own roll and pitch: vibration
-  double tilt_height = 0.0;                      ///< of a frame's own relative height
+  std::vector<CameraPriors> cameras;
+  double tilt_rad = 0.0;     ///< of a frame's own roll and pitch: vibration
+  double tilt_height = 0.0;  ///< of a frame's own relative height
 };
 
 /// Unknowns and measurements of the adjustment.
@@ -60,7 +63,6 @@ struct Bundle {
   std::vector<ObservedControlPoint> control_points;
   std::vector<ObservedDistance> distances;
   std::vector<PosePriorFactor> priors;
-  std::vector<Link> odometry;
   std::vector<int> fixed;               ///< frames held constant
   double observation_sigma_m = 2.5e-4;  ///< of a keypoint's coordinates
   BundlePriors prior;
@@ -70,7 +72,7 @@ struct BundleSummary {
   bool converged = false;
   double rms_before_m = 0.0;  ///< of the distances of observations from the mean of their track
   double rms_after_m = 0.0;
-  std::vector<CameraAdjustment> camera_sigma;  ///< standard deviations of `cameras`; the prior's if unobserved
+  std::vector<CameraCovariance> camera_covariance;  ///< of `cameras`; zero for unknowns that are held constant
 };
 
 /// Adjusts poses, floor points, cameras and tilts jointly (bundle adjustment; Triggs et al. 2000) under a Cauchy loss,

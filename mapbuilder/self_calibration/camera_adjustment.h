@@ -20,6 +20,7 @@ constexpr int kCameraUnknowns = 8;
 /// change; k1, k2: change of the first two radial distortion coefficients; p1, p2: of the tangential ones, which an
 /// equidistant lens does not have (no effect).
 using CameraAdjustment = Eigen::Matrix<double, kCameraUnknowns, 1>;
+using CameraCovariance = Eigen::Matrix<double, kCameraUnknowns, kCameraUnknowns>;
 
 /// The camera with changed mounting and lens: rays are rotated about the camera centre, which is raised. Exact, not
 /// linearised.

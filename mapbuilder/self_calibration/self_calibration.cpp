@@ -11,13 +11,15 @@
 #include "core/geometry/mounting.h"
 #include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
+#include "core/map/camera_correction.h"
 #include "mapbuilder/keypoints/keypoint_tracks.h"
+#include "mapbuilder/self_calibration/observation_builder.h"
 
 namespace floorloc {
 namespace {
 
 // Prior standard deviations of calibration errors: roll, pitch, height, focal length, k1, k2, p1, p2.
-constexpr std::array<double, kCameraUnknowns> kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1, 0.005, 0.005};
+constexpr CameraPriors kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1, 0.005, 0.005};
 
 // A round of the calibration. Before the camera is calibrated, views of one floor point scatter more, and a share of
 // the observations is enough.
@@ -29,73 +31,13 @@ constexpr std::array<Round, 4> kRounds = {{{2.5, 0.4}, {1.0, 1.0}, {1.0, 1.0}, {
 
 constexpr double kDistanceSigmaM = 1e-3;
 
-using Jacobian = Eigen::Matrix<double, 2, kCameraUnknowns>;
+// What a usual calibration leaves: roll, pitch (0.2 degrees), height, focal length (0.5 %), k1, k2, p1, p2 (half a
+// pixel at the corner of a 640 x 480 image). An unknown that the images tell worse is better left as given.
+constexpr CameraPriors kUsualSigma = {3.5e-3, 3.5e-3, 5e-3, 5e-3, 0.01, 0.03, 1e-3, 1e-3};
 
-// Derivative of the floor points with respect to the camera, interpolated between the nodes of a grid over the region
-// of interest: it is smooth, and exact values cost sixteen inversions of the lens model.
-class DerivativeGrid {
- public:
-  explicit DerivativeGrid(const FloorCamera& camera) : camera_(camera), derivative_(camera) {
-    const RectM& roi = camera.floor.roi;
-    for (int row = 0; row <= kIntervals; ++row) {
-      for (int column = 0; column <= kIntervals; ++column) {
-        nodes_.push_back(
-            Exact({roi.x_min + roi.width_m() * column / kIntervals, roi.y_min + roi.height_m() * row / kIntervals}));
-      }
-    }
-  }
+constexpr int Index(CameraUnknown unknown) { return static_cast<int>(unknown); }
 
-  Jacobian At(const Eigen::Vector2d& point_in_base) const {
-    const RectM& roi = camera_.floor.roi;
-    if (!roi.Contains(point_in_base)) {
-      return Exact(point_in_base);
-    }
-    const double u = kIntervals * (point_in_base.x() - roi.x_min) / roi.width_m();
-    const double v = kIntervals * (point_in_base.y() - roi.y_min) / roi.height_m();
-    const int column = std::min(static_cast<int>(u), kIntervals - 1);
-    const int row = std::min(static_cast<int>(v), kIntervals - 1);
-    const double a = u - column, b = v - row;
-    return (1.0 - b) * ((1.0 - a) * Node(row, column) + a * Node(row, column + 1)) +
-           b * ((1.0 - a) * Node(row + 1, column) + a * Node(row + 1, column + 1));
-  }
-
- private:
-  static constexpr int kIntervals = 32;
-
-  Jacobian Exact(const Eigen::Vector2d& point_in_base) const {
-    return derivative_.At(camera_.RawPixelFromFloor(point_in_base));
-  }
-  const Jacobian& Node(int row, int column) const {
-    return nodes_[static_cast<std::size_t>(row * (kIntervals + 1) + column)];
-  }
-
-  FloorCamera camera_;
-  AdjustmentDerivative derivative_;
-  std::vector<Jacobian> nodes_;
-};
-
-// Builds the observations of one survey's camera.
-class ObservationBuilder {
- public:
-  explicit ObservationBuilder(const FloorCamera& camera)
-      : camera_(camera), derivative_(camera), center_(camera.CameraCenter()) {}
-
-  Observation Make(int frame, const Eigen::Vector2d& point_in_base) const {
-    Observation observation;
-    observation.frame = frame;
-    observation.point_in_base_m = point_in_base;
-    observation.by_camera = derivative_.At(point_in_base);
-    const Eigen::Matrix<double, 2, 4> mounting = MountingJacobian(center_, point_in_base);
-    observation.by_tilt << mounting.col(0), mounting.col(1), mounting.col(3);
-    return observation;
-  }
-  const FloorCamera& camera() const { return camera_; }
-
- private:
-  FloorCamera camera_;
-  DerivativeGrid derivative_;
-  Eigen::Vector3d center_;
-};
+bool IsTangential(int unknown) { return unknown == Index(CameraUnknown::kP1) || unknown == Index(CameraUnknown::kP2); }
 
 class Calibrator {
  public:
@@ -103,49 +45,60 @@ class Calibrator {
   Calibrator(CalibratedFrames* result, const SelfCalibrationOptions& options)
       : frames_(result->set.frames), surveys_(result->set.surveys), placement_(result->placement), options_(options) {}
 
-  SelfCalibration Run() {
-    RequireScale();
-    SelfCalibration result;
-    result.cameras.resize(surveys_.size());
-    for (std::size_t round = 0; round < kRounds.size(); ++round) {
-      Bundle bundle = MakeBundle(kRounds[round]);
-      for (const CalibratedCamera& camera : result.cameras) {
-        bundle.earlier_change.push_back(camera.change);
-      }
-      const BundleSummary summary = AdjustBundle(&bundle);
-      if (round == 0) {
-        result.rms_before_m = summary.rms_before_m;
-      }
-      result.rms_after_m = summary.rms_after_m;
-      result.tracks = static_cast<int>(bundle.tracks.size());
-      const double moved_px = Apply(bundle, summary, &result);
-      if (round > 0 && moved_px < options_.settled_px) {
-        break;
-      }
-    }
-    for (std::size_t s = 0; s < surveys_.size(); ++s) {
-      result.cameras[s].camera = surveys_[s].survey.camera;
-      surveys_[s].rectifier = std::make_shared<Rectifier>(surveys_[s].survey.camera, surveys_[s].survey.mask);
-    }
-    RemeasureLinks();
-    return result;
-  }
+  SelfCalibration Run();
 
  private:
-  void RequireScale() const;
   bool HasScaleConstraint() const;
+  void ChooseUnknowns();
+  // False when no unknown is left.
+  bool KeepObserved(const BundleSummary& summary);
+  // Why the first round's result must not be applied; empty: it may be.
+  std::string ReasonToGiveUp(const BundleSummary& summary) const;
+  BundleSummary FirstRound(Bundle* bundle);
   Bundle MakeBundle(const Round& round);
   void ChooseTracks(const Round& round, const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
   void AddAbsoluteConstraints(const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
   // Returns by how many pixels of the rectified image the calibration moved the floor at most.
-  double Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result);
+  double Apply(const Bundle& bundle, const BundleSummary& summary);
+  void Finish(const BundleSummary& last);
   void RemeasureLinks();
 
   std::vector<BuildFrame>& frames_;
   std::vector<LoadedSurvey>& surveys_;
   Placement& placement_;
   const SelfCalibrationOptions& options_;
+  std::vector<CameraPriors> priors_;  // one per survey; 0: held constant
+  SelfCalibration result_;
 };
+
+SelfCalibration Calibrator::Run() {
+  ChooseUnknowns();
+  result_.cameras.resize(surveys_.size());
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    result_.cameras[s].given = result_.cameras[s].camera = surveys_[s].survey.camera;
+  }
+  BundleSummary summary;
+  for (std::size_t round = 0; round < kRounds.size(); ++round) {
+    Bundle bundle = MakeBundle(kRounds[round]);
+    summary = round == 0 ? FirstRound(&bundle) : AdjustBundle(&bundle);
+    if (round == 0) {
+      result_.rms_before_m = summary.rms_before_m;
+      result_.given_up = ReasonToGiveUp(summary);
+    }
+    result_.rms_after_m = summary.rms_after_m;
+    result_.tracks = static_cast<int>(bundle.tracks.size());
+    if (!result_.given_up.empty()) {
+      return result_;
+    }
+    const double moved_px = Apply(bundle, summary);
+    if (round > 0 && moved_px < options_.settled_px) {
+      break;
+    }
+  }
+  Finish(summary);
+  RemeasureLinks();
+  return result_;
+}
 
 bool Calibrator::HasScaleConstraint() const {
   const bool poses =
@@ -156,15 +109,85 @@ bool Calibrator::HasScaleConstraint() const {
   return poses || std::any_of(surveys_.begin(), surveys_.end(), fixes_scale);
 }
 
-void Calibrator::RequireScale() const {
+void Calibrator::ChooseUnknowns() {
+  using enum CameraUnknown;
+  const bool scale = HasScaleConstraint();
+  std::vector<CameraUnknown> unknowns = options_.unknowns;
+  if (options_.automatic) {
+    unknowns = {kRoll, kPitch, kK1, kK2, kP1, kP2};
+    if (scale) {
+      unknowns.push_back(kHeight);
+    }
+  }
   const auto asked = [&](CameraUnknown unknown) {
-    return std::find(options_.unknowns.begin(), options_.unknowns.end(), unknown) != options_.unknowns.end();
+    return std::find(unknowns.begin(), unknowns.end(), unknown) != unknowns.end();
   };
-  if ((asked(CameraUnknown::kHeight) || asked(CameraUnknown::kFocal)) && !HasScaleConstraint()) {
+  if ((asked(kHeight) || asked(kFocal)) && !scale) {
     throw InputError(
         "height and focal length are not observable from images alone; add control_points.csv, known_distances.csv, "
         "--markers or --poses, or leave them out of --self-calibrate");
   }
+  for (const LoadedSurvey& loaded : surveys_) {
+    CameraPriors priors{};
+    for (const CameraUnknown unknown : unknowns) {
+      const int i = Index(unknown);
+      const bool exists =
+          !IsTangential(i) || loaded.survey.camera.camera.distortion_model != DistortionModel::kEquidistant;
+      priors[static_cast<std::size_t>(i)] = exists ? kPriorSigma[static_cast<std::size_t>(i)] : 0.0;
+    }
+    priors_.push_back(priors);
+  }
+}
+
+bool Calibrator::KeepObserved(const BundleSummary& summary) {
+  bool any = false;
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    for (int i = 0; i < kCameraUnknowns; ++i) {
+      double& prior = priors_[s][static_cast<std::size_t>(i)];
+      const double sigma = std::sqrt(summary.camera_covariance[s](i, i));
+      if (prior > 0.0 && !(sigma > 0.0 && sigma < kUsualSigma[static_cast<std::size_t>(i)])) {
+        result_.cameras[s].unobserved.push_back(static_cast<CameraUnknown>(i));
+        prior = 0.0;
+      }
+      any = any || prior > 0.0;
+    }
+  }
+  return any;
+}
+
+// An automatic calibration estimates what the images of the first round tell.
+BundleSummary Calibrator::FirstRound(Bundle* bundle) {
+  BundleSummary summary = AdjustBundle(bundle);
+  const std::vector<CameraPriors> all = priors_;
+  if (options_.automatic) {
+    KeepObserved(summary);
+  }
+  if (priors_ != all) {
+    *bundle = MakeBundle(kRounds[0]);
+    summary = AdjustBundle(bundle);
+  }
+  return summary;
+}
+
+std::string Calibrator::ReasonToGiveUp(const BundleSummary& summary) const {
+  if (!options_.automatic) {
+    return "";
+  }
+  const auto nothing = [](const CameraPriors& priors) {
+    return std::all_of(priors.begin(), priors.end(), [](double prior) { return prior <= 0.0; });
+  };
+  if (std::all_of(priors_.begin(), priors_.end(), nothing)) {
+    return "the frames overlap too little to tell it";
+  }
+  if (!summary.converged || summary.rms_after_m > summary.rms_before_m) {
+    return "the adjustment did not converge";
+  }
+  const double scatter_px = summary.rms_after_m / surveys_.front().survey.camera.floor.resolution_m;
+  if (scatter_px > options_.max_scatter_px) {
+    return "floor points scatter by more than the lens and the mounting explain: is the floor plane, and the camera's "
+           "height constant?";
+  }
+  return "";
 }
 
 Bundle Calibrator::MakeBundle(const Round& round) {
@@ -179,12 +202,11 @@ Bundle Calibrator::MakeBundle(const Round& round) {
     bundle.map_from_base.push_back(placement_.map_from_base[i].value_or(Pose2()));
     bundle.camera_of_frame.push_back(frames_[i].survey);
   }
-  for (const CameraUnknown unknown : options_.unknowns) {
-    const auto i = static_cast<std::size_t>(unknown);
-    bundle.prior.camera[i] = kPriorSigma[i];
+  for (const CalibratedCamera& camera : result_.cameras) {
+    bundle.earlier_change.push_back(camera.change);
   }
-  bundle.prior.tilt_rad = options_.tilt_rad;
-  bundle.prior.tilt_height = options_.tilt_height;
+  bundle.prior = {priors_, options_.tilt_rad, options_.tilt_height};
+  bundle.observation_sigma_m = options_.observation_sigma_px * surveys_.front().survey.camera.floor.resolution_m;
   ChooseTracks(round, builders, &bundle);
   AddAbsoluteConstraints(builders, &bundle);
   if (bundle.priors.empty() && bundle.control_points.empty()) {
@@ -259,29 +281,16 @@ void Calibrator::AddAbsoluteConstraints(const std::vector<ObservationBuilder>& b
   }
 }
 
-// Largest displacement of floor points at the region of interest's corners and centre, metres.
-double Displacement(const FloorCamera& before, const FloorCamera& after) {
-  const RectM& roi = before.floor.roi;
-  const Eigen::Vector2d middle = roi.Center();
-  double largest_m = 0.0;
-  for (const double x : {roi.x_min, middle.x(), roi.x_max}) {
-    for (const double y : {roi.y_min, middle.y(), roi.y_max}) {
-      const Eigen::Vector2d p(x, y);
-      const double moved_m = (after.FloorFromRawPixel(before.RawPixelFromFloor(p)) - p).norm();
-      largest_m = std::isfinite(moved_m) ? std::max(largest_m, moved_m) : largest_m;
-    }
-  }
-  return largest_m;
-}
-
-double Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, SelfCalibration* result) {
+double Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary) {
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
-    result->cameras[s].change += bundle.cameras[s];
-    result->cameras[s].sigma = summary.camera_sigma[s];
+    result_.cameras[s].change += bundle.cameras[s];
+    result_.cameras[s].sigma = summary.camera_covariance[s].diagonal().cwiseSqrt();
   }
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (placement_.map_from_base[i]) {
       placement_.map_from_base[i] = bundle.map_from_base[i];
+      const Eigen::Vector3d& tilt = bundle.tilts[i];
+      frames_[i].mounting_error = {{tilt.x(), tilt.y(), 0.0}, tilt.z()};
     }
     const auto survey = static_cast<std::size_t>(frames_[i].survey);
     const FloorCamera& before = surveys_[survey].survey.camera;
@@ -297,9 +306,73 @@ double Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary, Sel
     FloorCamera& camera = surveys_[s].survey.camera;
     const FloorCamera before = camera;
     camera = Adjusted(before, bundle.cameras[s]);
-    moved_px = std::max(moved_px, Displacement(before, camera) / camera.floor.resolution_m);
+    moved_px = std::max(moved_px, LargestDisplacement(before, camera) / camera.floor.resolution_m);
   }
   return moved_px;
+}
+
+// Standard deviation of a floor point's displacement by the camera's unknowns, metres; root mean square of both axes.
+double DisplacementSigma(const DerivativeGrid::Jacobian& jacobian, const CameraCovariance& covariance) {
+  return std::sqrt(0.5 * (jacobian * covariance * jacobian.transpose()).trace());
+}
+
+// Side of a raw pixel on the floor at the centre of the region of interest, metres.
+double PixelFootprint(const FloorCamera& camera) {
+  const Eigen::Vector2d center = camera.floor.roi.Center();
+  const Eigen::Vector2d raw = camera.RawPixelFromFloor(center);
+  const Eigen::Vector2d right = camera.FloorFromRawPixel(raw + Eigen::Vector2d(1.0, 0.0)) - center;
+  const Eigen::Vector2d down = camera.FloorFromRawPixel(raw + Eigen::Vector2d(0.0, 1.0)) - center;
+  return std::sqrt(std::abs(right.x() * down.y() - right.y() * down.x()));
+}
+
+// What the calibrated camera is worth: of its corners relative to its centre in the image, and of its centre in the
+// base.
+FloorCamera WithSigmas(FloorCamera camera, const CameraCovariance& covariance, double unmodelled_px) {
+  const DerivativeGrid derivative(camera);
+  const RectM& roi = camera.floor.roi;
+  const DerivativeGrid::Jacobian center = derivative.At(roi.Center());
+  double largest_m = 0.0;
+  for (const double x : {roi.x_min, roi.x_max}) {
+    for (const double y : {roi.y_min, roi.y_max}) {
+      const DerivativeGrid::Jacobian corner = derivative.At({x, y}) - center;
+      const double sigma_m = DisplacementSigma(corner, covariance);
+      largest_m = std::isfinite(sigma_m) ? std::max(largest_m, sigma_m) : largest_m;
+    }
+  }
+  camera.camera.sigma_px = std::hypot(largest_m / PixelFootprint(camera), unmodelled_px);
+  camera.floor.offset_sigma_m = DisplacementSigma(center, covariance);
+  return camera;
+}
+
+// Moves the keypoints to where the frame's displaced camera saw them.
+void CorrectForMounting(const Eigen::Vector3d& camera_center, BuildFrame* frame) {
+  const MountingError& error = frame->mounting_error;
+  Eigen::Vector4d displaced;
+  displaced << error.rotation_rad, error.height_share;
+  for (Keypoint& keypoint : frame->features.keypoints) {
+    const Eigen::Vector2d p = keypoint.Position();
+    const Eigen::Vector2d moved = p + MountingJacobian(camera_center, p) * displaced;
+    keypoint.x_m = static_cast<float>(moved.x());
+    keypoint.y_m = static_cast<float>(moved.y());
+  }
+}
+
+void Calibrator::Finish(const BundleSummary& last) {
+  for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    CalibratedCamera& calibrated = result_.cameras[s];
+    CameraCovariance covariance = last.camera_covariance[s];
+    for (const CameraUnknown unknown : calibrated.unobserved) {
+      const double sigma = kUsualSigma[static_cast<std::size_t>(unknown)];
+      covariance(Index(unknown), Index(unknown)) = sigma * sigma;
+    }
+    FloorCamera& camera = surveys_[s].survey.camera;
+    camera = WithSigmas(camera, covariance, options_.unmodelled_px);
+    calibrated.camera = camera;
+    surveys_[s].rectifier = std::make_shared<Rectifier>(camera, surveys_[s].survey.mask);
+  }
+  for (BuildFrame& frame : frames_) {
+    CorrectForMounting(surveys_[static_cast<std::size_t>(frame.survey)].survey.camera.CameraCenter(), &frame);
+  }
 }
 
 // Registers linked frames again, since links measured with the old camera are inconsistent with the new one.
@@ -326,26 +399,30 @@ void Calibrator::RemeasureLinks() {
 
 }  // namespace
 
-std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& names) {
-  std::vector<CameraUnknown> unknowns;
-  for (const std::string& name : names) {
-    if (name == "mounting") {
-      unknowns.insert(unknowns.end(), {CameraUnknown::kRoll, CameraUnknown::kPitch});
-    } else if (name == "height") {
-      unknowns.push_back(CameraUnknown::kHeight);
-    } else if (name == "focal") {
-      unknowns.push_back(CameraUnknown::kFocal);
-    } else if (name == "distortion") {
-      unknowns.insert(unknowns.end(), {CameraUnknown::kK1, CameraUnknown::kK2, CameraUnknown::kP1, CameraUnknown::kP2});
-    } else {
-      throw std::invalid_argument("unknown '" + name + "' (mounting, height, focal, distortion)");
-    }
+void ParseCameraUnknowns(const std::vector<std::string>& names, SelfCalibrationOptions* options) {
+  using enum CameraUnknown;
+  options->automatic = names == std::vector<std::string>{"auto"};
+  options->unknowns.clear();
+  if (options->automatic || names == std::vector<std::string>{"none"}) {
+    return;
   }
-  return unknowns;
+  static const std::map<std::string, std::vector<CameraUnknown>> kNames = {
+      {"mounting", {kRoll, kPitch}}, {"height", {kHeight}}, {"focal", {kFocal}}, {"distortion", {kK1, kK2, kP1, kP2}}};
+  for (const std::string& name : names) {
+    const auto found = kNames.find(name);
+    if (found == kNames.end()) {
+      throw std::invalid_argument("--self-calibrate: '" + name +
+                                  "' is not auto, none, or a list of mounting, height, focal, distortion");
+    }
+    options->unknowns.insert(options->unknowns.end(), found->second.begin(), found->second.end());
+  }
 }
 
 void SelfCalibrationOptions::Check() const {
   RequireOption(observations_per_frame >= 1, "observations_per_frame must be at least 1");
+  RequireOption(observation_sigma_px > 0.0, "observation_sigma_px must be positive");
+  RequireOption(max_scatter_px > 0.0, "max_scatter_px must be positive");
+  RequireOption(unmodelled_px >= 0.0, "unmodelled_px must not be negative");
   RequireOption(settled_px > 0.0, "settled_px must be positive");
   RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");
   RequireOption(tilt_height >= 0.0, "tilt_height must not be negative");
@@ -355,7 +432,7 @@ void SelfCalibrationOptions::Check() const {
 CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options) {
   options.Check();
   CalibratedFrames result{std::move(set), std::move(placement), {}};
-  if (!options.unknowns.empty()) {
+  if (options.automatic || !options.unknowns.empty()) {
     result.calibration = Calibrator(&result, options).Run();
   }
   return result;

@@ -12,11 +12,18 @@
 namespace floorloc {
 
 struct SelfCalibrationOptions {
+  /// Estimates all unknowns that the survey makes observable; `unknowns` is not used.
+  bool automatic = true;
   std::vector<CameraUnknown> unknowns;  ///< of every survey's camera; empty: no self-calibration
   int observations_per_frame = 80;      ///< keypoints of a frame that take part
+  double observation_sigma_px = 0.36;   ///< of a keypoint's coordinates, pixels of the rectified image
   /// The calibration is done when a round moves the floor in the image by less than this, pixels: a tenth of a
   /// keypoint's error.
   double settled_px = 0.05;
+  /// An automatic calibration is given up when floor points scatter more than this in the frames, pixels, once the
+  /// camera is calibrated: the frames are not those of one rigid camera over a plane.
+  double max_scatter_px = 1.5;
+  double unmodelled_px = 0.1;            ///< what no unknown of the calibration describes, at the corners
   double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
   double tilt_height = 5e-4;             ///< and of its height, as a share
   PairRegistrationOptions registration;  ///< for the links, which are measured again
@@ -25,20 +32,23 @@ struct SelfCalibrationOptions {
   void Check() const;
 };
 
-/// Parses names from the command line: "mounting" (roll and pitch), "height", "focal", "distortion" (k1, k2,
-/// p1, p2). Throws
-/// std::invalid_argument.
-std::vector<CameraUnknown> ParseCameraUnknowns(const std::vector<std::string>& names);
+/// Parses names from the command line: "auto", "none", or a list of "mounting" (roll and pitch), "height", "focal",
+/// "distortion" (k1, k2, p1, p2). Throws std::invalid_argument.
+void ParseCameraUnknowns(const std::vector<std::string>& names, SelfCalibrationOptions* options);
 
 /// Calibration result of one survey's camera.
 struct CalibratedCamera {
-  FloorCamera camera;
+  FloorCamera given;   ///< as the survey has it
+  FloorCamera camera;  ///< calibrated, with what it is worth
   CameraAdjustment change = CameraAdjustment::Zero();
-  CameraAdjustment sigma = CameraAdjustment::Zero();  ///< standard deviations of the change
+  CameraAdjustment sigma = CameraAdjustment::Zero();  ///< standard deviations of the change; 0: not estimated
+  /// Unknowns that were left as given, since the images tell them worse than a usual calibration does.
+  std::vector<CameraUnknown> unobserved;
 };
 
 struct SelfCalibration {
-  std::vector<CalibratedCamera> cameras;  ///< one per survey; empty: not requested
+  std::vector<CalibratedCamera> cameras;  ///< one per survey; empty: none
+  std::string given_up;                   ///< why an automatic calibration left the cameras as given; empty: it did not
   int tracks = 0;
   double rms_before_m = 0.0;  ///< spread of the views of a floor point, map frame
   double rms_after_m = 0.0;
@@ -51,8 +61,8 @@ struct CalibratedFrames {
   SelfCalibration calibration;
 };
 
-/// Bundle adjustment over the keypoint tracks of placed frames, estimating the given unknowns of every survey's camera
-/// and each frame's own tilt. Height and focal length are observable only where something fixes the scale: control
+/// Bundle adjustment over the keypoint tracks of placed frames, estimating unknowns of every survey's camera and each
+/// frame's own tilt. Height and focal length are observable only where something fixes the scale: control
 /// points, known distances, external poses. Throws InputError when they are requested without these. Without unknowns,
 /// returns the input unchanged.
 CalibratedFrames SelfCalibrate(FrameSet set, Placement placement, const SelfCalibrationOptions& options);

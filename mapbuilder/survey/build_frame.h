@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/mounting.h"
 #include "core/geometry/pose2.h"
 #include "core/io/survey.h"
 #include "core/vision/features/features.h"
@@ -19,6 +20,7 @@ namespace floorloc {
 /// A survey with the rectifier of its camera.
 struct LoadedSurvey {
   Survey survey;
+  FloorCamera given_camera;  ///< of the survey's files; survey.camera may have been corrected
   std::shared_ptr<const Rectifier> rectifier;
 };
 
@@ -35,7 +37,9 @@ struct BuildFrame {
   Features features;   ///< base frame
   cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified image; 0: invalid
   ImageQuality quality;
-  std::string unreadable;                  ///< reason if the image can't be used; else empty
+  std::string unreadable;  ///< reason if the image can't be used; else empty
+  /// Of the camera while the image was taken, by self-calibration; `features` are corrected for it.
+  MountingError mounting_error;
   std::optional<Pose2> odom_from_base;     ///< if the survey has odometry at the frame's stamp
   std::optional<AbsolutePosePrior> prior;  ///< from another system or from localization in the map being extended
 };

@@ -40,12 +40,13 @@ std::vector<LoadedSurvey> LoadSurveys(const std::vector<std::filesystem::path>& 
                                       double resolution_m) {
   std::vector<LoadedSurvey> surveys;
   for (const std::filesystem::path& folder : folders) {
-    LoadedSurvey loaded{ReadSurvey(folder, bad_frames), nullptr};
+    LoadedSurvey loaded{ReadSurvey(folder, bad_frames), {}, nullptr};
     FloorCamera& camera = loaded.survey.camera;
     if (resolution_m > 0.0 || !surveys.empty()) {
       camera =
           camera.AtResolution(resolution_m > 0.0 ? resolution_m : surveys.front().survey.camera.floor.resolution_m);
     }
+    loaded.given_camera = camera;
     loaded.rectifier = std::make_shared<Rectifier>(camera, loaded.survey.mask);
     surveys.push_back(std::move(loaded));
   }

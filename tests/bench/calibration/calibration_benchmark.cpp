@@ -19,7 +19,8 @@ struct Arguments {
   std::vector<std::string> cases;
   int frames = 40;
   std::optional<double> calibration_sigma_px;
-  std::vector<std::string> self_calibrate;
+  std::optional<double> unmodelled_px;
+  std::vector<std::string> self_calibrate{"auto"};
 };
 
 bool Wanted(const std::vector<std::string>& names, const std::string& name) {
@@ -43,7 +44,8 @@ void Run(const Arguments& arguments) {
       "  %-8s %-7s %-6s %-6s %-10s  SIFT + RANSAC: found, median, 95 %%\n",
       "frames", "found", "median", "95 %", "NEES");
   BuildOptions build;
-  build.self_calibration.unknowns = ParseCameraUnknowns(arguments.self_calibrate);
+  ParseCameraUnknowns(arguments.self_calibrate, &build.self_calibration);
+  build.self_calibration.unmodelled_px = arguments.unmodelled_px.value_or(build.self_calibration.unmodelled_px);
   LocalizerOptions localizer;
   localizer.photometric.calibration_sigma_px =
       arguments.calibration_sigma_px.value_or(localizer.photometric.calibration_sigma_px);
@@ -72,6 +74,7 @@ int main(int argc, char** argv) {
   app.add_option("--frames", arguments.frames, "Frames per group")->capture_default_str();
   app.add_option("--calibration-sigma", arguments.calibration_sigma_px,
                  "What the localizer takes the calibration to be worth, pixels; 0: exact");
+  app.add_option("--unmodelled", arguments.unmodelled_px, "What no unknown of the self-calibration describes, pixels");
   app.add_option("--self-calibrate", arguments.self_calibrate, "As of `floorloc-mapbuilder build`")->delimiter(',');
   CLI11_PARSE(app, argc, argv);
   try {

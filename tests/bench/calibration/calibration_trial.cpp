@@ -13,6 +13,7 @@
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
 #include "core/localization/localizer.h"
+#include "core/map/camera_correction.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
@@ -197,8 +198,9 @@ CalibrationResult RunCase(const CalibrationScene& scene, const CalibrationCase& 
   for (const std::string& group : scene.groups) {
     const BenchFrames frames = BenchFrames::Read(Recalibrated(scene.Group(group), test.vehicle, folder / group));
     const int count = static_cast<int>(frames.size());
+    const Rectifier rectifier(CorrectedOrGiven(localizer.map().info, frames.rectifier.camera()));
     const Located ours =
-        LocateAll(frames, [&](const cv::Mat& raw) { return localizer.Localize(frames.rectifier, raw, std::nullopt); });
+        LocateAll(frames, [&](const cv::Mat& raw) { return localizer.Localize(rectifier, raw, std::nullopt); });
     result.rows.push_back({group, ScoreOf(ours, count, map), ScoreOf(LocateBySift(frames, sift), count, map)});
   }
   return result;

@@ -99,7 +99,7 @@ TEST(SelfCalibrationTest, FindsPitchRollAndDistortion) {
       Error(CameraUnknown::kPitch, 0.008) + Error(CameraUnknown::kRoll, -0.005) + Error(CameraUnknown::kK1, 0.01);
   Survey20 survey(error);
   const double before = survey.ShapeErrorM();
-  survey.options.unknowns = ParseCameraUnknowns({"mounting", "distortion"});
+  ParseCameraUnknowns({"mounting", "distortion"}, &survey.options);
   const SelfCalibration found = survey.Run();
   ASSERT_EQ(found.cameras.size(), 1U);
   EXPECT_GT(before, 2e-3);
@@ -109,7 +109,7 @@ TEST(SelfCalibrationTest, FindsPitchRollAndDistortion) {
     const int i = static_cast<int>(unknown);
     EXPECT_NEAR(found.cameras[0].change[i], -error[i], 5.0 * found.cameras[0].sigma[i] + 2e-4) << i;
     EXPECT_GT(found.cameras[0].sigma[i], 0.0);
-    EXPECT_LT(found.cameras[0].sigma[i], 2e-3);
+    EXPECT_LT(found.cameras[0].sigma[i], 3e-3);
   }
   EXPECT_EQ(found.cameras[0].change[static_cast<int>(CameraUnknown::kHeight)], 0.0);  // was not requested
   for (std::size_t i = 0; i < survey.truth.size(); ++i) {
@@ -130,7 +130,7 @@ TEST(SelfCalibrationTest, AKnownDistanceFixesTheHeight) {
   survey.surveys[0].survey.known_distances = {
       {"0", pixel_of(a, 0), "9", pixel_of(b, 9), (a - b).norm()},
       {"0", pixel_of(a, 0), "0", pixel_of(a + Eigen::Vector2d(0.0, 0.1), 0), 0.1}};
-  survey.options.unknowns = ParseCameraUnknowns({"height"});
+  ParseCameraUnknowns({"height"}, &survey.options);
   const SelfCalibration found = survey.Run();
   EXPECT_GT(before, 4e-3);
   EXPECT_LT(survey.ShapeErrorM(), 6e-4);
@@ -146,17 +146,16 @@ TEST(SelfCalibrationTest, ThePriorIsOnTheWholeChangeNotOnEachRounds) {
   const double length_m = 0.02;
   survey.surveys[0].survey.known_distances = {
       {"0", camera.RawPixelFromFloor(a), "0", camera.RawPixelFromFloor(a + Eigen::Vector2d(0.0, length_m)), length_m}};
-  survey.options.unknowns = ParseCameraUnknowns({"height"});
+  ParseCameraUnknowns({"height"}, &survey.options);
   const double change = survey.Run().cameras[0].change[static_cast<int>(CameraUnknown::kHeight)];
   EXPECT_LT(change, -0.03);
   EXPECT_GT(change, -0.06);
 }
 
-// Not bit by bit within one process: Ceres orders what it eliminates by the blocks' addresses.
-TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNothingThatCounts) {
+TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNothing) {
   const auto run = [](int threads) {
     Survey20 survey(Error(CameraUnknown::kPitch, 0.008));
-    survey.options.unknowns = ParseCameraUnknowns({"mounting", "distortion"});
+    ParseCameraUnknowns({"mounting", "distortion"}, &survey.options);
     survey.options.registration.run.threads = threads;
     std::vector<double> numbers;
     const CameraAdjustment change = survey.Run().cameras[0].change;
@@ -167,25 +166,28 @@ TEST(SelfCalibrationTest, TheNumberOfThreadsChangesNothingThatCounts) {
     return numbers;
   };
   const std::vector<double> alone = run(1);
-  EXPECT_THAT(run(2), testing::Pointwise(testing::DoubleNear(1e-9), alone));
-  EXPECT_THAT(run(4), testing::Pointwise(testing::DoubleNear(1e-9), alone));
+  EXPECT_EQ(run(2), alone);
+  EXPECT_EQ(run(4), alone);
 }
 
 TEST(SelfCalibrationTest, HeightWithoutAScaleConstraintIsRefused) {
   Survey20 survey(CameraAdjustment::Zero());
-  survey.options.unknowns = ParseCameraUnknowns({"height"});
+  ParseCameraUnknowns({"height"}, &survey.options);
   EXPECT_THROW(survey.Run(), InputError);
 }
 
 TEST(SelfCalibrationTest, NothingAskedForChangesNothing) {
   Survey20 survey(Error(CameraUnknown::kPitch, 0.01));
   const Pose2 before = *survey.placement.map_from_base[7];
+  ParseCameraUnknowns({"none"}, &survey.options);
   EXPECT_TRUE(survey.Run().cameras.empty());
   EXPECT_EQ(survey.placement.map_from_base[7]->x(), before.x());
 }
 
 TEST(SelfCalibrationTest, UnknownNamesAreRefused) {
-  EXPECT_THROW(ParseCameraUnknowns({"colour"}), std::invalid_argument);
+  SelfCalibrationOptions options;
+  EXPECT_THROW(ParseCameraUnknowns({"colour"}, &options), std::invalid_argument);
+  EXPECT_THROW(ParseCameraUnknowns({"auto", "mounting"}, &options), std::invalid_argument);
 }
 
 }  // namespace
