@@ -189,7 +189,7 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
   FrameObservation frame{impl_->extractor->Extract(image, prepared),
-                         FrameSamples(image, prepared, rectifier.camera()),
+                         FrameSamples(image, prepared, rectifier),
                          rectifier.camera().floor.roi,
                          rectifier.camera().floor.offset_sigma_m,
                          rectify_ms,

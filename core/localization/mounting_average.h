@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "core/localization/calibration_modes.h"
+#include "core/geometry/calibration_modes.h"
 
 namespace floorloc {
 

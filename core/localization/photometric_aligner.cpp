@@ -25,7 +25,9 @@ constexpr double kConvergedPx = 0.25;
 // Margin of the mosaic patch around the frame, so that the fit can move.
 constexpr double kMarginPx = 8.0;
 
-// One row of eight floats per pixel, so that compilers keep it in one register; the eighth is padding.
+// What a pixel tells of a displacement that is linear in the cell: its slope (gx, gy), and the slope times the position
+// relative to the cell's centre (gx dx, gx dy, gy dx, gy dy). Eight floats, so that compilers keep a row in one
+// register; the last two are padding.
 constexpr int kRow = 8;
 using Row = std::array<float, kRow>;
 
@@ -69,9 +71,6 @@ struct Warp {
 
   struct Point {
     float u, v;
-    float arm_x, arm_y;  // rotated, m
-    float dx_rx, dx_ry, dy_rx, dy_ry, dx_rz, dy_rz, dx_h,
-        dy_h;  // derivatives of the floor point by the mounting, map frame
   };
 
   Point At(const FrameSamples::Sample& s) const {
@@ -83,35 +82,13 @@ struct Warp {
     const float bx = -(height + x * x * inverse), by = -x * y * inverse;
     const float px = s.x_m - center_x + ax * rotation_x + bx * rotation_y - y * rotation_z + x * height_share;
     const float py = s.y_m - center_y + ay * rotation_x + by * rotation_y + x * rotation_z + y * height_share;
-    Point p{};
-    p.arm_x = cos_yaw * px - sin_yaw * py;
-    p.arm_y = sin_yaw * px + cos_yaw * py;
-    p.u = middle_u + p.arm_x * per_m;
-    p.v = middle_v - p.arm_y * per_m;
-    p.dx_rx = cos_yaw * ax - sin_yaw * ay;
-    p.dy_rx = sin_yaw * ax + cos_yaw * ay;
-    p.dx_ry = cos_yaw * bx - sin_yaw * by;
-    p.dy_ry = sin_yaw * bx + cos_yaw * by;
-    p.dx_h = cos_yaw * x - sin_yaw * y;
-    p.dy_h = sin_yaw * x + cos_yaw * y;
-    p.dx_rz = -p.dy_h;
-    p.dy_rz = p.dx_h;
-    return p;
-  }
-
-  // Derivative of a floor point in the map with respect to motion and mounting.
-  Eigen::Matrix<double, 2, 7> Motions(const Eigen::Vector2d& point_in_base) const {
-    const Point p = At({static_cast<float>(point_in_base.x()), static_cast<float>(point_in_base.y()), 0.0F});
-    Eigen::Matrix<float, 2, 7> motions;
-    motions << 1.0F, 0.0F, -p.arm_y, p.dx_rx, p.dx_ry, p.dx_rz, p.dx_h, 0.0F, 1.0F, p.arm_x, p.dy_rx, p.dy_ry, p.dy_rz,
-        p.dy_h;
-    return motions.cast<double>();
+    return {middle_u + (cos_yaw * px - sin_yaw * py) * per_m, middle_v - (sin_yaw * px + cos_yaw * py) * per_m};
   }
 };
 
-// Adds the pixels of a cell that lie on surveyed floor. Derivatives are per metre in the map and per radian of
-// mounting.
-void AddCell(std::span<const FrameSamples::Sample> samples, const Warp& warp, const cv::Mat& gray, CellSums* sums) {
+// Adds the pixels of a cell that lie on surveyed floor. Slopes are grey levels per metre in the map.
+void AddCell(std::span<const FrameSamples::Sample> samples, const Eigen::Vector2f& center, const Warp& warp,
+             const cv::Mat& gray, CellSums* sums) {
   for (const FrameSamples::Sample& s : samples) {
     const Warp::Point p = warp.At(s);
     if (!(p.u >= 0.0F && p.v >= 0.0F && p.u < static_cast<float>(gray.cols - 1) &&
@@ -134,26 +111,57 @@ void AddCell(std::span<const FrameSamples::Sample> samples, const Warp& warp, co
     // Image rows run against the y axis.
     const float gx = (upper_slope + b * (lower_slope - upper_slope)) * warp.per_m;
     const float gy = (top - bottom) * warp.per_m;
-    sums->Add(s.value, top + b * (bottom - top) - kMiddle,
-              {gx, gy, gy * p.arm_x - gx * p.arm_y, gx * p.dx_rx + gy * p.dy_rx, gx * p.dx_ry + gy * p.dy_ry,
-               gx * p.dx_rz + gy * p.dy_rz, gx * p.dx_h + gy * p.dy_h, 0.0F});
+    const float dx = s.x_m - center.x();
+    const float dy = s.y_m - center.y();
+    sums->Add(s.value, top + b * (bottom - top) - kMiddle, {gx, gy, gx * dx, gx * dy, gy * dx, gy * dy, 0.0F, 0.0F});
   }
 }
 
-MountingVector ToVector(const Row& row) {
-  MountingVector v;
+using CellVector = Eigen::Matrix<double, 6, 1>;
+using CellMatrix = Eigen::Matrix<double, 6, 6>;
+
+CellVector ToVector(const Row& row) {
+  CellVector v;
   for (int i = 0; i < v.size(); ++i) {
     v(i) = static_cast<double>(row[static_cast<std::size_t>(i)]);
   }
   return v;
 }
 
-MountingMatrix ToMatrix(const std::array<Row, kRow>& rows) {
-  MountingMatrix m;
+CellMatrix ToMatrix(const std::array<Row, kRow>& rows) {
+  CellMatrix m;
   for (int i = 0; i < m.rows(); ++i) {
     m.row(i) = ToVector(rows[static_cast<std::size_t>(i)]).transpose();
   }
   return m;
+}
+
+// First-order expansion of a displacement about a point. displacement: 2xN, of a point of the base frame.
+template <int N, typename Displacement>
+CellDisplacement<N> Expand(const Eigen::Vector2d& center, const Displacement& displacement) {
+  constexpr double kStepM = 1e-3;
+  const Eigen::Matrix<double, 2, N> middle = displacement(center);
+  CellDisplacement<N> expanded;
+  expanded.template topRows<2>() = middle;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Matrix<double, 2, N> slope =
+        (displacement(center + kStepM * Eigen::Vector2d::Unit(axis)) - middle) / kStepM;
+    expanded.row(2 + axis) = slope.row(0);
+    expanded.row(4 + axis) = slope.row(1);
+  }
+  return expanded;
+}
+
+// Turns displacements in the base frame into the map frame.
+template <int N>
+CellDisplacement<N> Turned(const Eigen::Matrix2d& rotation, const CellDisplacement<N>& in_base) {
+  CellDisplacement<N> in_map;
+  in_map.template topRows<2>() = rotation * in_base.template topRows<2>();
+  for (int axis = 0; axis < 2; ++axis) {
+    in_map.row(2 + axis) = rotation(0, 0) * in_base.row(2 + axis) + rotation(0, 1) * in_base.row(4 + axis);
+    in_map.row(4 + axis) = rotation(1, 0) * in_base.row(2 + axis) + rotation(1, 1) * in_base.row(4 + axis);
+  }
+  return in_map;
 }
 
 // One fit of a frame to a patch of the mosaic.
@@ -198,7 +206,7 @@ class Fit {
     double variance = 0.0;
     for (int c = 0; c < frame_.cells(); ++c) {
       CellSums& cell = sums_[static_cast<std::size_t>(c)];
-      AddCell(frame_.cell(c), warp, patch_.gray, &cell);
+      AddCell(frame_.cell(c), frame_.cell_center(c).cast<float>(), warp, patch_.gray, &cell);
       covariance += Weight(cell) * static_cast<double>(cell.fm);
       variance += Weight(cell) * static_cast<double>(cell.mm);
     }
@@ -211,17 +219,31 @@ class Fit {
     return Compares(cell) ? std::max(0.0, static_cast<double>(cell.Correlation())) : 0.0;
   }
 
+  // Displacement of a cell in the map by the motion and the mounting.
+  CellDisplacement<7> MotionOf(int c) const {
+    const Eigen::Matrix2d rotation = Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)).rotation();
+    return Expand<7>(frame_.cell_center(c), [&](const Eigen::Vector2d& p) {
+      const Eigen::Matrix<double, 2, 4> mounting = rotation * MountingJacobian(frame_.camera_center(), p);
+      const Eigen::Vector2d arm = rotation * (p - frame_.center()) + mounting * unknowns_.tail<4>();
+      Eigen::Matrix<double, 2, 7> motion;
+      motion << 1.0, 0.0, -arm.y(), mounting.row(0), 0.0, 1.0, arm.x(), mounting.row(1);
+      return motion;
+    });
+  }
+
   void Assemble() {
     problem_ = MountingProblem();
     double squares = 0.0;
     double count = 0.0;
-    for (const CellSums& cell : sums_) {
+    for (int c = 0; c < frame_.cells(); ++c) {
+      const CellSums& cell = sums_[static_cast<std::size_t>(c)];
       const double weight = Weight(cell);
       if (weight <= 0.0) {
         continue;
       }
-      const MountingVector pull = weight * gain_ * (ToVector(cell.frame_pull) - gain_ * ToVector(cell.mosaic_pull));
-      problem_.information += weight * gain_ * gain_ * ToMatrix(cell.information);
+      const CellDisplacement<7> motion = MotionOf(c);
+      const MountingVector pull = motion.transpose() * PullOf(cell, weight);
+      problem_.information += motion.transpose() * InformationOf(cell, weight) * motion;
       problem_.gradient += pull;
       problem_.scatter += pull * pull.transpose();
       ++problem_.cells;
@@ -232,27 +254,31 @@ class Fit {
     problem_.variance = count > 0.0 ? std::max(squares / count, 1.0) : 1.0;
   }
 
+  CellMatrix InformationOf(const CellSums& cell, double weight) const {
+    return weight * gain_ * gain_ * ToMatrix(cell.information);
+  }
+  CellVector PullOf(const CellSums& cell, double weight) const {
+    return weight * gain_ * (ToVector(cell.frame_pull) - gain_ * ToVector(cell.mosaic_pull));
+  }
+
   double CalibrationSigmaPx() const {
     return frame_.calibration_sigma_px() > 0.0 ? frame_.calibration_sigma_px() : options_.calibration_sigma_px;
   }
 
-  // Adds the calibration's modes, which are smooth: a cell moves as its centre does.
+  // Adds the calibration's modes to the problem.
   MountingProblem WithCalibration(MountingProblem problem) const {
-    const Warp warp = MakeWarp();
+    const Eigen::Matrix2d rotation = Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)).rotation();
     for (int c = 0; c < frame_.cells(); ++c) {
       const CellSums& cell = sums_[static_cast<std::size_t>(c)];
       const double weight = Weight(cell);
       if (weight <= 0.0) {
         continue;
       }
-      const Eigen::Matrix<double, 2, 7> motions = warp.Motions(frame_.cell_center(c));
-      const CalibrationJacobian modes = Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)).rotation() * frame_.cell_modes(c);
-      const Eigen::Matrix2d structure = weight * gain_ * gain_ * ToMatrix(cell.information).topLeftCorner<2, 2>();
-      const Eigen::Vector2d pull =
-          weight * gain_ * (ToVector(cell.frame_pull) - gain_ * ToVector(cell.mosaic_pull)).head<2>();
-      problem.by_calibration += motions.transpose() * structure * modes;
-      problem.calibration_information += modes.transpose() * structure * modes;
-      problem.calibration_gradient += modes.transpose() * pull;
+      const CellDisplacement<kCalibrationModes> modes = Turned<kCalibrationModes>(rotation, frame_.cell_modes(c));
+      const CellMatrix information = InformationOf(cell, weight);
+      problem.by_calibration += MotionOf(c).transpose() * information * modes;
+      problem.calibration_information += modes.transpose() * information * modes;
+      problem.calibration_gradient += modes.transpose() * PullOf(cell, weight);
     }
     return problem;
   }
@@ -322,8 +348,10 @@ double PhotometricFit::TrimmedCorrelation(double share) const {
   return MeanOf(cells, share);
 }
 
-FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, const FloorCamera& camera)
-    : camera_center_(camera.CameraCenter()), calibration_sigma_px_(camera.camera.sigma_px), grid_(image.grid) {
+FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, const Rectifier& rectifier)
+    : camera_center_(rectifier.camera().CameraCenter()),
+      calibration_sigma_px_(rectifier.camera().camera.sigma_px),
+      grid_(image.grid) {
   const GroundGrid& grid = image.grid;
   center_ = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));
   radius_m_ = 0.5 * grid.resolution_m * std::hypot(grid.width_px, grid.height_px);
@@ -340,7 +368,6 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
       cell_start_.push_back(static_cast<int>(samples_.size()));
     }
   }
-  const CalibrationModes modes(camera);
   for (int c = 0; c < cells(); ++c) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (const Sample& sample : cell(c)) {
@@ -348,7 +375,8 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
     }
     const bool empty = cell(c).empty();
     cell_centers_.push_back(empty ? center_ : Eigen::Vector2d(sum / static_cast<double>(cell(c).size())));
-    cell_modes_.push_back(empty ? CalibrationJacobian(CalibrationJacobian::Zero()) : modes.At(cell_centers_.back()));
+    cell_modes_.push_back(Expand<kCalibrationModes>(
+        cell_centers_.back(), [&](const Eigen::Vector2d& p) { return rectifier.calibration_modes().At(p); }));
   }
 }
 

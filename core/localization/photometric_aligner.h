@@ -6,12 +6,13 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/calibration_modes.h"
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/mounting.h"
 #include "core/geometry/pose2.h"
-#include "core/localization/calibration_modes.h"
 #include "core/map/mosaic_raster.h"
 #include "core/vision/image/ground_image.h"
+#include "core/vision/image/rectifier.h"
 
 namespace floorloc {
 
@@ -46,12 +47,17 @@ struct PhotometricFit {
   double TrimmedCorrelation(double share) const;
 };
 
+/// Displacement of a cell's pixels per unit of N unknowns, to first order about the cell's centre: at the centre (x,
+/// y), then its derivative by the position, row by row (xx, xy, yx, yy).
+template <int N>
+using CellDisplacement = Eigen::Matrix<double, 6, N>;
+
 /// The pixels of a frame that are compared, its image contrast-normalised as the mosaic's. The image is divided into
 /// square cells, so that changed floor affects only its own cells.
 class FrameSamples {
  public:
-  /// normalized: CV_8UC1 of the image's grid, mean 128. camera: takes the image.
-  FrameSamples(const GroundImage& image, const cv::Mat& normalized, const FloorCamera& camera);
+  /// normalized: CV_8UC1 of the image's grid, mean 128. rectifier: of the image.
+  FrameSamples(const GroundImage& image, const cv::Mat& normalized, const Rectifier& rectifier);
 
   struct Sample {
     float x_m, y_m;  // base frame
@@ -62,9 +68,12 @@ class FrameSamples {
     const auto i = static_cast<std::size_t>(c);
     return {samples_.data() + cell_start_[i], samples_.data() + cell_start_[i + 1]};
   }
-  /// Mean position of a cell's samples, base frame, metres; and how an error of the calibration displaces it.
+  /// Mean position of a cell's samples, base frame, metres.
   const Eigen::Vector2d& cell_center(int c) const { return cell_centers_[static_cast<std::size_t>(c)]; }
-  const CalibrationJacobian& cell_modes(int c) const { return cell_modes_[static_cast<std::size_t>(c)]; }
+  /// How errors of the calibration displace a cell.
+  const CellDisplacement<kCalibrationModes>& cell_modes(int c) const {
+    return cell_modes_[static_cast<std::size_t>(c)];
+  }
   /// CameraModel::sigma_px of the camera; 0: unknown.
   double calibration_sigma_px() const { return calibration_sigma_px_; }
   /// Position of the camera in the base frame, metres.
@@ -79,7 +88,7 @@ class FrameSamples {
   std::vector<Sample> samples_;  // cell by cell
   std::vector<int> cell_start_{0};
   std::vector<Eigen::Vector2d> cell_centers_;
-  std::vector<CalibrationJacobian> cell_modes_;
+  std::vector<CellDisplacement<kCalibrationModes>> cell_modes_;
   Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();
   double calibration_sigma_px_ = 0.0;
   GroundGrid grid_;

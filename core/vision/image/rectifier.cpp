@@ -19,9 +19,19 @@ GroundGrid GroundGrid::FromFloor(const FloorPlane& floor) {
   return grid;
 }
 
+namespace {
+
+const FloorCamera& Checked(const FloorCamera& camera) {
+  camera.Check();
+  return camera;
+}
+
+}  // namespace
+
 Rectifier::Rectifier(const FloorCamera& camera, const cv::Mat& raw_mask)
-    : camera_(camera), raw_mask_(raw_mask.empty() ? cv::Mat() : cv::Mat(raw_mask > 0)) {
-  camera_.Check();
+    : camera_(Checked(camera)),
+      calibration_modes_(camera_),
+      raw_mask_(raw_mask.empty() ? cv::Mat() : cv::Mat(raw_mask > 0)) {
   grid_ = GroundGrid::FromFloor(camera_.floor);
   const cv::Size size(grid_.width_px, grid_.height_px);
   cv::Mat map(size, CV_32FC2);

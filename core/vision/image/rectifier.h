@@ -3,6 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/geometry/calibration_modes.h"
 #include "core/geometry/floor_plane.h"
 #include "core/vision/image/ground_image.h"
 
@@ -22,6 +23,8 @@ class Rectifier {
   cv::Mat RectifyImage(const cv::Mat& raw) const;
 
   const FloorCamera& camera() const { return camera_; }
+  /// How errors of the camera's calibration displace the floor.
+  const CalibrationModes& calibration_modes() const { return calibration_modes_; }
   const GroundGrid& grid() const { return grid_; }
   /// CV_8UC1 of the rectified image, 255 where it shows floor.
   const cv::Mat& mask() const { return mask_; }
@@ -34,6 +37,7 @@ class Rectifier {
   void ApplyMask();
 
   FloorCamera camera_;
+  CalibrationModes calibration_modes_;
   GroundGrid grid_;
   cv::Mat map_xy_;        // CV_16SC2: integer part of the raw pixel
   cv::Mat map_fraction_;  // CV_16UC1: index of the bilinear weights

@@ -46,13 +46,15 @@ class MapLayersTest : public ::testing::Test {
 TEST_F(MapLayersTest, AMapNamesItsLayers) {
   const MapInfo info = MapDatabase(file_).ReadInfo();
   EXPECT_EQ(info.format_version, 3);
-  ASSERT_EQ(info.layers.size(), 3U);
-  EXPECT_EQ(info.layers[0].name, "frames");
-  EXPECT_EQ(info.layers[1].name, "keypoints");
-  EXPECT_EQ(info.layers[2].name, "mosaic");
+  ASSERT_EQ(info.layers.size(), 4U);
+  EXPECT_EQ(info.layers[0].name, "calibration");
+  EXPECT_EQ(info.layers[1].name, "frames");
+  EXPECT_EQ(info.layers[2].name, "keypoints");
+  EXPECT_EQ(info.layers[3].name, "mosaic");
   for (const MapFileLayer& layer : info.layers) {
     EXPECT_EQ(layer.version, 1);
-    EXPECT_TRUE(layer.required && layer.known);
+    EXPECT_TRUE(layer.known);
+    EXPECT_EQ(layer.required, layer.name != "calibration");
   }
 }
 
@@ -61,10 +63,10 @@ TEST_F(MapLayersTest, AnUnknownOptionalLayerIsLeftAlone) {
   const MapDatabase database(file_);
   database.VerifyContent();
   const MapInfo info = database.ReadMap().info;
-  ASSERT_EQ(info.layers.size(), 4U);
-  EXPECT_EQ(info.layers[3].name, "zones");
-  EXPECT_EQ(info.layers[3].version, 7);
-  EXPECT_FALSE(info.layers[3].known);
+  ASSERT_EQ(info.layers.size(), 5U);
+  EXPECT_EQ(info.layers[4].name, "zones");
+  EXPECT_EQ(info.layers[4].version, 7);
+  EXPECT_FALSE(info.layers[4].known);
   EXPECT_NE(info.content_version, version_) << "a layer is content";
 }
 

@@ -26,7 +26,7 @@ class ExposureTest : public ::testing::Test {
     Simulate(options);
     texture_ = MakeFloorTexture(options.floor);
     const Survey survey = ReadSurvey(options.out);
-    surveys_.push_back({survey, std::make_shared<Rectifier>(survey.camera)});
+    surveys_.push_back({survey, survey.camera, std::make_shared<Rectifier>(survey.camera)});
     for (const SurveyFrame& info : survey.frames) {
       frames_.emplace_back();
       frames_.back().survey = static_cast<int>(surveys_.size()) - 1;

@@ -53,7 +53,7 @@ class MosaicTest : public ::testing::Test {
   }
 
   static Tiles Compose(const Survey& survey, const Recipe& recipe) {
-    const std::vector<LoadedSurvey> surveys = {{survey, std::make_shared<Rectifier>(survey.camera)}};
+    const std::vector<LoadedSurvey> surveys = {{survey, survey.camera, std::make_shared<Rectifier>(survey.camera)}};
     std::vector<BuildFrame> frames;
     Exposure exposure;
     for (const SurveyFrame& info : survey.frames) {

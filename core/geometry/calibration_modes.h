@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "core/geometry/floor_plane.h"
 
@@ -16,17 +17,20 @@ constexpr int kCalibrationModes = 9;
 /// of interest by one pixel.
 using CalibrationJacobian = Eigen::Matrix<double, 2, kCalibrationModes>;
 
+/// Interpolated bilinearly between the nodes of a grid over the region of interest.
 class CalibrationModes {
  public:
   explicit CalibrationModes(const FloorCamera& camera);
 
-  /// For the point where the calibration says that a pixel sees the floor. Zero where the camera does not see it.
+  /// For the point where the calibration says that a pixel sees the floor; the nearest one of the region of interest
+  /// for points outside of it. Zero where the camera does not see the floor.
   CalibrationJacobian At(const Eigen::Vector2d& point_in_base) const;
 
  private:
-  FloorCamera camera_;
-  Eigen::Vector2d center_px_ = Eigen::Vector2d::Zero();
-  double radius_px_ = 1.0;  // of the farthest corner of the region of interest that the image shows
+  const CalibrationJacobian& Node(int row, int column) const;
+
+  RectM roi_;
+  std::vector<CalibrationJacobian> nodes_;
 };
 
 }  // namespace floorloc
