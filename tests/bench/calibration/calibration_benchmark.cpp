@@ -16,9 +16,11 @@ namespace {
 struct Arguments {
   std::string state;
   std::string photograph;
+  std::vector<std::string> recorded;  // a survey, then folders of frames
   std::vector<std::string> cases;
   int frames = 40;
   std::optional<double> calibration_sigma_px;
+  std::optional<double> systematic_m;
   std::optional<double> unmodelled_px;
   std::vector<std::string> self_calibrate{"auto"};
 };
@@ -35,9 +37,16 @@ void PrintRow(const CalibrationRow& row) {
               1e3 * b.p95_m);
 }
 
+void Print(const std::string& name, const CalibrationResult& result) {
+  std::printf("%s: survey rms %.2f mm, built in %.1f s\n", name.c_str(), 1e3 * result.map_rms_m, result.build_s);
+  for (const CalibrationRow& row : result.rows) {
+    PrintRow(row);
+  }
+  std::fflush(stdout);
+}
+
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
-  const CalibrationScene scene = MakeCalibrationScene(arguments.state, arguments.photograph, arguments.frames);
   std::printf(
       "Errors in mm after the offset of map and base frame that no image can tell; NEES: mean of (x, y, yaw), ideally "
       "3\n"
@@ -49,16 +58,19 @@ void Run(const Arguments& arguments) {
   LocalizerOptions localizer;
   localizer.photometric.calibration_sigma_px =
       arguments.calibration_sigma_px.value_or(localizer.photometric.calibration_sigma_px);
+  localizer.systematic_m = arguments.systematic_m.value_or(localizer.systematic_m);
+  if (!arguments.recorded.empty()) {
+    std::filesystem::create_directories(arguments.state);
+    build.out = std::filesystem::path(arguments.state) / "recorded.floormap";
+    const std::vector<std::filesystem::path> groups(arguments.recorded.begin() + 1, arguments.recorded.end());
+    Print(arguments.recorded.front(), RunRecorded(arguments.recorded.front(), groups, {build, localizer}));
+    return;
+  }
+  const CalibrationScene scene = MakeCalibrationScene(arguments.state, arguments.photograph, arguments.frames);
   for (const CalibrationCase& test : CalibrationCases()) {
-    if (!Wanted(arguments.cases, test.name)) {
-      continue;
+    if (Wanted(arguments.cases, test.name)) {
+      Print(test.name, RunCase(scene, test, {build, localizer}));
     }
-    const CalibrationResult result = RunCase(scene, test, {build, localizer});
-    std::printf("%s: survey rms %.2f mm, built in %.1f s\n", test.name.c_str(), 1e3 * result.map_rms_m, result.build_s);
-    for (const CalibrationRow& row : result.rows) {
-      PrintRow(row);
-    }
-    std::fflush(stdout);
   }
 }
 
@@ -70,6 +82,9 @@ int main(int argc, char** argv) {
   CLI::App app("Localizes with cameras whose calibration is a little wrong.", "calibration_benchmark");
   app.add_option("--state", arguments.state, "Folder for recordings and maps; recordings are made once")->required();
   app.add_option("--photograph", arguments.photograph, "Image of a floor")->required();
+  app.add_option("recorded", arguments.recorded,
+                 "Recorded survey and folders of frames with ground truth, instead of the simulated cases");
+  app.add_option("--systematic", arguments.systematic_m, "LocalizerOptions::systematic_m, metres");
   app.add_option("--case", arguments.cases, "Only these cases, by name");
   app.add_option("--frames", arguments.frames, "Frames per group")->capture_default_str();
   app.add_option("--calibration-sigma", arguments.calibration_sigma_px,

@@ -178,11 +178,9 @@ CalibrationScene MakeCalibrationScene(const fs::path& folder, const std::string&
   return scene;
 }
 
-CalibrationResult RunCase(const CalibrationScene& scene, const CalibrationCase& test, const TrialOptions& trial) {
-  const fs::path folder = scene.folder / "case";
+CalibrationResult RunRecorded(const fs::path& survey, const std::vector<fs::path>& groups, const TrialOptions& trial) {
   BuildOptions options = trial.build;
-  options.surveys = {Recalibrated(scene.Survey(), test.survey, folder / "survey")};
-  options.out = folder / "map.floormap";
+  options.surveys = {survey};
   fs::remove(options.out);
   CalibrationResult result;
   const auto start = std::chrono::steady_clock::now();
@@ -192,18 +190,30 @@ CalibrationResult RunCase(const CalibrationScene& scene, const CalibrationCase& 
   const Localizer localizer(database.ReadMap(), trial.localizer,
                             [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
   const Baseline sift(MosaicOf(database), BaselineMatcher::kFlann, BaselineOptions());
-  const std::vector<PoseAndTruth> map_poses = MapPoses(database, ReadSurvey(options.surveys.front()).ground_truth);
+  const std::vector<PoseAndTruth> map_poses = MapPoses(database, ReadSurvey(survey).ground_truth);
   const FrameOffset map = FitFrameOffset(map_poses);
   result.map_rms_m = RmsOf(map_poses, map);
-  for (const std::string& group : scene.groups) {
-    const BenchFrames frames = BenchFrames::Read(Recalibrated(scene.Group(group), test.vehicle, folder / group));
+  for (const fs::path& group : groups) {
+    const BenchFrames frames = BenchFrames::Read(group);
     const int count = static_cast<int>(frames.size());
     const Rectifier rectifier(CorrectedOrGiven(localizer.map().info, frames.rectifier.camera()));
     const Located ours =
         LocateAll(frames, [&](const cv::Mat& raw) { return localizer.Localize(rectifier, raw, std::nullopt); });
-    result.rows.push_back({group, ScoreOf(ours, count, map), ScoreOf(LocateBySift(frames, sift), count, map)});
+    result.rows.push_back(
+        {group.filename().string(), ScoreOf(ours, count, map), ScoreOf(LocateBySift(frames, sift), count, map)});
   }
   return result;
+}
+
+CalibrationResult RunCase(const CalibrationScene& scene, const CalibrationCase& test, TrialOptions trial) {
+  const fs::path folder = scene.folder / "case";
+  const fs::path survey = Recalibrated(scene.Survey(), test.survey, folder / "survey");
+  std::vector<fs::path> groups;
+  for (const std::string& group : scene.groups) {
+    groups.push_back(Recalibrated(scene.Group(group), test.vehicle, folder / group));
+  }
+  trial.build.out = folder / "map.floormap";
+  return RunRecorded(survey, groups, trial);
 }
 
 }  // namespace floorloc

@@ -46,11 +46,15 @@ struct CalibrationResult {
 };
 
 struct TrialOptions {
-  BuildOptions build;  ///< surveys and out are filled in
+  BuildOptions build;  ///< surveys are filled in
   LocalizerOptions localizer;
 };
 
-/// Builds the case's map and localizes the case's frames.
-CalibrationResult RunCase(const CalibrationScene& scene, const CalibrationCase& test, const TrialOptions& trial);
+/// Builds the map of a recorded survey with ground truth and localizes the frames of recorded folders.
+CalibrationResult RunRecorded(const std::filesystem::path& survey, const std::vector<std::filesystem::path>& groups,
+                              const TrialOptions& trial);
+
+/// The same with the case's calibrations of the scene. The map is made in the scene's folder.
+CalibrationResult RunCase(const CalibrationScene& scene, const CalibrationCase& test, TrialOptions trial);
 
 }  // namespace floorloc

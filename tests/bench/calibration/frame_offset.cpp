@@ -15,6 +15,10 @@ constexpr double kLeverM = 0.25;
 constexpr int kIterations = 10;
 constexpr double kStep = 1e-6;
 
+// Prior weight of a base offset of zero, in poses: with one heading only, the offset is not observable.
+constexpr double kLoose = 1e-6;
+constexpr double kHeld = 1e9;
+
 // log scale; x, y, yaw of truth_from_map; x, y of the base.
 using Parameters = Eigen::Matrix<double, 6, 1>;
 
@@ -32,6 +36,15 @@ Parameters Start(const PoseAndTruth& first) {
   return (Parameters() << 0.0, truth_from_map.x(), truth_from_map.y(), truth_from_map.yaw(), 0.0, 0.0).finished();
 }
 
+bool HaveOneHeading(const std::vector<PoseAndTruth>& poses) {
+  constexpr double kMinResultant = 0.95;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const PoseAndTruth& pose : poses) {
+    sum += Eigen::Vector2d(std::cos(pose.truth_from_base.yaw()), std::sin(pose.truth_from_base.yaw()));
+  }
+  return sum.norm() > kMinResultant * static_cast<double>(poses.size());
+}
+
 }  // namespace
 
 Pose2 FrameOffset::Apply(const Pose2& map_from_base) const {
@@ -43,11 +56,12 @@ FrameOffset FitFrameOffset(const std::vector<PoseAndTruth>& poses) {
   if (poses.size() < 3) {
     throw std::invalid_argument("a frame offset needs at least three poses");
   }
+  const double offset_weight = HaveOneHeading(poses) ? kHeld : kLoose;
   Parameters parameters = Start(poses.front());
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    // Of the base offset, a millionth of the weight of a pose: with one heading only it is not observable.
-    Eigen::Matrix<double, 6, 6> information = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
-    Parameters pull = Parameters::Zero();
+    Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+    information.diagonal().tail<2>().setConstant(offset_weight);
+    Parameters pull = -information * parameters;
     for (const PoseAndTruth& pose : poses) {
       const Eigen::Vector3d residual = Residual(pose, FromParameters(parameters));
       Eigen::Matrix<double, 3, 6> jacobian;

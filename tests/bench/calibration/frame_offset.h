@@ -25,8 +25,8 @@ struct PoseAndTruth {
   Pose2 truth_from_base;
 };
 
-/// All of the offset by least squares (Gauss-Newton); a yaw counts like 0.25 m of lever. Throws std::invalid_argument
-/// for fewer than three poses.
+/// All of the offset by least squares (Gauss-Newton); a yaw counts like 0.25 m of lever. The base frame's offset is
+/// zero when all poses have one heading. Throws std::invalid_argument for fewer than three poses.
 FrameOffset FitFrameOffset(const std::vector<PoseAndTruth>& poses);
 
 /// Only the base frame's offset, robust: the medians over the poses of a vehicle whose map's frame is known. Unchanged
