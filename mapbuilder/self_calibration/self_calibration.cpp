@@ -18,7 +18,8 @@
 namespace floorloc {
 namespace {
 
-// Prior standard deviations of calibration errors: roll, pitch, height, focal length, k1, k2, p1, p2.
+// Prior standard deviations of calibration errors when the user asks for them: roll, pitch, height, focal length, k1,
+// k2, p1, p2.
 constexpr CameraPriors kPriorSigma = {0.03, 0.03, 0.05, 0.03, 0.1, 0.1, 0.005, 0.005};
 
 // A round of the calibration. Before the camera is calibrated, views of one floor point scatter more, and a share of
@@ -48,13 +49,24 @@ class Calibrator {
   SelfCalibration Run();
 
  private:
+  // What Apply() changes.
+  struct Original {
+    std::vector<FloorCamera> cameras;
+    std::vector<std::vector<Keypoint>> keypoints;
+    std::vector<std::optional<Pose2>> map_from_base;
+  };
+
   bool HasScaleConstraint() const;
   void ChooseUnknowns();
-  // False when no unknown is left.
-  bool KeepObserved(const BundleSummary& summary);
-  // Why the first round's result must not be applied; empty: it may be.
-  std::string ReasonToGiveUp(const BundleSummary& summary) const;
-  BundleSummary FirstRound(Bundle* bundle);
+  Original Remember() const;
+  void Restore(const Original& original);
+  // Applies round after round until the calibration settles; returns the last round's result.
+  BundleSummary RunRounds();
+  // Holds constant what the images do not tell; true when there is such an unknown.
+  bool LeaveOutUntold(const BundleSummary& summary);
+  bool NothingAsked() const;
+  // Why the calibration must not be used; empty: it may be.
+  std::string ReasonToGiveUp(const BundleSummary& last) const;
   Bundle MakeBundle(const Round& round);
   void ChooseTracks(const Round& round, const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
   void AddAbsoluteConstraints(const std::vector<ObservationBuilder>& builders, Bundle* bundle) const;
@@ -68,36 +80,71 @@ class Calibrator {
   Placement& placement_;
   const SelfCalibrationOptions& options_;
   std::vector<CameraPriors> priors_;  // one per survey; 0: held constant
+  double inflation_ = 1.0;            // of standard deviations, since the observations' errors are correlated
   SelfCalibration result_;
 };
 
 SelfCalibration Calibrator::Run() {
   ChooseUnknowns();
+  const Original original = Remember();
+  Restore(original);
+  BundleSummary last = RunRounds();
+  if (options_.automatic && LeaveOutUntold(last)) {
+    Restore(original);
+    last = NothingAsked() ? last : RunRounds();
+  }
+  result_.given_up = ReasonToGiveUp(last);
+  if (!result_.given_up.empty()) {
+    Restore(original);
+    return result_;
+  }
+  Finish(last);
+  RemeasureLinks();
+  return result_;
+}
+
+Calibrator::Original Calibrator::Remember() const {
+  Original original;
+  for (const LoadedSurvey& loaded : surveys_) {
+    original.cameras.push_back(loaded.survey.camera);
+  }
+  for (const BuildFrame& frame : frames_) {
+    original.keypoints.push_back(frame.features.keypoints);
+  }
+  original.map_from_base = placement_.map_from_base;
+  return original;
+}
+
+void Calibrator::Restore(const Original& original) {
   result_.cameras.resize(surveys_.size());
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
-    result_.cameras[s].given = result_.cameras[s].camera = surveys_[s].survey.camera;
+    surveys_[s].survey.camera = original.cameras[s];
+    result_.cameras[s].given = result_.cameras[s].camera = original.cameras[s];
+    result_.cameras[s].change.setZero();
+    result_.cameras[s].sigma.setZero();
   }
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    frames_[i].features.keypoints = original.keypoints[i];
+    frames_[i].mounting_error = MountingError();
+  }
+  placement_.map_from_base = original.map_from_base;
+}
+
+BundleSummary Calibrator::RunRounds() {
   BundleSummary summary;
   for (std::size_t round = 0; round < kRounds.size(); ++round) {
     Bundle bundle = MakeBundle(kRounds[round]);
-    summary = round == 0 ? FirstRound(&bundle) : AdjustBundle(&bundle);
-    if (round == 0) {
-      result_.rms_before_m = summary.rms_before_m;
-      result_.given_up = ReasonToGiveUp(summary);
-    }
+    summary = AdjustBundle(&bundle);
+    inflation_ = std::max(1.0, options_.error_correlation * summary.rms_after_m / bundle.observation_sigma_m);
+    result_.rms_before_m = round == 0 ? summary.rms_before_m : result_.rms_before_m;
     result_.rms_after_m = summary.rms_after_m;
     result_.tracks = static_cast<int>(bundle.tracks.size());
-    if (!result_.given_up.empty()) {
-      return result_;
-    }
     const double moved_px = Apply(bundle, summary);
     if (round > 0 && moved_px < options_.settled_px) {
       break;
     }
   }
-  Finish(summary);
-  RemeasureLinks();
-  return result_;
+  return summary;
 }
 
 bool Calibrator::HasScaleConstraint() const {
@@ -133,56 +180,49 @@ void Calibrator::ChooseUnknowns() {
       const int i = Index(unknown);
       const bool exists =
           !IsTangential(i) || loaded.survey.camera.camera.distortion_model != DistortionModel::kEquidistant;
-      priors[static_cast<std::size_t>(i)] = exists ? kPriorSigma[static_cast<std::size_t>(i)] : 0.0;
+      const CameraPriors& sigma = options_.automatic ? kUsualSigma : kPriorSigma;
+      priors[static_cast<std::size_t>(i)] = exists ? sigma[static_cast<std::size_t>(i)] : 0.0;
     }
     priors_.push_back(priors);
   }
 }
 
-bool Calibrator::KeepObserved(const BundleSummary& summary) {
-  bool any = false;
+bool Calibrator::LeaveOutUntold(const BundleSummary& summary) {
+  bool some = false;
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
+    CalibratedCamera& camera = result_.cameras[s];
     for (int i = 0; i < kCameraUnknowns; ++i) {
       double& prior = priors_[s][static_cast<std::size_t>(i)];
-      const double sigma = std::sqrt(summary.camera_covariance[s](i, i));
-      if (prior > 0.0 && !(sigma > 0.0 && sigma < kUsualSigma[static_cast<std::size_t>(i)])) {
-        result_.cameras[s].unobserved.push_back(static_cast<CameraUnknown>(i));
+      const double sigma = inflation_ * std::sqrt(summary.camera_covariance[s](i, i));
+      const double limit = options_.observable_share * kUsualSigma[static_cast<std::size_t>(i)];
+      const bool contradicted = std::abs(camera.change[i]) > options_.contradiction_sigmas * sigma;
+      if (prior > 0.0 && !(sigma > 0.0 && (sigma < limit || contradicted))) {
+        camera.unobserved.push_back(static_cast<CameraUnknown>(i));
         prior = 0.0;
+        some = true;
       }
-      any = any || prior > 0.0;
     }
   }
-  return any;
+  return some;
 }
 
-// An automatic calibration estimates what the images of the first round tell.
-BundleSummary Calibrator::FirstRound(Bundle* bundle) {
-  BundleSummary summary = AdjustBundle(bundle);
-  const std::vector<CameraPriors> all = priors_;
-  if (options_.automatic) {
-    KeepObserved(summary);
-  }
-  if (priors_ != all) {
-    *bundle = MakeBundle(kRounds[0]);
-    summary = AdjustBundle(bundle);
-  }
-  return summary;
+bool Calibrator::NothingAsked() const {
+  return std::all_of(priors_.begin(), priors_.end(), [](const CameraPriors& priors) {
+    return std::all_of(priors.begin(), priors.end(), [](double prior) { return prior <= 0.0; });
+  });
 }
 
-std::string Calibrator::ReasonToGiveUp(const BundleSummary& summary) const {
+std::string Calibrator::ReasonToGiveUp(const BundleSummary& last) const {
   if (!options_.automatic) {
     return "";
   }
-  const auto nothing = [](const CameraPriors& priors) {
-    return std::all_of(priors.begin(), priors.end(), [](double prior) { return prior <= 0.0; });
-  };
-  if (std::all_of(priors_.begin(), priors_.end(), nothing)) {
-    return "the frames overlap too little to tell it";
+  if (NothingAsked()) {
+    return "the images tell it no better than the calibration does";
   }
-  if (!summary.converged || summary.rms_after_m > summary.rms_before_m) {
+  if (!last.converged) {
     return "the adjustment did not converge";
   }
-  const double scatter_px = summary.rms_after_m / surveys_.front().survey.camera.floor.resolution_m;
+  const double scatter_px = result_.rms_after_m / surveys_.front().survey.camera.floor.resolution_m;
   if (scatter_px > options_.max_scatter_px) {
     return "floor points scatter by more than the lens and the mounting explain: is the floor plane, and the camera's "
            "height constant?";
@@ -206,6 +246,10 @@ Bundle Calibrator::MakeBundle(const Round& round) {
     bundle.earlier_change.push_back(camera.change);
   }
   bundle.prior = {priors_, options_.tilt_rad, options_.tilt_height};
+  for (CameraPriors& priors : bundle.prior.cameras) {
+    // Instead of less weight for the observations, whose loss is robust at their own scatter.
+    std::transform(priors.begin(), priors.end(), priors.begin(), [&](double sigma) { return sigma / inflation_; });
+  }
   bundle.observation_sigma_m = options_.observation_sigma_px * surveys_.front().survey.camera.floor.resolution_m;
   ChooseTracks(round, builders, &bundle);
   AddAbsoluteConstraints(builders, &bundle);
@@ -284,7 +328,7 @@ void Calibrator::AddAbsoluteConstraints(const std::vector<ObservationBuilder>& b
 double Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary) {
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
     result_.cameras[s].change += bundle.cameras[s];
-    result_.cameras[s].sigma = summary.camera_covariance[s].diagonal().cwiseSqrt();
+    result_.cameras[s].sigma = inflation_ * summary.camera_covariance[s].diagonal().cwiseSqrt();
   }
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (placement_.map_from_base[i]) {
@@ -360,7 +404,7 @@ void CorrectForMounting(const Eigen::Vector3d& camera_center, BuildFrame* frame)
 void Calibrator::Finish(const BundleSummary& last) {
   for (std::size_t s = 0; s < surveys_.size(); ++s) {
     CalibratedCamera& calibrated = result_.cameras[s];
-    CameraCovariance covariance = last.camera_covariance[s];
+    CameraCovariance covariance = inflation_ * inflation_ * last.camera_covariance[s];
     for (const CameraUnknown unknown : calibrated.unobserved) {
       const double sigma = kUsualSigma[static_cast<std::size_t>(unknown)];
       covariance(Index(unknown), Index(unknown)) = sigma * sigma;
@@ -422,6 +466,9 @@ void SelfCalibrationOptions::Check() const {
   RequireOption(observations_per_frame >= 1, "observations_per_frame must be at least 1");
   RequireOption(observation_sigma_px > 0.0, "observation_sigma_px must be positive");
   RequireOption(max_scatter_px > 0.0, "max_scatter_px must be positive");
+  RequireOption(error_correlation > 0.0, "error_correlation must be positive");
+  RequireOption(contradiction_sigmas > 0.0, "contradiction_sigmas must be positive");
+  RequireOption(observable_share > 0.0, "observable_share must be positive");
   RequireOption(unmodelled_px >= 0.0, "unmodelled_px must not be negative");
   RequireOption(settled_px > 0.0, "settled_px must be positive");
   RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");

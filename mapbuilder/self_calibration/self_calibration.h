@@ -23,6 +23,14 @@ struct SelfCalibrationOptions {
   /// An automatic calibration is given up when floor points scatter more than this in the frames, pixels, once the
   /// camera is calibrated: the frames are not those of one rigid camera over a plane.
   double max_scatter_px = 1.5;
+  /// Errors of neighbouring keypoints are alike (wood grain, blur), so the images tell less than as many independent
+  /// observations of the same scatter: standard deviations grow by this. Chosen on simulated wood, whose grain pulls p1
+  /// off by six standard deviations without it (2026-11).
+  double error_correlation = 4.0;
+  /// An automatic calibration estimates an unknown when its standard deviation is below this share of what a usual
+  /// calibration leaves, or when the images contradict the calibration by `contradiction_sigmas`.
+  double observable_share = 0.5;
+  double contradiction_sigmas = 4.0;
   double unmodelled_px = 0.1;            ///< what no unknown of the calibration describes, at the corners
   double tilt_rad = 5e-4;                ///< vibration of a frame's roll and pitch, standard deviation
   double tilt_height = 5e-4;             ///< and of its height, as a share
