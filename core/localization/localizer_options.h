@@ -23,7 +23,7 @@ struct LocalizerOptions {
   VerificationOptions verification;
   PhotometricOptions photometric;
   DecisionOptions decision;
-  double systematic_m = 2e-4;        ///< error of the map that a frame's residuals do not show
+  double systematic_m = 1.5e-4;      ///< error of the map that a residual does not show; `./run bench calibration`
   double systematic_share = 1.0;     ///< the same as a share of their RMS, where the mosaic was not compared
   double systematic_lever_m = 0.25;  ///< lever arm: systematic error of the heading = that of the position / lever
   std::size_t mosaic_memory_bytes = std::size_t{128} << 20;  ///< size of the cache of decoded mosaic tiles
