@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <queue>
 #include <tuple>
 
 #include "core/map/extractor_parameters.h"
@@ -61,26 +62,28 @@ void CompareFrames(const LoadedMap& before, const LoadedMap& after, MapDiff* dif
   const auto name_of = [](const LoadedMap& map, const MapFrame& frame) {
     return Name(map.survey_names[static_cast<std::size_t>(frame.survey)], frame.filename, frame.stamp_ns);
   };
-  std::map<Name, Pose2> old_pose;
+  std::map<Name, std::queue<Pose2>> old_poses;  // several of one name where a map has a survey twice
   for (const MapFrame& frame : before.frames) {
-    old_pose.emplace(name_of(before, frame), frame.map_from_base);
+    old_poses[name_of(before, frame)].push(frame.map_from_base);
   }
   double squares = 0.0;
   for (const MapFrame& frame : after.frames) {
-    const auto old = old_pose.find(name_of(after, frame));
-    if (old == old_pose.end()) {
+    const auto old = old_poses.find(name_of(after, frame));
+    if (old == old_poses.end() || old->second.empty()) {
       ++diff->frames_added;
       continue;
     }
     ++diff->frames_kept;
-    const Pose2 motion = old->second.Between(frame.map_from_base);
+    const Pose2 old_pose = old->second.front();
+    old->second.pop();
+    const Pose2 motion = old_pose.Between(frame.map_from_base);
     const double moved_m = motion.translation().norm();
     squares += moved_m * moved_m;
     diff->moves.max_rad = std::max(diff->moves.max_rad, std::abs(motion.yaw()));
     if (moved_m > diff->moves.max_m) {
       diff->moves.max_m = moved_m;
       diff->moves.farthest = frame.filename;
-      diff->moves.farthest_pose = old->second;
+      diff->moves.farthest_pose = old_pose;
     }
   }
   diff->frames_removed = static_cast<int>(before.frames.size()) - diff->frames_kept;

@@ -32,7 +32,7 @@ struct MapDiff {
   double after_m2 = 0.0;
   double gained_m2 = 0.0;  ///< floor of the second map more than a cell of 2 cm away from the first's
   double lost_m2 = 0.0;
-  int frames_kept = 0;  ///< matched by survey, file name and stamp
+  int frames_kept = 0;  ///< matched by survey, file name and stamp, each frame once
   int frames_removed = 0;
   int frames_added = 0;
   FrameMoves moves;  ///< of the kept frames
