@@ -160,6 +160,11 @@ std::vector<KnownDistance> ReadKnownDistances(const fs::path& file, const FrameN
 
 }  // namespace
 
+std::string FolderName(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
 Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {

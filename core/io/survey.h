@@ -78,6 +78,9 @@ struct Survey {
   std::filesystem::path ImagePath(const SurveyFrame& frame) const { return folder / frame.filename; }
 };
 
+/// Last component of the folder's path, also of one that ends with a slash or is ".".
+std::string FolderName(const std::filesystem::path& folder);
+
 /// Reads a folder in the survey format. Without frames.csv the frames are the files of images/ in alphabetical order,
 /// one second apart. Throws InputError that names file, line and reason.
 Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames = BadFramePolicy::kThrow);

@@ -3,14 +3,10 @@
 
 #include <string>
 
+#include "core/io/survey.h"
+
 namespace floorloc {
 namespace {
-
-// Last component of the path, also of one that ends with a slash or is ".".
-std::string NameOf(const std::filesystem::path& folder) {
-  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
-  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
-}
 
 // Replaces prefixes only: "./" is also the end of many other paths.
 void ReplaceFolder(const std::filesystem::path& folder, const std::string& name, std::string* text) {
@@ -28,7 +24,7 @@ BuildReport WithoutFolders(BuildReport report, const std::vector<std::filesystem
                            const std::filesystem::path& file) {
   const auto shorten = [&](std::string* text) {
     for (const std::filesystem::path& survey : surveys) {
-      ReplaceFolder(survey, NameOf(survey) + "/", text);
+      ReplaceFolder(survey, FolderName(survey) + "/", text);
     }
     if (file.has_parent_path()) {
       ReplaceFolder(file.parent_path(), "", text);

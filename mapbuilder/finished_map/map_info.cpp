@@ -25,12 +25,9 @@ std::string UtcNow() {
 }
 
 nlohmann::ordered_json ProvenanceOf(const Survey& survey) {
-  return {{"folder", std::filesystem::absolute(survey.folder).lexically_normal().filename().string()},
-          {"camera", survey.camera.camera.name},
-          {"frames", survey.frames.size()},
-          {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
-          {"odometry", !survey.odometry.empty()},
-          {"control_points", survey.control_points.size()}};
+  return {{"folder", FolderName(survey.folder)},  {"camera", survey.camera.camera.name},
+          {"frames", survey.frames.size()},       {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
+          {"odometry", !survey.odometry.empty()}, {"control_points", survey.control_points.size()}};
 }
 
 // One object per survey, whatever surveys_json contains.

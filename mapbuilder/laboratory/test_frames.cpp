@@ -22,7 +22,7 @@ FrameBag ReadFrameBag(const std::filesystem::path& folder, const TestFrameOption
   const Survey survey = ReadSurvey(folder);
   const Rectifier rectifier(survey.camera.AtResolution(options.resolution_m), survey.mask);
   FrameBag bag;
-  bag.name = std::filesystem::absolute(folder / "").lexically_normal().parent_path().filename().string();
+  bag.name = FolderName(folder);
   int with_truth = 0;
   for (const SurveyFrame& frame : survey.frames) {
     const std::optional<Pose2> truth = InterpolatePose(survey.ground_truth, frame.stamp_ns);

@@ -14,6 +14,17 @@ using ::testing::StartsWith;
 using testing_io::ErrorOf;
 using testing_io::TemporaryFolder;
 
+TEST(FolderName, IsTheLastComponentHoweverThePathIsWritten) {
+  const std::filesystem::path here = std::filesystem::current_path().filename();
+  EXPECT_EQ(FolderName("/data/hall"), "hall");
+  EXPECT_EQ(FolderName("/data/hall/"), "hall");
+  EXPECT_EQ(FolderName("/data/hall//"), "hall");
+  EXPECT_EQ(FolderName("/data/old/../hall/."), "hall");
+  EXPECT_EQ(FolderName("hall/"), "hall");
+  EXPECT_EQ(FolderName("."), here);
+  EXPECT_EQ(FolderName("./"), here);
+}
+
 TEST(FramesCsv, ReadsRows) {
   const auto frames = ParseFramesCsv("timestamp,filename\r\n1000.25, images/a.jpg \r\n\r\n# note\n1001,b c.png\n", "f");
   ASSERT_EQ(frames.size(), 2u);

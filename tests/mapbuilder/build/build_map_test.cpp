@@ -249,6 +249,14 @@ TEST_F(BuildMapTest, EveryThreadCountGivesTheSameMap) {
   }
 }
 
+TEST_F(BuildMapTest, ASlashAfterTheSurveyMakesNoOtherMap) {
+  const std::string version = Build().content_version;
+  options_.surveys = {survey_ / ""};
+  EXPECT_EQ(Build().content_version, version);
+  EXPECT_THAT(MapDatabase(options_.out).ReadInfo().surveys_json,
+              HasSubstr("\"folder\":\"" + survey_.filename().string() + "\""));
+}
+
 TEST_F(BuildMapTest, EveryExtractorBuildsAMap) {
   for (const ExtractorType type : AllExtractorTypes()) {
     options_.extractor.type = type;
