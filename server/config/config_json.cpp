@@ -11,10 +11,15 @@ namespace {
 
 constexpr std::int64_t kMaxBytes = std::int64_t{1} << 40;
 
+struct WholeRange {
+  std::int64_t min = 1;
+  std::int64_t max = 1;
+};
+
 template <typename T>
-void ReadWhole(JsonObject& object, const std::string& key, std::int64_t max, T& value) {
+void ReadWhole(JsonObject& object, const std::string& key, const WholeRange& range, T& value) {
   if (object.Has(key)) {
-    value = static_cast<T>(object.Integer(key, 1, max));
+    value = static_cast<T>(object.Integer(key, range.min, range.max));
   }
 }
 
@@ -43,12 +48,12 @@ void ReadBool(JsonObject& object, const std::string& key, bool& value) {
 }
 
 void ReadLimits(JsonObject object, ServerLimits& limits) {
-  ReadWhole(object, "max_body_bytes", kMaxBytes, limits.http.max_body_bytes);
-  ReadWhole(object, "max_bodies_bytes", kMaxBytes, limits.http.max_bodies_bytes);
-  ReadWhole(object, "max_image_pixels", 1'000'000'000, limits.max_image_pixels);
-  ReadWhole(object, "max_rectifier_bytes", kMaxBytes, limits.max_rectifier_bytes);
-  ReadWhole(object, "max_connections", 100'000, limits.http.max_connections);
-  ReadWhole(object, "max_vehicles", 1'000'000, limits.max_vehicles);
+  ReadWhole(object, "max_body_bytes", {1, kMaxBytes}, limits.http.max_body_bytes);
+  ReadWhole(object, "max_bodies_bytes", {1, kMaxBytes}, limits.http.max_bodies_bytes);
+  ReadWhole(object, "max_image_pixels", {1, 1'000'000'000}, limits.max_image_pixels);
+  ReadWhole(object, "max_rectifier_bytes", {1, kMaxBytes}, limits.max_rectifier_bytes);
+  ReadWhole(object, "max_connections", {1, 100'000}, limits.http.max_connections);
+  ReadWhole(object, "max_vehicles", {1, 1'000'000}, limits.max_vehicles);
   ReadNotNegative(object, "vehicle_timeout_s", limits.vehicle_timeout_s);
   ReadNotNegative(object, "max_requests_per_s", limits.max_requests_per_s);
   ReadPositive(object, "idle_timeout_s", limits.http.idle_timeout_s);
@@ -83,8 +88,8 @@ ServerConfig ParseServerConfig(const std::string& text) {
   const nlohmann::json json = ParseJson(text);
   JsonObject object(json, "");
   ServerConfig config;
-  ReadWhole(object, "threads", 256, config.threads);
-  ReadWhole(object, "queue_length", 100'000, config.queue_length);
+  ReadWhole(object, "threads", {0, 256}, config.threads);
+  ReadWhole(object, "queue_length", {1, 100'000}, config.queue_length);
   ReadPositive(object, "queue_timeout_s", config.queue_timeout_s);
   ReadNotNegative(object, "drain_s", config.drain_s);
   ReadBool(object, "open", config.open);

@@ -46,6 +46,8 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.limits.http.request_timeout_s, 90.0);
 }
 
+TEST(ConfigTest, ZeroThreadsAreOnePerCore) { EXPECT_EQ(ParseServerConfig(R"({"threads":0})").threads, 0); }
+
 TEST(ConfigTest, NamesWhatIsWrong) {
   for (const auto& [text, named] : std::vector<std::pair<std::string, std::string>>{
            {R"({"thread":1})", "thread"},
@@ -57,6 +59,7 @@ TEST(ConfigTest, NamesWhatIsWrong) {
            {R"({"log_level":"loud"})", "log_level"},
            {R"({"open":1})", "open"},
            {R"({"threads":18446744073709551615})", "threads"},
+           {R"({"threads":-1})", "threads must be a whole number from 0 to 256"},
            {"[]", "object"},
            {"{", "JSON"}}) {
     SCOPED_TRACE(text);
