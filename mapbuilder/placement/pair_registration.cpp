@@ -21,16 +21,6 @@ constexpr double kGridCellPx = 40.0;
 // Search radius around a keypoint's prediction, in inlier radii.
 constexpr double kRefineRadii = 1.5;
 
-// Without a prior on the relative pose, repetitive floors give several plausible ones. The best must lead by this many
-// standard errors.
-constexpr double kMinLead = 2.0;
-
-// Keypoints are similar up to this share of differing bits, or this distance as a share of the descriptors' norm.
-constexpr double kMaxSimilarBits = 0.25;
-constexpr double kMaxSimilarNorm = 0.7;
-
-constexpr int kMinSharedKeypoints = 30;
-
 MatchGuide GuideOf(const FramePair& pair) {
   if (pair.first_from_second) {
     return {*pair.first_from_second, pair.radius_m, pair.yaw_radius_rad + kKeypointAngleNoiseRad};
@@ -45,11 +35,11 @@ std::vector<OrientedMatch> FindMatches(const GuidedMatcher& matcher, const Featu
   return ToOrientedMatches(FilterByRatio(matcher.FindNearest(second, guide), ratio), second.keypoints, first.keypoints);
 }
 
-double MaxSimilarDistance(const Features& features) {
+double MaxSimilarDistance(const Features& features, const PairRegistrationOptions& options) {
   if (features.descriptors.depth() == CV_8U) {
-    return kMaxSimilarBits * 8.0 * features.descriptors.cols;
+    return options.max_similar_bits * 8.0 * features.descriptors.cols;
   }
-  return kMaxSimilarNorm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
+  return options.max_similar_norm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
 }
 
 Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, const RegistrationResult& result,
@@ -106,7 +96,7 @@ std::optional<Link> RegisterAnywhere(const Features& first, const Features& seco
   const PairAgreement& best = hypotheses.front().agreement;
   const PairAgreement rival = hypotheses.size() > 1 ? hypotheses[1].agreement : PairAgreement{0.0, 0.0};
   if (hypotheses.size() > 1 &&
-      best.mean - rival.mean < kMinLead * std::hypot(best.standard_error, rival.standard_error)) {
+      best.mean - rival.mean < options.min_lead * std::hypot(best.standard_error, rival.standard_error)) {
     return std::nullopt;
   }
   const RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
@@ -162,7 +152,7 @@ RegistrationOptions PairRegistrationOptions::DefaultRegistration() {
 PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& second, const RectM& floor,
                                const Pose2& first_from_second, const PairRegistrationOptions& options) {
   const RegistrationOptions registration = options.registration.ScaledTo(options.resolution_m);
-  const double largest = MaxSimilarDistance(second);
+  const double largest = MaxSimilarDistance(second, options);
   std::vector<double> similarity(second.keypoints.size(), 0.0);
   const MatchGuide guide{first_from_second, kRefineRadii * registration.inlier_radius_m, kKeypointAngleNoiseRad};
   for (const Match& match : first.FindNearest(second, guide)) {
@@ -178,7 +168,7 @@ PairAgreement MeasureAgreement(const GuidedMatcher& first, const Features& secon
       squares += similarity[i] * similarity[i];
     }
   }
-  if (shared < kMinSharedKeypoints) {
+  if (shared < options.min_shared_keypoints) {
     return {};
   }
   const double mean = sum / shared;
@@ -192,6 +182,10 @@ void PairRegistrationOptions::Check() const {
   RequireOption(max_ratio_float > 0.0F && max_ratio_float <= 1.0F, "max_ratio_float must be above 0 and at most 1");
   RequireOption(systematic_m >= 0.0, "systematic_m must not be negative");
   RequireOption(systematic_rad >= 0.0, "systematic_rad must not be negative");
+  RequireOption(min_lead >= 0.0, "min_lead must not be negative");
+  RequireOption(max_similar_bits > 0.0 && max_similar_bits <= 1.0, "max_similar_bits must be above 0 and at most 1");
+  RequireOption(max_similar_norm > 0.0 && max_similar_norm <= 2.0, "max_similar_norm must be above 0 and at most 2");
+  RequireOption(min_shared_keypoints > 0, "min_shared_keypoints must be positive");
   run.Check();
 }
 

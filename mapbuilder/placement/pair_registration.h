@@ -21,6 +21,19 @@ struct PairRegistrationOptions {
   double systematic_m = 2e-4;
   double systematic_rad = 4e-4;
   bool measure_agreement = false;  ///< also where the motion is predicted
+  /// Without a prediction, the best relative pose must have this many standard errors more agreement than the second,
+  /// since repetitive floors give several plausible ones. f8b013b. On 66 frames of `simulate --texture tiles --size
+  /// 1.8x1.3` without odometry, 0, 1, 2, 3 and 5 leave 750, 233, 41, 3 and 0 wrong pairs; with 0 the map folds (425
+  /// mm), with 3 and 5 only 61 and 6 frames are placed.
+  double min_lead = 2.0;
+  /// Descriptors that differ by this share of their bits, or whose distance is this share of their norm, agree by 0;
+  /// equal ones by 1. f8b013b. On the same frames, shares of bits of 0.10, 0.15, 0.25, 0.35 and 0.5 place 27, 34, 66,
+  /// 66 and 66.
+  double max_similar_bits = 0.25;
+  double max_similar_norm = 0.7;
+  /// With fewer keypoints on the shared floor, frames have no agreement. f8b013b. On the same frames, 1 to 60 make no
+  /// difference, 120 doubles the wrong pairs.
+  int min_shared_keypoints = 30;
   RunOptions run;
 
   static RegistrationOptions DefaultRegistration();

@@ -26,6 +26,10 @@ TEST(BuilderOptionsTest, EachBadFieldOfPlacementIsRefusedByName) {
       .Refuses("max_ratio_float", &PairRegistrationOptions::max_ratio_float, {0.0F, 1.1F})
       .Refuses("systematic_m", &PairRegistrationOptions::systematic_m, {-1.0})
       .Refuses("systematic_rad", &PairRegistrationOptions::systematic_rad, {-1.0})
+      .Refuses("min_lead", &PairRegistrationOptions::min_lead, {-0.1})
+      .Refuses("max_similar_bits", &PairRegistrationOptions::max_similar_bits, {0.0, 1.1})
+      .Refuses("max_similar_norm", &PairRegistrationOptions::max_similar_norm, {0.0, 2.1})
+      .Refuses("min_shared_keypoints", &PairRegistrationOptions::min_shared_keypoints, {0})
       .RefusesBadRun();
   OptionTable<NearbyOptions>()
       .Refuses("min_overlap", &NearbyOptions::min_overlap, {0.0, 1.1})
