@@ -11,7 +11,7 @@ namespace floorloc {
 
 cv::Mat DecodeCameraMask(std::span<const std::uint8_t> bytes, const CameraModel& camera,
                          const std::filesystem::path& source) {
-  const cv::Mat mask = DecodeGray(bytes, camera.width_px, camera.height_px, source) > 0;
+  cv::Mat mask = DecodeGray(bytes, camera.width_px, camera.height_px, source) > 0;
   if (cv::countNonZero(mask) == 0) {
     throw InputError(source, "masks everything; paint white what is floor");
   }

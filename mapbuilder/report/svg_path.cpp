@@ -42,7 +42,7 @@ void SvgPath::Cells(const FloorGrid& grid, std::vector<std::size_t> cells) {
     }
     const std::string width = FixedText(static_cast<double>(end - i) * grid.cell_m(), 3);
     Add('M', grid.Center(cells[i]) + to_corner);
-    data_ += "h" + width + "v" + side + "h-" + width + "z";
+    data_.append("h").append(width).append("v").append(side).append("h-").append(width).append("z");
     i = end;
   }
 }

@@ -36,7 +36,7 @@ Verdict WriteReport(const std::filesystem::path& map_file, const std::filesystem
   const MapEvidence evidence = ReadMapEvidence(database);
   const QualityOptions options;
   const MapQuality quality = MeasureQuality(evidence, options);
-  const Verdict verdict = AssessMap(evidence, quality);
+  Verdict verdict = AssessMap(evidence, quality);
   const MosaicImage mosaic = ReadMosaic(database, evidence.map.info);
   PrepareReportFolder(folder);
   WriteFileAtomically(folder / "report.json", ReportJson(evidence, quality, verdict));

@@ -70,7 +70,7 @@ TEST_F(ResultFileTest, ALineWithoutItsEndIsTornEvenWhenItLooksWhole) {
 TEST_F(ResultFileTest, RefusesResultsOfAnotherRun) {
   WriteThree();
   try {
-    ResultFile(file(), "TITLE");
+    const ResultFile results(file(), "TITLE");
     FAIL() << "results of another run were accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("belongs to another"));
@@ -81,7 +81,7 @@ TEST_F(ResultFileTest, NamesTheDamagedLine) {
   WriteThree();
   Append("{\"frame\":3}\n");
   try {
-    ResultFile(file(), "title");
+    const ResultFile results(file(), "title");
     FAIL() << "a damaged line was accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("floor.jsonl:5: is damaged"));
