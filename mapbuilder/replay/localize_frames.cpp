@@ -2,13 +2,13 @@
 #include "mapbuilder/replay/localize_frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/localization/stopwatch.h"
 #include "core/map/camera_correction.h"
 #include "mapbuilder/batch/parallel.h"
 
@@ -110,9 +110,9 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
 
 cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms) {
   const CameraModel& camera = survey.camera.camera;
-  const auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
-  *decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  *decode_ms = watch.LapMs();
   return raw;
 }
 

@@ -2,13 +2,13 @@
 #include "mapbuilder/replay/odometry_frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/localization/stopwatch.h"
 #include "core/vision/image/rectifier.h"
 #include "mapbuilder/batch/parallel.h"
 
@@ -17,20 +17,6 @@ namespace {
 
 // Number of frames whose features are in memory at once.
 constexpr std::size_t kFramesAtOnce = 128;
-
-class Stopwatch {
- public:
-  /// Milliseconds since construction or the last lap.
-  double LapMs() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - start_).count();
-    start_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 std::optional<Pose2> WheelMotion(const Survey& survey, std::size_t frame) {
   if (frame == 0) {
