@@ -2,7 +2,6 @@
 #include "core/localization/localizer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/search_scope.h"
+#include "core/localization/stopwatch.h"
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
 #include "core/vision/extractors/feature_extractor.h"
@@ -22,20 +22,6 @@ LocalizerOptions ScaledTo(LocalizerOptions options, double resolution_m) {
   options.registration = options.registration.ScaledTo(resolution_m);
   return options;
 }
-
-class Stopwatch {
- public:
-  /// Milliseconds since construction or the last lap.
-  double LapMs() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - start_).count();
-    start_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 NotLocalizedReason ReasonOf(RegistrationStatus status) {
   switch (status) {
