@@ -7,10 +7,12 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <vector>
 
 #include "core/geometry/mounting.h"
+#include "mapbuilder/simulation/simulated_camera.h"
 
 namespace floorloc {
 namespace {
@@ -20,6 +22,7 @@ constexpr double kNoise = 30.0;     // grey levels
 constexpr int kCells = 60;
 constexpr int kCellPixels = 60;
 constexpr double kStrongLevel = 4e-3;
+constexpr double kTypicalPx = 0.3;
 
 // Frames of a downward camera, as the linear least-squares problem of their pixels.
 class MountingAverageTest : public ::testing::Test {
@@ -220,6 +223,139 @@ TEST_F(MountingAverageTest, DegenerateProblemsStayFinite) {
     SCOPED_TRACE(problem.information.norm());
     EXPECT_TRUE(MountingStep(problem, unknowns).allFinite());
     ExpectProper(MarginalizeMounting(problem, unknowns));
+  }
+}
+
+// Frames whose calibration is a little wrong, too: the modes of a real camera are in the problem.
+class MiscalibratedMountingTest : public MountingAverageTest {
+ protected:
+  using CalibrationVector = Eigen::Matrix<double, kCalibrationModes, 1>;
+
+  MiscalibratedMountingTest() {
+    const FloorCamera camera = MakeDownwardCamera();
+    const CalibrationModes modes(camera);
+    const Eigen::Vector3d center = camera.CameraCenter();
+    for (int i = 0; i < kCells * kCellPixels; ++i) {
+      const Eigen::Vector2d arm(Uniform(0.15), Uniform(0.2));
+      const Eigen::Vector2d point = center.head<2>() + arm;
+      Pixel pixel;
+      pixel.motions << 1.0, 0.0, -arm.y(), MountingJacobian(center, point).row(0), 0.0, 1.0, arm.x(),
+          MountingJacobian(center, point).row(1);
+      pixel.modes = modes.At(point);
+      pixels_.push_back(pixel);
+    }
+  }
+
+  // sigma_px: of the corner of the region of interest, all modes together; their squares add up to 5.9 there.
+  CalibrationVector RandomLens(double sigma_px) {
+    return CalibrationVector::NullaryExpr([&](Eigen::Index) { return Normal(sigma_px / std::sqrt(5.9)); });
+  }
+
+  MountingProblem PoseWith(const MountingVector& truth, const CalibrationVector& lens) {
+    MountingProblem problem;
+    problem.variance = kNoise * kNoise;
+    for (const Pixel& pixel : pixels_) {
+      const Eigen::RowVector2d slope(Normal(kSlopePerM), Normal(kSlopePerM));
+      const Eigen::Matrix<double, 1, 7> row = slope * pixel.motions;
+      const Eigen::Matrix<double, 1, kCalibrationModes> bend = slope * pixel.modes;
+      const double residual = row.dot(truth) + bend.dot(lens) + Normal(kNoise);
+      problem.information += row.transpose() * row;
+      problem.gradient += residual * row.transpose();
+      problem.by_calibration += row.transpose() * bend;
+      problem.calibration_information += bend.transpose() * bend;
+      problem.calibration_gradient += residual * bend.transpose();
+    }
+    problem.scatter = problem.variance * problem.information;
+    return problem;
+  }
+
+  double MeanMotionNees(double level, double lens_px, double calibration_sigma_px) {
+    constexpr int kRounds = 200;
+    double sum = 0.0;
+    for (int round = 0; round < kRounds; ++round) {
+      const MountingVector truth = RandomTruth(level);
+      const MountingProblem problem = PoseWith(truth, RandomLens(lens_px));
+      const MountingEstimate estimate = MarginalizeMounting(problem, MountingVector::Zero(), calibration_sigma_px);
+      const Eigen::Vector3d error = (estimate.mean - truth).head<3>();
+      sum += error.dot(estimate.covariance.topLeftCorner<3, 3>().ldlt().solve(error));
+    }
+    return sum / kRounds;
+  }
+
+ private:
+  struct Pixel {
+    Eigen::Matrix<double, 2, 7> motions;
+    CalibrationJacobian modes;
+  };
+  std::vector<Pixel> pixels_;
+};
+
+MountingProblem WithoutModes(MountingProblem problem) {
+  const MountingProblem none;
+  problem.by_calibration = none.by_calibration;
+  problem.calibration_information = none.calibration_information;
+  problem.calibration_gradient = none.calibration_gradient;
+  return problem;
+}
+
+TEST_F(MiscalibratedMountingTest, ABentLensIsNotTakenForATilt) {
+  constexpr int kRounds = 50;
+  double square = 0.0, square_if_exact = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    const MountingProblem problem = PoseWith(MountingVector::Zero(), RandomLens(kTypicalPx));
+    const MountingEstimate estimate = MarginalizeMounting(problem, MountingVector::Zero(), kTypicalPx);
+    ExpectProper(estimate);
+    square += estimate.mean.head<2>().squaredNorm() / kRounds;
+    square_if_exact += MarginalizeMounting(problem, MountingVector::Zero()).mean.head<2>().squaredNorm() / kRounds;
+  }
+  EXPECT_LT(std::sqrt(square), 2e-4);
+  EXPECT_LT(std::sqrt(square), 0.6 * std::sqrt(square_if_exact));
+}
+
+TEST_F(MiscalibratedMountingTest, CovarianceIsHonestWithBentLensesAndVibration) {
+  for (const double lens_px : {0.0, 0.1, kTypicalPx, 0.6, 1.0}) {
+    for (const double level : {1e-3, kStrongLevel}) {
+      const double nees = MeanMotionNees(level, lens_px, kTypicalPx);
+      EXPECT_GT(nees, 1.5) << "lens " << lens_px << " px, level " << level;
+      EXPECT_LT(nees, 6.0) << "lens " << lens_px << " px, level " << level;
+    }
+    EXPECT_LT(MeanMotionNees(0.0, lens_px, kTypicalPx), 3.0) << "still, lens " << lens_px << " px";
+  }
+  EXPECT_GT(MeanMotionNees(1e-3, 0.6, 0.0), 9.0) << "a bent lens that is taken as exact";
+}
+
+TEST_F(MiscalibratedMountingTest, ATrueTiltIsAbsorbedAllTheSame) {
+  constexpr int kRounds = 50;
+  MountingVector truth = MountingVector::Zero();
+  truth(3) = 0.5 * std::numbers::pi / 180.0;
+  MountingVector squares = MountingVector::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    const MountingProblem problem = PoseWith(truth, CalibrationVector::Zero());
+    const MountingEstimate estimate = MarginalizeMounting(problem, MountingVector::Zero(), kTypicalPx);
+    squares += (estimate.mean - truth).cwiseAbs2() / kRounds;
+  }
+  const MountingVector error = squares.cwiseSqrt();
+  EXPECT_LT(error(3), 1e-3);
+  EXPECT_LT(error.head<2>().maxCoeff(), 3.5e-4) << "the tilt alone moves the view by 3.5 mm";
+}
+
+TEST_F(MiscalibratedMountingTest, AnExactCalibrationNeedsNoModes) {
+  const MountingProblem problem = PoseWith(RandomTruth(1e-3), RandomLens(kTypicalPx));
+  const MountingVector unknowns = RandomTruth(1e-3);
+  const MountingEstimate exact = MarginalizeMounting(problem, unknowns, 0.0);
+  const MountingEstimate without = MarginalizeMounting(WithoutModes(problem), unknowns, 0.0);
+  EXPECT_LT((exact.mean - without.mean).norm(), 1e-9);
+  EXPECT_LT((exact.covariance - without.covariance).norm(), 1e-6 * without.covariance.norm());
+}
+
+TEST_F(MiscalibratedMountingTest, WithoutModesInTheProblemTheCalibrationDoesNotMatter) {
+  const MountingProblem problem = WithoutModes(PoseWith(RandomTruth(1e-3), RandomLens(kTypicalPx)));
+  const MountingVector unknowns = RandomTruth(1e-3);
+  const MountingEstimate exact = MarginalizeMounting(problem, unknowns, 0.0);
+  for (const double sigma_px : {0.1, 1.0, 5.0}) {
+    const MountingEstimate estimate = MarginalizeMounting(problem, unknowns, sigma_px);
+    EXPECT_LT((estimate.mean - exact.mean).norm(), 1e-9) << sigma_px;
+    EXPECT_LT((estimate.covariance - exact.covariance).norm(), 1e-6 * exact.covariance.norm()) << sigma_px;
   }
 }
 
