@@ -35,7 +35,7 @@ struct Arguments {
   double odometry_drift = 1.0;
   double imu_errors = 1.0;
   std::optional<double> odometry_rate, imu_rate, speed_variation;
-  std::optional<double> blur_px, shadow, lamps, noise;
+  std::optional<double> blur_px, shadow, lamps, noise, rolling_shutter_s;
   std::optional<int> jpeg_quality;
   bool json = false;
 };
@@ -68,6 +68,7 @@ ConditionLevels ChooseConditions(const Arguments& arguments) {
   levels.shadow = arguments.shadow.value_or(levels.shadow);
   levels.lamps = arguments.lamps.value_or(levels.lamps);
   levels.read_noise = arguments.noise.value_or(levels.read_noise);
+  levels.readout_s = arguments.rolling_shutter_s.value_or(levels.readout_s);
   levels.jpeg_quality = arguments.jpeg_quality.value_or(levels.jpeg_quality);
   return levels;
 }
@@ -184,6 +185,8 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--shadow", a.shadow, "Strength of the shadow, 0 to 1, instead of the condition's");
   command.add_option("--lamps", a.lamps, "Strength of the lamps, 0 to 10, instead of the condition's");
   command.add_option("--noise", a.noise, "Sensor noise, grey values, instead of the condition's");
+  command.add_option("--rolling-shutter", a.rolling_shutter_s,
+                     "Seconds in which the rows are exposed one after the other (0); 0: global shutter");
   command.add_option("--jpeg-quality", a.jpeg_quality, "1 to 100, instead of the condition's");
 }
 

@@ -181,13 +181,14 @@ cv::Mat CameraRenderer::RenderFloor(const Pose2& map_from_base, const RenderCond
   const Eigen::Matrix3d base_from_pixel = VibratedBaseFromPixel(camera_, conditions.vibration);
   const double view_distance_m = camera_.floor.roi.Center().norm();
   const double blur_m = conditions.motion.head<2>().norm() + std::abs(conditions.motion.z()) * view_distance_m;
-  const std::vector<Eigen::Affine2d> samples =
-      PlanSamples(floor_, map_from_base, conditions.motion, blur_m / camera_.floor.resolution_m);
   // Points in front of the camera have the same sign of the homography's third coordinate as the region of interest.
   const double front = base_from_pixel.inverse().row(2) * camera_.floor.roi.Center().homogeneous();
-  const float scale = 1.0F / static_cast<float>(samples.size());
   cv::Mat image = cv::Mat::zeros(levels_.size(), CV_32FC3);
   for (int v = 0; v < image.rows; ++v) {
+    const Pose2 row_pose = PoseAtRow(map_from_base, conditions, v, image.rows);
+    const std::vector<Eigen::Affine2d> samples =
+        PlanSamples(floor_, row_pose, conditions.motion, blur_m / camera_.floor.resolution_m);
+    const float scale = 1.0F / static_cast<float>(samples.size());
     const auto* upper = corners_.ptr<cv::Vec2d>(v);
     const auto* lower = corners_.ptr<cv::Vec2d>(v + 1);
     const auto* levels = levels_.ptr<std::uint8_t>(v);

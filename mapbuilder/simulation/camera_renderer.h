@@ -19,7 +19,8 @@ class CameraRenderer {
   /// Throws std::invalid_argument when the camera does not pass FloorCamera::Check().
   CameraRenderer(const FloorTexture& floor, const FloorCamera& camera);
 
-  /// Raw camera image (CV_8UC3), dark outside the floor. map_from_base is the pose in the middle of the exposure.
+  /// Raw camera image (CV_8UC3), dark outside the floor. map_from_base is the pose in the middle of the exposure of
+  /// the middle row.
   cv::Mat Render(const Pose2& map_from_base, const RenderConditions& conditions) const;
 
  private:

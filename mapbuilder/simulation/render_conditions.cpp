@@ -41,6 +41,10 @@ double SmoothStep(double x, double softness) {
 
 }  // namespace
 
+Pose2 PoseAtRow(const Pose2& map_from_base, const RenderConditions& conditions, int row, int rows) {
+  return map_from_base * Pose2::Exp(((row + 0.5) / rows - 0.5) * conditions.readout_motion);
+}
+
 double LightAt(const Eigen::Vector2d& point_in_base, const Pose2& map_from_base, const RenderConditions& conditions) {
   double light = 1.0;
   const Eigen::Vector2d point_in_map = map_from_base * point_in_base;
@@ -104,6 +108,7 @@ void ConditionLevels::Check() const {
   RequireOption(lamps >= 0.0 && lamps <= 10.0, "lamps must be 0 to 10");
   RequireOption(shadow >= 0.0 && shadow <= 1.0, "shadow must be 0 to 1");
   RequireOption(blur_px >= 0.0 && blur_px <= 50.0, "blur must be 0 to 50 pixels");
+  RequireOption(readout_s >= 0.0 && readout_s <= 0.2, "rolling shutter must be 0 to 0.2 s");
   RequireOption(defocus_px >= 0.0 && defocus_px <= 20.0, "defocus must be 0 to 20 pixels");
   RequireOption(read_noise >= 0.0 && read_noise <= 100.0, "noise must be 0 to 100 grey values");
   RequireOption(shot_noise >= 0.0 && shot_noise <= 10.0, "shot noise must be 0 to 10");
@@ -142,6 +147,7 @@ RenderConditions ConditionSampler::Sample(std::uint64_t index, double time_s, co
     const double blur_m = levels_.blur_px * rng.uniform(0.3, 1.0) / px_per_m_;
     c.motion = twist * (blur_m / std::max(speed, 0.1));
   }
+  c.readout_motion = twist * levels_.readout_s;
   c.defocus_px = levels_.defocus_px * rng.uniform(0.5, 1.0);
   c.read_noise = levels_.read_noise;
   c.shot_noise = levels_.shot_noise;

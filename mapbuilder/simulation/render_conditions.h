@@ -40,12 +40,17 @@ struct RenderConditions {
   std::vector<Lamp> lamps;
   ShadowStrip shadow;
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< twist x exposure time in the base frame: m, m, rad
-  double defocus_px = 0.0;                           ///< Gaussian sigma
-  double read_noise = 0.0;                           ///< standard deviation, grey values
-  double shot_noise = 0.0;                           ///< variance per grey value
+  /// Rolling shutter: twist x readout time of the whole image, likewise; rows are exposed from the top to the bottom.
+  Eigen::Vector3d readout_motion = Eigen::Vector3d::Zero();
+  double defocus_px = 0.0;  ///< Gaussian sigma
+  double read_noise = 0.0;  ///< standard deviation, grey values
+  double shot_noise = 0.0;  ///< variance per grey value
   CameraVibration vibration;
   std::uint64_t noise_seed = 0;
 };
+
+/// Pose in the middle of a row's exposure; map_from_base is that of the image, which its middle row has.
+Pose2 PoseAtRow(const Pose2& map_from_base, const RenderConditions& conditions, int row, int rows);
 
 /// Light of lamps and shadow at a floor point, base frame; 1 is the ambient light.
 double LightAt(const Eigen::Vector2d& point_in_base, const Pose2& map_from_base, const RenderConditions& conditions);
@@ -60,6 +65,8 @@ struct ConditionLevels {
   double lamps = 0.0;    ///< strength of the brightest lamp
   double shadow = 0.0;   ///< 0 ... 1
   double blur_px = 0.0;  ///< longest motion blur, at full speed
+  /// Rolling shutter: time in which the rows are exposed one after the other, typically 0.01 to 0.03 s; 0: global.
+  double readout_s = 0.0;
   double defocus_px = 0.0;
   double read_noise = 0.0;
   double shot_noise = 0.0;

@@ -35,12 +35,11 @@ Eigen::Matrix3d TexelFromBase(const GrayFloor& floor, const Pose2& map_from_base
   return texel_from_map * base;
 }
 
-// Undistorted pixels -> texture pixels.
-void Project(const cv::Mat& rays, const Eigen::Matrix3d& texel_from_pixel, cv::Mat* texels) {
+// Undistorted pixels -> texture pixels, of rows.
+void Project(const cv::Mat& rays, const Eigen::Matrix3d& texel_from_pixel, cv::Mat texels) {
   const Eigen::Matrix3f h = texel_from_pixel.cast<float>();
-  texels->create(rays.size(), CV_32FC2);
   const auto* in = rays.ptr<float>();
-  auto* out = texels->ptr<float>();
+  auto* out = texels.ptr<float>();
   const auto count = static_cast<int>(rays.total());
   for (int i = 0; i < count; ++i) {
     const float u = in[2 * i], v = in[2 * i + 1];
@@ -120,15 +119,21 @@ cv::Mat GrayRenderer::RenderFloor(const GrayFloor& floor, const Pose2& map_from_
   const Eigen::Matrix3d base_from_pixel = VibratedBaseFromPixel(camera_, conditions.vibration);
   const int samples = 2 * std::max(1, static_cast<int>(std::ceil(0.5 * BlurPx(camera_, conditions.motion))));
   cv::Mat sum = cv::Mat::zeros(rays_.size(), CV_32FC1);
-  cv::Mat texels, sample;
+  cv::Mat texels(rays_.size(), CV_32FC2), sample;
+  // With a global shutter all rows are one strip.
+  const int strip = conditions.readout_motion.isZero() ? rays_.rows : 1;
   for (int k = 0; k < samples; ++k) {
     const double time = (k + 0.5) / samples - 0.5;
     const auto& offset = kOffsetsPx[static_cast<std::size_t>(k) % kOffsetsPx.size()];
     Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();
     shift(0, 2) = offset[0];
     shift(1, 2) = offset[1];
-    Project(rays_, TexelFromBase(floor, map_from_base * Pose2::Exp(time * conditions.motion)) * base_from_pixel * shift,
-            &texels);
+    for (int v = 0; v < rays_.rows; v += strip) {
+      const Pose2 pose = strip > 1 ? map_from_base : PoseAtRow(map_from_base, conditions, v, rays_.rows);
+      Project(rays_.rowRange(v, v + strip),
+              TexelFromBase(floor, pose * Pose2::Exp(time * conditions.motion)) * base_from_pixel * shift,
+              texels.rowRange(v, v + strip));
+    }
     cv::remap(floor.gray, sample, texels, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT,
               cv::Scalar::all(kSurroundings));
     cv::accumulate(sample, sum);

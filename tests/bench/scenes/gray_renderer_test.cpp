@@ -61,5 +61,12 @@ TEST_F(GrayRendererTest, AgreesUnderLightBlurAndVibration) {
   EXPECT_LT(Difference(pose_, conditions), 1.5);
 }
 
+TEST_F(GrayRendererTest, AgreesWithARollingShutter) {
+  RenderConditions rolling;
+  rolling.motion = {0.002, 0.0, 0.001};
+  rolling.readout_motion = {0.006, -0.002, 0.01};
+  EXPECT_LT(Difference(pose_, rolling), 1.0);
+}
+
 }  // namespace
 }  // namespace floorloc
