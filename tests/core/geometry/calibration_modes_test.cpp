@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/calibration_modes.h"
+#include "core/geometry/calibration_modes.h"
 
 #include <gtest/gtest.h>
 
