@@ -45,16 +45,6 @@ void AddTangentialError(double displacement_px, CameraModel* camera) {
   AddLensError(change, displacement_px, camera);
 }
 
-// Undistorted pixel of the wrong intrinsics -> pixel of the true ones with the same ray.
-Eigen::Matrix3d TrueFromWrongPixel(const CameraModel& truth, const CameraModel& wrong) {
-  Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
-  m(0, 0) = truth.fx / wrong.fx;
-  m(1, 1) = truth.fy / wrong.fy;
-  m(0, 2) = truth.cx - m(0, 0) * wrong.cx;
-  m(1, 2) = truth.cy - m(1, 1) * wrong.cy;
-  return m;
-}
-
 }  // namespace
 
 CalibrationError CalibrationError::Typical(double residual_px, double tilt_rad) {
@@ -83,6 +73,9 @@ void CalibrationError::Check() const {
 
 FloorCamera Miscalibrated(const FloorCamera& camera, const CalibrationError& error) {
   error.Check();
+  if (error.IsZero()) {
+    return camera;
+  }
   FloorCamera wrong = camera;
   CameraModel& lens = wrong.camera;
   if (error.radial_px != 0.0) {
@@ -95,8 +88,8 @@ FloorCamera Miscalibrated(const FloorCamera& camera, const CalibrationError& err
   lens.cy += std::sqrt(0.5) * error.principal_point_px;
   lens.fx *= 1.0 + error.focal_share;
   lens.fy *= 1.0 + error.focal_share;
-  wrong.floor.base_from_pixel = VibratedBaseFromPixel(camera, {error.pitch_rad, error.roll_rad, error.height_m}) *
-                                TrueFromWrongPixel(camera.camera, lens);
+  // Not by the intrinsics: where they put an undistorted pixel, floor.yaml was measured.
+  wrong.floor.base_from_pixel = VibratedBaseFromPixel(camera, {error.pitch_rad, error.roll_rad, error.height_m});
   wrong.floor.base_from_pixel /= wrong.floor.base_from_pixel(2, 2);
   wrong.Check();
   return wrong;

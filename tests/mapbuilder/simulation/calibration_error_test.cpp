@@ -133,6 +133,29 @@ TEST(CalibrationError, ATiltLeavesTheLensAlone) {
   }
 }
 
+TEST(CalibrationError, OnlyDistortionShowsWrongIntrinsics) {
+  for (const CalibrationError& error :
+       {CalibrationError{.principal_point_px = 3.0}, CalibrationError{.focal_share = 0.005}}) {
+    SCOPED_TRACE(error.focal_share);
+    for (const FloorCamera& camera : Cameras()) {
+      const double pixel_m = camera.floor.resolution_m;
+      const Eigen::Vector2d axis(camera.camera.cx, camera.camera.cy);
+      const FloorCamera wrong = Miscalibrated(camera, error);
+      EXPECT_LT(FloorError(camera, wrong, axis).norm(), 1e-3 * pixel_m);
+      const FloorCamera straight = WithoutDistortion(camera);
+      if (camera.camera.distortion_model == DistortionModel::kPlumbBob) {
+        const FloorCamera wrong_straight = Miscalibrated(straight, error);
+        double shown_m = 0.0;
+        for (const Eigen::Vector2d& point : PointsOfRoi(camera.floor.roi)) {
+          EXPECT_LT(FloorError(straight, wrong_straight, straight.RawPixelFromFloor(point)).norm(), 1e-6 * pixel_m);
+          shown_m = std::max(shown_m, FloorError(camera, wrong, camera.RawPixelFromFloor(point)).norm());
+        }
+        EXPECT_GT(shown_m, 0.2 * pixel_m);
+      }
+    }
+  }
+}
+
 TEST(CalibrationError, IntrinsicsAreWrongByWhatIsAsked) {
   const CameraModel truth = MakeDownwardCamera().camera;
   const CameraModel wrong =
