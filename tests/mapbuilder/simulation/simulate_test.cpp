@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "core/io/camera_yaml.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
@@ -186,6 +187,35 @@ TEST(Simulate, GivesTheSameBytesForTheSameSeedAndAnyNumberOfThreads) {
   EXPECT_EQ(a.size(), 8U);
   EXPECT_TRUE(a == FilesIn(folder.path() / "b"));
   EXPECT_NE(a.at("images/000000.jpg"), FilesIn(folder.path() / "c").at("images/000000.jpg"));
+}
+
+TEST(Simulate, WritesAWrongCalibrationBesideTheTrueOneAndTheSameImages) {
+  const TemporaryFolder folder;
+  SimulateOptions options = SyntheticFloor().SurveyOptions(folder.path() / "exact");
+  options.path.type = PathType::kRandom;
+  options.path.frames = 2;
+  Simulate(options);
+  options.out = folder.path() / "wrong";
+  options.calibration_error = CalibrationError::Typical(1.0, 0.002);
+  Simulate(options);
+  auto exact = FilesIn(folder.path() / "exact");
+  auto wrong = FilesIn(options.out);
+  EXPECT_FALSE(exact.contains("camera_truth.yaml"));
+  EXPECT_FALSE(exact.contains("floor_truth.yaml"));
+  EXPECT_NE(wrong.at("camera.yaml"), exact.at("camera.yaml"));
+  EXPECT_NE(wrong.at("floor.yaml"), exact.at("floor.yaml"));
+  EXPECT_EQ(wrong.at("camera_truth.yaml"), exact.at("camera.yaml"));
+  const FloorPlane truth = ParseFloorYaml(wrong.at("floor_truth.yaml"), "floor_truth.yaml");
+  EXPECT_TRUE(truth.base_from_pixel == options.camera.floor.base_from_pixel);
+  for (const char* calibration : {"camera.yaml", "floor.yaml", "camera_truth.yaml", "floor_truth.yaml"}) {
+    exact.erase(calibration);
+    wrong.erase(calibration);
+  }
+  EXPECT_TRUE(wrong == exact) << "a calibration does not change what the camera sees";
+  const Eigen::Vector2d corner(0.0, 0.0);
+  const FloorCamera expected = Miscalibrated(options.camera, options.calibration_error);
+  const FloorCamera read = ReadSurvey(options.out).camera;
+  EXPECT_LT((read.FloorFromRawPixel(corner) - expected.FloorFromRawPixel(corner)).norm(), 1e-6);
 }
 
 TEST(Simulate, RefusesAFolderThatIsNotEmpty) {
