@@ -9,6 +9,7 @@
 #include "core/io/camera_yaml.h"
 #include "core/io/delimited_text.h"
 #include "core/io/input_error.h"
+#include "core/io/planar_trajectory.h"
 #include "core/io/text_file.h"
 
 namespace floorloc {
@@ -177,9 +178,11 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames
   ReadFrames(bad_frames, &survey);
   if (const fs::path file = folder / "odometry.tum"; Exists(file)) {
     survey.odometry = ReadTum(file);
+    CheckPlanar(survey.odometry, file);
   }
   if (const fs::path file = folder / "groundtruth.tum"; Exists(file)) {
     survey.ground_truth = ReadTum(file);
+    CheckPlanar(survey.ground_truth, file);
   }
   if (const fs::path file = folder / "imu.csv"; Exists(file)) {
     survey.imu = ParseImuCsv(ReadTextFile(file), file);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/io/input_error.h"
+#include "core/io/planar_trajectory.h"
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/build/build_report.h"
@@ -79,6 +80,7 @@ void Run(Arguments& a) {
   ParseCameraUnknowns(a.self_calibrate, &a.options.self_calibration);
   if (!a.poses_file.empty()) {
     a.options.poses = ReadTrajectory(a.poses_file);
+    CheckPlanar(a.options.poses, a.poses_file);
   }
   if (a.poses_sigma.size() == 2) {
     a.options.placement.prior_sigma_m = a.poses_sigma[0];
