@@ -85,6 +85,34 @@ std::vector<std::string_view> SplitFields(std::string_view line, char separator)
   }
 }
 
+std::optional<std::vector<std::string_view>> SplitCsv(std::string_view line) {
+  std::vector<std::string_view> fields;
+  while (true) {
+    line = Trim(line);
+    std::size_t end = std::min(line.find(','), line.size());
+    if (line.starts_with('"')) {
+      std::size_t close = line.find('"', 1);
+      while (close != std::string_view::npos && line.substr(close).starts_with("\"\"")) {
+        close = line.find('"', close + 2);
+      }
+      if (close == std::string_view::npos) {
+        return std::nullopt;
+      }
+      end = std::min(line.find(',', close), line.size());
+      if (!Trim(line.substr(close + 1, end - close - 1)).empty()) {
+        return std::nullopt;
+      }
+      fields.push_back(line.substr(1, close - 1));
+    } else {
+      fields.push_back(Trim(line.substr(0, end)));
+    }
+    if (end == line.size()) {
+      return fields;
+    }
+    line.remove_prefix(end + 1);
+  }
+}
+
 std::vector<std::string_view> SplitWords(std::string_view line) {
   std::vector<std::string_view> words;
   std::size_t begin = line.find_first_not_of(kBlanks);

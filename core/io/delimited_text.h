@@ -21,6 +21,9 @@ std::vector<TextLine> ContentLines(std::string_view text);
 
 /// "a, b,c" -> {"a", "b", "c"}: trimmed fields, including empty ones.
 std::vector<std::string_view> SplitFields(std::string_view line, char separator);
+/// Fields separated by commas that may stand in double quotes (RFC 4180): '"a,b", c' -> {"a,b", "c"}. A quote inside of
+/// a quoted field stays doubled. Empty when a quote is not closed, or text follows it.
+std::optional<std::vector<std::string_view>> SplitCsv(std::string_view line);
 /// "a  b\tc" -> {"a", "b", "c"}.
 std::vector<std::string_view> SplitWords(std::string_view line);
 

@@ -59,16 +59,6 @@ std::vector<SurveyFrame> ListImages(const fs::path& folder) {
   return frames;
 }
 
-// The line of frames.csv that lists an image, for messages only: frames do not store it.
-int LineOf(const std::string& filename, const std::string& frames_csv) {
-  for (const TextLine& line : ContentLines(frames_csv)) {
-    if (SplitFields(line.text, ',').back() == filename) {
-      return line.number;
-    }
-  }
-  return 1;
-}
-
 void SortByTime(Survey* survey) {
   const auto earlier = [](const SurveyFrame& a, const SurveyFrame& b) { return a.stamp_ns < b.stamp_ns; };
   for (std::size_t i = 1; i < survey->frames.size(); ++i) {
@@ -108,10 +98,10 @@ void ReadFrames(BadFramePolicy bad_frames, Survey* survey) {
     }
     return;
   }
-  for (const SurveyFrame& frame : survey->frames) {
-    const fs::path image_file = survey->ImagePath(frame);
+  for (std::size_t i = 0; i < survey->frames.size(); ++i) {  // in the order of the file
+    const fs::path image_file = survey->ImagePath(survey->frames[i]);
     if (!IsFile(image_file)) {
-      throw InputError(file, LineOf(frame.filename, text),
+      throw InputError(file, ContentLines(text)[i + 1].number,
                        "the image " + image_file.string() + " is missing; add it or delete the row");
     }
   }

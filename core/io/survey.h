@@ -15,7 +15,7 @@ namespace floorloc {
 
 struct SurveyFrame {
   std::int64_t stamp_ns = 0;
-  std::string filename;  ///< as written in frames.csv, relative to the folder
+  std::string filename;  ///< relative to the folder, with slashes
 };
 
 /// One row of imu.csv (EuRoC): angular velocity rad/s and acceleration m/s^2 in the IMU frame.
@@ -97,7 +97,8 @@ struct CameraRecording {
 /// Throws InputError that names file, line and reason.
 CameraRecording ReadCameraRecording(const std::filesystem::path& folder);
 
-/// Parses the rows in the order of the file. kSkip: time stamps need not increase.
+/// Parses the rows in the order of the file. Fields may stand in double quotes, and file names may have backslashes, as
+/// tools on Windows write both. kSkip: time stamps need not increase.
 std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::filesystem::path& source,
                                         BadFramePolicy bad_frames = BadFramePolicy::kThrow);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <span>
 #include <unordered_set>
 
@@ -12,6 +14,15 @@
 namespace floorloc {
 namespace {
 
+std::vector<std::string_view> SplitRow(const TextLine& line, const std::filesystem::path& source) {
+  std::optional<std::vector<std::string_view>> fields = SplitCsv(line.text);
+  if (!fields) {
+    throw InputError(source, line.number,
+                     "a quoted field must end with a quote before the next comma or the end of the line; correct it");
+  }
+  return std::move(*fields);
+}
+
 // Checks the header line and returns the rows after it.
 std::vector<TextLine> RowsBelowHeader(std::string_view text, const std::string& header,
                                       const std::filesystem::path& source) {
@@ -20,7 +31,14 @@ std::vector<TextLine> RowsBelowHeader(std::string_view text, const std::string& 
     return lines;
   }
   const std::vector<std::string_view> expected = SplitFields(header, ',');
-  if (SplitFields(lines.front().text, ',') != expected) {
+  for (const char other : {';', '\t'}) {
+    if (SplitFields(lines.front().text, other) == expected) {
+      throw InputError(source, lines.front().number,
+                       std::string("the columns are separated by ") + (other == ';' ? "semicolons" : "tabs") +
+                           "; save the file with commas between them, and points in the numbers");
+    }
+  }
+  if (SplitRow(lines.front(), source) != expected) {
     throw InputError(source, lines.front().number, "the first line must be '" + header + "'; add it");
   }
   lines.erase(lines.begin());
@@ -29,7 +47,7 @@ std::vector<TextLine> RowsBelowHeader(std::string_view text, const std::string& 
 
 std::vector<std::string_view> FieldsOf(const TextLine& line, const std::string& columns,
                                        const std::filesystem::path& source) {
-  std::vector<std::string_view> fields = SplitFields(line.text, ',');
+  std::vector<std::string_view> fields = SplitRow(line, source);
   const std::size_t count = SplitFields(columns, ',').size();
   if (fields.size() != count) {
     throw InputError(source, line.number,
@@ -65,10 +83,29 @@ void CheckIncreasing(std::int64_t stamp_ns, std::int64_t previous_ns, int line, 
   }
 }
 
+// A file name as it is on this system: with slashes, as Windows accepts them too, without quotes for quotes and "./".
+std::string ToFilename(std::string_view field) {
+  std::string name;
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    i += field.substr(i).starts_with("\"\"") ? 1 : 0;
+    name += field[i] == '\\' ? '/' : field[i];
+  }
+  while (name.starts_with("./")) {
+    name.erase(0, 2);
+  }
+  return name;
+}
+
+bool HasDriveLetter(const std::string& name) {
+  return name.size() > 1 && name[1] == ':' && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
+}
+
 // Images must be inside the survey folder: a path out of it is a mistake or an attack.
-void CheckInsideFolder(const std::string& filename, int line, const std::filesystem::path& source) {
+std::string FilenameOf(std::string_view field, int line, const std::filesystem::path& source) {
+  std::string filename = ToFilename(field);
   const std::filesystem::path path(filename);
-  bool inside = !filename.empty() && path.is_relative() && filename.find('\0') == std::string::npos;
+  bool inside =
+      !filename.empty() && path.is_relative() && !HasDriveLetter(filename) && filename.find('\0') == std::string::npos;
   for (const std::filesystem::path& part : path) {
     inside = inside && part != "..";
   }
@@ -78,6 +115,7 @@ void CheckInsideFolder(const std::string& filename, int line, const std::filesys
                          "' is not inside the folder; write it relative "
                          "to the folder, as images/000000.jpg");
   }
+  return filename;
 }
 
 }  // namespace
@@ -95,8 +133,7 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
           source, line.number,
           "the time stamp '" + std::string(fields[0]) + "' is not a number of seconds; correct or delete the row");
     }
-    SurveyFrame frame{*stamp_ns, std::string(fields[1])};
-    CheckInsideFolder(frame.filename, line.number, source);
+    SurveyFrame frame{*stamp_ns, FilenameOf(fields[1], line.number, source)};
     if (!frames.empty() && bad_frames == BadFramePolicy::kThrow) {
       CheckIncreasing(frame.stamp_ns, frames.back().stamp_ns, line.number, source);
     }
@@ -153,8 +190,7 @@ std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const s
   std::vector<ControlPoint> points;
   for (const TextLine& line : RowsBelowHeader(text, columns, source)) {
     const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
-    const std::string filename(fields[0]);
-    CheckInsideFolder(filename, line.number, source);
+    const std::string filename = FilenameOf(fields[0], line.number, source);
     const auto n = Numbers<4>(std::span(fields).subspan(1), line.number, source);
     points.push_back({filename, {n[0], n[1]}, {n[2], n[3]}});
   }
@@ -169,10 +205,11 @@ std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const
     const auto first = Numbers<2>(std::span(fields).subspan(1, 2), line.number, source);
     const auto rest = Numbers<2>(std::span(fields).subspan(4, 2), line.number, source);
     const auto distance = Numbers<1>(std::span(fields).subspan(6), line.number, source);
-    KnownDistance row{
-        std::string(fields[0]), {first[0], first[1]}, std::string(fields[3]), {rest[0], rest[1]}, distance[0]};
-    CheckInsideFolder(row.first_filename, line.number, source);
-    CheckInsideFolder(row.second_filename, line.number, source);
+    KnownDistance row{FilenameOf(fields[0], line.number, source),
+                      {first[0], first[1]},
+                      FilenameOf(fields[3], line.number, source),
+                      {rest[0], rest[1]},
+                      distance[0]};
     if (!(row.distance_m > 0.0)) {
       throw InputError(source, line.number, "the distance is not positive; write it in metres");
     }
@@ -195,6 +232,10 @@ std::vector<KnownMarker> ParseMarkersCsv(const std::string& text, const std::fil
     KnownMarker marker{static_cast<int>(n[0]), {n[1], n[2]}, std::nullopt, line.number};
     if (!fields[3].empty()) {
       marker.yaw_rad = Numbers<1>(std::span(fields).subspan(3), line.number, source)[0];
+      if (std::abs(*marker.yaw_rad) > 2.0 * std::numbers::pi) {
+        throw InputError(source, line.number,
+                         "the yaw '" + std::string(fields[3]) + "' is more than a full turn; write it in radians");
+      }
     }
     if (!seen.insert(marker.id).second) {
       throw InputError(source, line.number,

@@ -11,6 +11,20 @@ namespace {
 using testing::ElementsAre;
 using testing::Optional;
 
+TEST(SplitCsv, ReadsFieldsWithAndWithoutQuotes) {
+  EXPECT_THAT(SplitCsv("a, b ,c"), Optional(ElementsAre("a", "b", "c")));
+  EXPECT_THAT(SplitCsv("\"a,b\" , \" c \""), Optional(ElementsAre("a,b", " c ")));
+  EXPECT_THAT(SplitCsv("\"a \"\"b\"\"\",\"\",c\"d"), Optional(ElementsAre("a \"\"b\"\"", "", "c\"d")));
+  EXPECT_THAT(SplitCsv(","), Optional(ElementsAre("", "")));
+  EXPECT_THAT(SplitCsv(""), Optional(ElementsAre("")));
+}
+
+TEST(SplitCsv, RefusesQuotesThatDoNotEnclose) {
+  for (const std::string text : {"\"", "\"a", "\"a\"b", "a,\"b\"\"", "\"a\" b,c", "\"\"\""}) {
+    EXPECT_FALSE(SplitCsv(text)) << text;
+  }
+}
+
 TEST(ParseSize, ReadsTwoDecimalNumbers) {
   EXPECT_THAT(ParseSize("2.6x1.8"), Optional(ElementsAre(2.6, 1.8)));
   EXPECT_THAT(ParseSize("12X7."), Optional(ElementsAre(12.0, 7.0)));

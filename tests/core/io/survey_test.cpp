@@ -33,6 +33,22 @@ TEST(FramesCsv, ReadsRows) {
   EXPECT_EQ(frames[1].filename, "b c.png");
 }
 
+TEST(FramesCsv, ReadsQuotesAndBackslashes) {
+  const auto frames = ParseFramesCsv(
+      "\"timestamp\",\"filename\"\r\n"
+      "\"1000.25\",\"images\\a.jpg\"\r\n"
+      "1001,.\\images\\b c.jpg\r\n"
+      "1002 , \"images/d,e.jpg\" \r\n"
+      "1003,\"images/the \"\"f\"\".jpg\"\r\n",
+      "frames.csv");
+  ASSERT_EQ(frames.size(), 4u);
+  EXPECT_EQ(frames[0].stamp_ns, 1000'250'000'000);
+  EXPECT_EQ(frames[0].filename, "images/a.jpg");
+  EXPECT_EQ(frames[1].filename, "images/b c.jpg");
+  EXPECT_EQ(frames[2].filename, "images/d,e.jpg");
+  EXPECT_EQ(frames[3].filename, "images/the \"f\".jpg");
+}
+
 TEST(ImuCsv, ReadsWhatItWrites) {
   const std::vector<ImuSample> written = {{10, {1, -2, 0.25}, {4, 5, 9.8066501}}, {20, {0, 0, 0}, {0, 0, 0}}};
   const auto samples = ParseImuCsv(FormatImuCsv(written), "imu.csv");
@@ -90,6 +106,13 @@ const BrokenCsv kBrokenFrames[] = {
     {"EmptyName", "timestamp,filename\n1000,\n", "frames.csv:2: ", "is not inside the folder"},
     {"AbsoluteName", "timestamp,filename\n1000,/etc/passwd\n", "frames.csv:2: ", "is not inside the folder"},
     {"LeadsOut", "timestamp,filename\n1000,images/../../a.jpg\n", "frames.csv:2: ", "is not inside the folder"},
+    {"AbsoluteOnWindows", "timestamp,filename\n1000,C:\\survey\\a.jpg\n", "frames.csv:2: ", "is not inside the folder"},
+    {"LeadsOutWithBackslashes", "timestamp,filename\n1000,..\\a.jpg\n", "frames.csv:2: ", "is not inside the folder"},
+    {"SameNameInOtherSigns", "timestamp,filename\n1,i/a.jpg\n2,\".\\i\\a.jpg\"\n", "frames.csv:3: ", "listed twice"},
+    {"OpenQuote", "timestamp,filename\n1000,\"a.jpg\n", "frames.csv:2: ", "must end with a quote"},
+    {"TextAfterQuote", "timestamp,filename\n1000,\"a\".jpg\n", "frames.csv:2: ", "must end with a quote"},
+    {"Semicolons", "timestamp;filename\n1000,5;a.jpg\n", "frames.csv:1: ", "are separated by semicolons"},
+    {"Tabs", "timestamp\tfilename\n1000\ta.jpg\n", "frames.csv:1: ", "are separated by tabs"},
     {"SameName", "timestamp,filename\n1,a.jpg\n2,b.jpg\n3,a.jpg\n", "frames.csv:4: ", "a.jpg is listed twice"},
     {"SameStamp", "timestamp,filename\n1,a.jpg\n1.0,b.jpg\n", "frames.csv:3: ", "is not later than the one before"},
     {"Backwards", "timestamp,filename\n2,a.jpg\n1,b.jpg\n", "frames.csv:3: ", "is not later than the one before"},
@@ -153,6 +176,7 @@ const BrokenCsv kBrokenMarkers[] = {
     {"Empty", "id,x,y,yaw\n", "markers.csv: ", "has no markers"},
     {"ThreeFields", "id,x,y,yaw\n3,1,2\n", "markers.csv:2: ", "has 3 fields instead of 4"},
     {"Word", "id,x,y,yaw\n3,1,2,north\n", "markers.csv:2: ", "'north' is not a finite number"},
+    {"Degrees", "id,x,y,yaw\n3,1,2,90\n", "markers.csv:2: ", "'90' is more than a full turn; write it in radians"},
     {"NoPlace", "id,x,y,yaw\n3,,2,\n", "markers.csv:2: ", "'' is not a finite number"},
     {"HalfId", "id,x,y,yaw\n3.5,1,2,\n", "markers.csv:2: ", "must be a whole number"},
     {"NegativeId", "id,x,y,yaw\n-1,1,2,\n", "markers.csv:2: ", "must be a whole number"},
@@ -245,6 +269,26 @@ TEST_F(SurveyFolder, RefusesControlPointsOfUnknownImages) {
   Write("control_points.csv", "filename,u,v,x,y\n# corner\nimages/a.png,1,2,3,4\nimages/z.png,1,2,3,4\n");
   EXPECT_THAT(Error(),
               AllOf(HasSubstr("control_points.csv:4: "), HasSubstr("images/z.png is not a frame of the survey")));
+}
+
+TEST_F(SurveyFolder, TablesOfWindowsNameTheSameImages) {
+  Write("frames.csv", "timestamp,filename\r\n10,images\\b.jpg\r\n11,\"images\\a.png\"\r\n");
+  Write("control_points.csv", "filename,u,v,x,y\nimages\\a.png,1,2,3,4\n\"images/b.jpg\",1,2,3,4\n");
+  Write("known_distances.csv", "filename1,u1,v1,filename2,u2,v2,distance\n.\\images\\a.png,1,2,images/b.jpg,3,4,5\n");
+  const Survey survey = Read();
+  EXPECT_EQ(survey.frames[1].filename, "images/a.png");
+  EXPECT_EQ(survey.control_points[0].filename, "images/a.png");
+  EXPECT_EQ(survey.known_distances[0].first_filename, "images/a.png");
+  Remove("images/a.png");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("frames.csv:3: "), HasSubstr("images/a.png is missing")));
+}
+
+TEST_F(SurveyFolder, RefusesOdometryThatIsNotOfARobotOnAFloor) {
+  Write("odometry.tum", "10 1 0 0 1 0 0 0\n11 2 0 0 0.9 0 0 0.435889894\n");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("odometry.tum: "), HasSubstr("qw first")));
+  Remove("odometry.tum");
+  Write("groundtruth.tum", "10 1 0 0 0 0 0 1\n11 2 0 9 0 0 0 1\n");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("groundtruth.tum: "), HasSubstr("tz changes by 9.00 m")));
 }
 
 TEST_F(SurveyFolder, PassesOnErrorsOfItsParts) {
