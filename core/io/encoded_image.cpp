@@ -103,7 +103,8 @@ std::optional<ImageHeader> ProbeJpeg(Bytes bytes) {
       }
       const int height = data[1] * 256 + data[2];
       const int width = data[3] * 256 + data[4];
-      return width > 0 && height > 0 ? std::optional(ImageHeader{ImageFormat::kJpeg, width, height}) : std::nullopt;
+      return width > 0 && height > 0 ? std::optional(ImageHeader{ImageFormat::kJpeg, width, height, data[0]})
+                                     : std::nullopt;
     }
   }
   return std::nullopt;
@@ -114,11 +115,11 @@ std::uint32_t BigEndian32(Bytes bytes) {
          static_cast<std::uint32_t>(bytes[2]) << 8 | static_cast<std::uint32_t>(bytes[3]);
 }
 
-// Signature, then the IHDR chunk: length 13, name, width, height.
+// Signature, then the IHDR chunk: length 13, name, width, height, bit depth.
 std::optional<ImageHeader> ProbePng(Bytes bytes) {
   constexpr std::array<std::uint8_t, 16> kStart = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n',
                                                    0,    0,   0,   13,  'I',  'H',  'D',  'R'};
-  constexpr std::size_t kHeaderSize = 24;
+  constexpr std::size_t kHeaderSize = 25;
   if (bytes.size() < kHeaderSize || !std::equal(kStart.begin(), kStart.end(), bytes.begin())) {
     return std::nullopt;
   }
@@ -128,7 +129,7 @@ std::optional<ImageHeader> ProbePng(Bytes bytes) {
   if (width == 0 || height == 0 || width > kMax || height > kMax) {
     return std::nullopt;
   }
-  return ImageHeader{ImageFormat::kPng, static_cast<int>(width), static_cast<int>(height)};
+  return ImageHeader{ImageFormat::kPng, static_cast<int>(width), static_cast<int>(height), bytes[24]};
 }
 
 }  // namespace

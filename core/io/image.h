@@ -16,13 +16,16 @@ struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   int width_px = 0;
   int height_px = 0;
+  int bits = 8;  ///< per channel
 };
 
 /// Reads the header of a JPEG or PNG. Empty when the bytes are neither, or the header is cut off or damaged.
 std::optional<ImageHeader> ProbeImage(std::span<const std::uint8_t> bytes);
 
 /// Decodes a JPEG or PNG to 8-bit grey, ignoring EXIF orientation. The header must give exactly width_px x height_px,
-/// which is checked before decoding. Returns CV_8UC1. `source` names the image in errors. Throws InputError.
+/// which is checked before decoding. Of a PNG with 16 bits, the highest 8 that are used: sensors have 10, 12 or 14,
+/// which drivers write as they are (Mono12) or shifted to the top; each image tells which by its values. Returns
+/// CV_8UC1. `source` names the image in errors. Throws InputError.
 cv::Mat DecodeGray(std::span<const std::uint8_t> bytes, int width_px, int height_px,
                    const std::filesystem::path& source);
 /// The same, to 8-bit BGR (CV_8UC3).

@@ -40,6 +40,7 @@ TEST_P(ImageFormats, ProbesTheHeaderAndDecodes) {
   ASSERT_TRUE(header.has_value());
   EXPECT_EQ(header->width_px, 40);
   EXPECT_EQ(header->height_px, 30);
+  EXPECT_EQ(header->bits, 8);
   EXPECT_EQ(header->format, GetParam() == std::string(".png") ? ImageFormat::kPng : ImageFormat::kJpeg);
   const cv::Mat gray = DecodeGray(bytes, 40, 30, "a");
   EXPECT_EQ(gray.type(), CV_8UC1);
@@ -140,6 +141,45 @@ TEST(Image, RefusesDamagedHeaders) {
   EXPECT_FALSE(ProbeImage(no_width).has_value());
   no_width[16] = 0xFF;
   EXPECT_FALSE(ProbeImage(no_width).has_value());
+}
+
+// A PNG of 16 bits per channel with a ramp from 0 to `top`, times `factor`.
+Bytes Png16(int top, int factor, int type = CV_16UC1) {
+  cv::Mat image(30, 40, CV_16UC1);
+  for (int i = 0; i < 1200; ++i) {
+    image.at<std::uint16_t>(i / 40, i % 40) = static_cast<std::uint16_t>(top * i / 1199 * factor);
+  }
+  if (type == CV_16UC3) {
+    cv::merge(std::vector<cv::Mat>(3, image), image);
+  }
+  Bytes bytes;
+  cv::imencode(".png", image, bytes);
+  return bytes;
+}
+
+TEST(Image, SensorsOfMoreThan8BitsFillTheRangeOfGrey) {
+  for (const int bits : {8, 10, 12, 14, 16}) {
+    const int top = (1 << bits) - 1;
+    const cv::Mat gray = DecodeGray(Png16(top, 1), 40, 30, "a.png");
+    EXPECT_EQ(gray.type(), CV_8UC1);
+    for (const int i : {0, 1, 7, 300, 1198, 1199}) {
+      EXPECT_EQ(gray.at<std::uint8_t>(i / 40, i % 40), (top * i / 1199) >> (bits - 8)) << bits << " bits";
+    }
+    EXPECT_EQ(DecodeColor(Png16(top, 1, CV_16UC3), 40, 30, "a.png").at<cv::Vec3b>(29, 39), cv::Vec3b(255, 255, 255));
+  }
+}
+
+TEST(Image, ADarkImageStaysDarkWhereTheSensorsBitsAreAtTheTop) {
+  const cv::Mat gray = DecodeGray(Png16(255, 16), 40, 30, "a.png");  // 12 bits, shifted by 4; a sixteenth of the light
+  EXPECT_EQ(gray.at<std::uint8_t>(29, 39), 15);
+  const cv::Mat black = DecodeGray(Png16(0, 1), 40, 30, "a.png");
+  EXPECT_EQ(black.at<std::uint8_t>(29, 39), 0);
+}
+
+TEST(Image, RefusesAJpegOf12Bits) {
+  Bytes bytes = EncodedImage(".jpg", 40, 30);
+  bytes[Find(bytes, 0xFF, 0xC0) + 4] = 12;
+  EXPECT_THAT(DecodeError(bytes), HasSubstr("is a JPEG of 12 bits per channel"));
 }
 
 TEST(Image, RefusesDamagedPixels) {
