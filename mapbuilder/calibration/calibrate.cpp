@@ -13,6 +13,7 @@
 #include "core/io/text_file.h"
 #include "mapbuilder/calibration/calibration_report.h"
 #include "mapbuilder/calibration/floor_grid.h"
+#include "mapbuilder/calibration/known_camera.h"
 
 namespace floorloc {
 namespace {
@@ -23,6 +24,9 @@ constexpr double kRadiusMargin = 1.1;
 // A larger error of a floor image indicates a wrong --board-pose or a board that is not flat.
 constexpr double kMaxFloorErrorM = 1e-3;
 constexpr double kMaxFloorErrorPx = 2.0;
+
+// A good calibration leaves 0.1 to 0.2 px; a wrong one little more, since the board's pose adapts to it.
+constexpr double kMaxKnownCameraErrorPx = 0.5;
 
 void Require(bool ok, const char* message) {
   if (!ok) {
@@ -45,7 +49,10 @@ struct FileList {
 };
 
 FileList ListAll(const CalibrateOptions& options) {
-  FileList list{ListImages(options.images), {}};
+  FileList list;
+  if (!options.known_camera) {
+    list.files = ListImages(options.images);
+  }
   for (const BoardOnFloorImage& image : options.board_on_floor_images) {
     if (!std::filesystem::exists(image.file)) {
       throw InputError(image.file, "does not exist; --floor-image takes an image of the board on the floor");
@@ -68,7 +75,7 @@ CameraCalibrationInput MakeCameraInput(const CalibrationImages& images, const Ca
       first_problem = image.file.filename().string() + ": " + image.problem;
     }
   }
-  if (input.views.size() < 3) {
+  if (input.views.size() < 3 && !options.known_camera) {
     throw InputError(options.images, "the board was found in " + std::to_string(input.views.size()) + " of " +
                                          std::to_string(images.images.size()) +
                                          " images, at least 3 are needed and 10 to 20 are good (" + first_problem +
@@ -83,6 +90,16 @@ void CheckImages(const CalibrationImages& images, std::vector<Diagnostic>* warni
   if (2 * static_cast<std::size_t>(found) < images.images.size()) {
     warnings->push_back({false, "the board was found in only " + std::to_string(found) + " of " +
                                     std::to_string(images.images.size()) + " images: check --board, focus and light"});
+  }
+}
+
+void CheckKnownCamera(const CameraCalibration& camera, std::vector<Diagnostic>* warnings) {
+  if (camera.rms_px > kMaxKnownCameraErrorPx) {
+    const auto tenths = static_cast<int>(std::lround(10.0 * camera.rms_px));
+    warnings->push_back({false, "the board's corners are " + std::to_string(tenths / 10) + "." +
+                                    std::to_string(tenths % 10) +
+                                    " px away from where the camera of --camera would see them: check that it is this "
+                                    "camera's, that zoom and focus are as they were, and --board and --square"});
   }
 }
 
@@ -135,6 +152,9 @@ void CalibrateOptions::Check() const {
   board.Check();
   Require(std::isfinite(board_thickness_m) && board_thickness_m >= 0.0 && board_thickness_m < 0.5,
           "--board-thickness must be 0 to 0.5 metres");
+  Require(!known_camera || !board_on_floor_images.empty(),
+          "with --camera only the floor is calibrated: give --floor-image, an image of the board on the floor, and its "
+          "--board-pose");
   Require(board_on_floor_images.empty() || board.HasUniqueOrigin(),
           "a chessboard whose numbers of inner corners are both odd or both even looks the same when turned by half a "
           "turn, so its pose on the floor is not known; use a board such as 9x6, or a ChArUco board");
@@ -148,10 +168,17 @@ CalibrationResult Calibrate(const CalibrateOptions& options) {
   CalibrationResult result;
   result.images = FindBoards(list.files, options.board, options.run);
   const CameraCalibrationInput input = MakeCameraInput(result.images, options);
-  result.camera = CalibrateCamera(input, options.camera);
-  result.camera.camera.name = options.camera_name;
-  result.warnings = ThrowIfFatal(CheckConstraints(input, result.camera), options.images);
-  CheckImages(result.images, &result.warnings);
+  FloorRegionOptions region = options.region;
+  if (options.known_camera) {
+    result.camera = FitKnownCamera(input, *options.known_camera);
+    CheckKnownCamera(result.camera, &result.warnings);
+  } else {
+    result.camera = CalibrateCamera(input, options.camera);
+    result.camera.camera.name = options.camera_name;
+    result.warnings = ThrowIfFatal(CheckConstraints(input, result.camera), options.images);
+    CheckImages(result.images, &result.warnings);
+    region.max_radius_px = kRadiusMargin * CalibratedRadiusPx(input, result.camera);
+  }
   if (options.board_on_floor_images.empty()) {
     return result;
   }
@@ -161,8 +188,6 @@ CalibrationResult Calibrate(const CalibrateOptions& options) {
     result.floor_views.push_back(observation.view);
   }
   CheckFloorFits(*result.floor, &result.warnings);
-  FloorRegionOptions region = options.region;
-  region.max_radius_px = kRadiusMargin * CalibratedRadiusPx(input, result.camera);
   result.plane = ChooseFloorRegion(result.camera.camera, result.floor->base_from_pixel, region);
   return result;
 }

@@ -27,6 +27,8 @@ struct CalibrateOptions {
   double board_thickness_m = 0.0;
   std::vector<BoardOnFloorImage> board_on_floor_images;  ///< none: camera.yaml only
   std::string camera_name = "camera";
+  /// A camera that was calibrated elsewhere stays as it is: only the floor is calibrated, and `images` is not used.
+  std::optional<CameraModel> known_camera;
   CameraCalibrationOptions camera;
   FloorRegionOptions region;
   RunOptions run;

@@ -87,10 +87,14 @@ ordered_json FloorToJson(const FloorCalibration& floor, const FloorPlane& plane)
 void WriteCamera(const CameraCalibration& calibration, std::ostream& out) {
   const CameraModel& camera = calibration.camera;
   out << std::fixed << std::setprecision(2);
-  out << "camera: " << camera.width_px << "x" << camera.height_px << ", " << ToString(camera.distortion_model)
-      << "; fx " << camera.fx << " +- " << calibration.SigmaPx(0) << ", fy " << camera.fy << " +- "
-      << calibration.SigmaPx(1) << ", cx " << camera.cx << " +- " << calibration.SigmaPx(2) << ", cy " << camera.cy
-      << " +- " << calibration.SigmaPx(3) << " px\n";
+  out << "camera: " << camera.width_px << "x" << camera.height_px << ", " << ToString(camera.distortion_model);
+  if (!calibration.covariance) {
+    out << "; fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy " << camera.cy << " px\n";
+  } else {
+    out << "; fx " << camera.fx << " +- " << calibration.SigmaPx(0) << ", fy " << camera.fy << " +- "
+        << calibration.SigmaPx(1) << ", cx " << camera.cx << " +- " << calibration.SigmaPx(2) << ", cy " << camera.cy
+        << " +- " << calibration.SigmaPx(3) << " px\n";
+  }
   out << std::setprecision(3) << "images: " << calibration.used_count() << " used, reprojection error "
       << calibration.rms_px << " px (RMS)\n";
 }

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/io/camera_yaml.h"
 #include "core/io/delimited_text.h"
+#include "core/io/text_file.h"
 #include "mapbuilder/calibration/calibrate.h"
 #include "mapbuilder/calibration/calibration_report.h"
 #include "mapbuilder/cli/command.h"
@@ -20,6 +22,7 @@ namespace {
 struct Arguments {
   CalibrateOptions options;
   std::filesystem::path out;
+  std::filesystem::path camera_yaml;
   std::string board;
   std::string charuco;
   std::optional<double> marker_m;
@@ -82,10 +85,16 @@ void Run(Arguments& a) {
   ParseBoard(a, &options.board);
   ParseFloorImages(a, &options);
   options.camera.model = ParseModel(a.model);
+  if (!a.camera_yaml.empty()) {
+    options.known_camera = ParseCameraYaml(ReadTextFile(a.camera_yaml), a.camera_yaml);
+  }
   if (a.roi.size() == 4) {
     options.region.roi = RectM{a.roi[0], a.roi[1], a.roi[2], a.roi[3]};
   }
   options.run.progress = ProgressOutput::Stderr();
+  if (options.images.empty() && !options.known_camera) {
+    throw CLI::RequiredError("--images (or --camera)");
+  }
   const CalibrationResult result = Calibrate(options);
   WriteCalibration(options, result, a.out);
   std::cout << (a.json ? ToJson(options, result) + "\n" : ToText(result));
@@ -95,7 +104,11 @@ void Run(Arguments& a) {
 }
 
 void AddBoardOptions(CLI::App& command, Arguments& a) {
-  command.add_option("--images", a.options.images, "Folder with images of the board (JPEG, PNG)")->required();
+  auto* images = command.add_option("--images", a.options.images, "Folder with images of the board (JPEG, PNG)");
+  command
+      .add_option("--camera", a.camera_yaml,
+                  "camera.yaml of a camera that is calibrated: only the floor is, from --floor-image")
+      ->excludes(images);
   command.add_option("--board", a.board, "COLUMNSxROWS: inner corners of a chessboard, squares of a ChArUco board")
       ->required();
   command.add_option("--square", a.options.board.square_m, "Side of a square, metres")->required();

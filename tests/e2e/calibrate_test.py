@@ -87,6 +87,34 @@ class Calibrate(Scratch):
                                    *self.floor_options("charuco"), "--out", self.out, "--json"))
         self.assert_like_truth("charuco", report)
 
+    def test_a_camera_that_is_calibrated_needs_one_image_of_the_floor(self):
+        for kind, board in (("chessboard", CHESSBOARD), ("charuco", CHARUCO)):
+            camera = self.root / kind / "camera.yaml"
+            said = run_ok("calibrate", "--camera", camera, *board, *self.floor_options(kind), "--out", self.out)
+            self.assertIn("images: 1 used", said)
+            self.assertEqual(yaml.safe_load((self.out / "camera.yaml").read_text()), yaml.safe_load(camera.read_text()))
+            for u, v in ((100, 60), (240, 180), (400, 300), (100, 300)):
+                expected = floor_point(self.root / kind / "floor.yaml", u, v)
+                self.assertLess(math.dist(expected, floor_point(self.out / "floor.yaml", u, v)), 0.001)
+            self.assertEqual((self.out / "floor_grid.jpg").read_bytes()[:2], b"\xff\xd8")
+
+    def test_a_camera_that_is_another_ones_is_noticed(self):
+        folder = self.out.parent
+        wrong = yaml.safe_load((self.root / "chessboard" / "camera.yaml").read_text())
+        wrong["camera_matrix"]["data"][0] *= 1.1
+        (folder / "wrong.yaml").write_text(yaml.safe_dump(wrong))
+        result = run("calibrate", "--camera", folder / "wrong.yaml", *CHESSBOARD, *self.floor_options("chessboard"),
+                     "--out", self.out)
+        self.assertRegex(result.stderr, "warning: the board's corners are [0-9.]+ px away")
+        wrong["image_width"] += 2
+        (folder / "wrong.yaml").write_text(yaml.safe_dump(wrong))
+        shutil.rmtree(self.out)
+        self.assert_refused("--camera", folder / "wrong.yaml", *CHESSBOARD, *self.floor_options("chessboard"),
+                            says="but the camera of --camera has")
+        self.assert_refused("--camera", self.root / "chessboard" / "camera.yaml", *CHESSBOARD,
+                            says="with --camera only the floor is calibrated")
+        self.assert_refused(*CHESSBOARD, code=2, says="--images")
+
     def test_without_floor_image_there_is_only_a_camera(self):
         said = run_ok("calibrate", "--images", self.root / "chessboard", *CHESSBOARD, "--out", self.out)
         self.assertIn("floor.yaml is not written", said)
