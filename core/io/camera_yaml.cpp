@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/camera_yaml.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -10,121 +8,13 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "core/io/delimited_text.h"
+#include "core/io/camera_import.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
+#include "core/io/yaml_document.h"
 
 namespace floorloc {
 namespace {
-
-constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
-
-// A YAML document whose errors name the file and, if known, the line.
-class YamlDocument {
- public:
-  YamlDocument(const std::string& text, const std::filesystem::path& source) : source_(source) {
-    if (text.size() > kMaxTextBytes) {
-      throw InputError(source_, "is larger than 1 MiB; check that it is the right file");
-    }
-    try {
-      root_ = YAML::Load(text);
-    } catch (const YAML::Exception& error) {
-      Fail(error.mark, "is not valid YAML (" + error.msg + "); correct the line");
-    }
-    if (!root_.IsMap()) {
-      throw InputError(source_, "has no YAML keys; write lines of the form 'key: value'");
-    }
-  }
-
-  const YAML::Node& root() const { return root_; }
-
-  [[noreturn]] void Fail(const YAML::Mark& mark, const std::string& reason) const {
-    if (mark.is_null() || mark.line < 0) {
-      throw InputError(source_, reason);
-    }
-    throw InputError(source_, mark.line + 1, reason);
-  }
-
-  YAML::Node Get(const YAML::Node& map, const std::string& key) const {
-    const YAML::Node value = map[key];
-    if (!value.IsDefined() || value.IsNull()) {
-      throw InputError(source_, "the key '" + key + "' is missing; add it");
-    }
-    return value;
-  }
-
-  double Number(const YAML::Node& value, const std::string& key) const {
-    const std::optional<double> number = value.IsScalar() ? ParseNumber(value.Scalar()) : std::nullopt;
-    if (!number) {
-      Fail(value.Mark(), key + " must be a finite number; correct it");
-    }
-    return *number;
-  }
-
-  int Pixels(const std::string& key) const {
-    const YAML::Node value = Get(root_, key);
-    const double number = Number(value, key);
-    if (number != std::floor(number) || std::abs(number) > 1e9) {
-      Fail(value.Mark(), key + " must be a whole number of pixels; correct it");
-    }
-    return static_cast<int>(number);
-  }
-
-  // 0 when the key is missing.
-  double OptionalNumber(const std::string& key) const {
-    const YAML::Node value = root_[key];
-    return value.IsDefined() && !value.IsNull() ? Number(value, key) : 0.0;
-  }
-
-  std::string Text(const YAML::Node& value, const std::string& key) const {
-    if (!value.IsScalar()) {
-      Fail(value.Mark(), key + " must be a string; correct it");
-    }
-    return value.Scalar();
-  }
-
-  // A list of numbers, or a ROS matrix {rows, cols, data}.
-  std::vector<double> Numbers(const std::string& key) const {
-    const YAML::Node value = Get(root_, key);
-    const YAML::Node list = value.IsMap() ? Get(value, "data") : value;
-    if (!list.IsSequence()) {
-      Fail(list.Mark(), key + " must be a list of numbers, or a matrix with rows, cols and data; correct it");
-    }
-    std::vector<double> numbers;
-    for (const YAML::Node& item : list) {
-      numbers.push_back(Number(item, key));
-    }
-    if (value.IsMap()) {
-      CheckShape(value, key, numbers.size());
-    }
-    return numbers;
-  }
-
-  template <std::size_t kCount>
-  std::array<double, kCount> FixedNumbers(const std::string& key) const {
-    const std::vector<double> numbers = Numbers(key);
-    if (numbers.size() != kCount) {
-      Fail(root_[key].Mark(), key + " must have " + std::to_string(kCount) + " numbers but has " +
-                                  std::to_string(numbers.size()) + "; correct it");
-    }
-    std::array<double, kCount> result{};
-    std::copy(numbers.begin(), numbers.end(), result.begin());
-    return result;
-  }
-
- private:
-  void CheckShape(const YAML::Node& matrix, const std::string& key, std::size_t count) const {
-    const double rows = Number(Get(matrix, "rows"), key + ".rows");
-    const double cols = Number(Get(matrix, "cols"), key + ".cols");
-    if (rows * cols != static_cast<double>(count)) {
-      Fail(matrix.Mark(),
-           key + ": rows x cols does not agree with the " + std::to_string(count) + " numbers of data; correct it");
-    }
-  }
-
-  std::filesystem::path source_;
-  YAML::Node root_;
-};
 
 // yaml-cpp throws its own exceptions from any accessor; all of them mean a malformed file.
 template <typename Parse>
@@ -153,7 +43,17 @@ DistortionModel ParseDistortionModel(const YamlDocument& document) {
   document.Fail(value.Mark(), "distortion_model must be plumb_bob, rational_polynomial or equidistant; correct it");
 }
 
+void RefuseOtherFormats(const YamlDocument& document) {
+  if (const std::string format = OtherCameraFormat(document); !format.empty()) {
+    const std::filesystem::path folder = document.source().parent_path();
+    throw InputError(document.source(),
+                     "is " + format + ", not camera.yaml; convert it with 'floorloc-mapbuilder import-camera " +
+                         document.source().string() + " --out " + (folder.empty() ? "." : folder.string()) + "'");
+  }
+}
+
 CameraModel CameraFromYaml(const YamlDocument& document) {
+  RefuseOtherFormats(document);
   CameraModel camera;
   camera.width_px = document.Pixels("image_width");
   camera.height_px = document.Pixels("image_height");

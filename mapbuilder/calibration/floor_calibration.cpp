@@ -91,6 +91,12 @@ double FloorCalibration::PitchDownRad() const {
   return std::asin(std::clamp(-base_from_camera.linear()(2, 2), -1.0, 1.0));
 }
 
+Eigen::Matrix3d BaseFromPixel(const CameraModel& camera, const Eigen::Isometry3d& base_from_camera) {
+  const Eigen::Matrix3d homography = PlaneFromPixel(camera, base_from_camera.inverse(), 0.0);
+  const double last = homography(2, 2);
+  return std::abs(last) > 1e-6 * homography.norm() ? Eigen::Matrix3d(homography / last) : homography;
+}
+
 FloorCalibration CalibrateFloor(const FloorCalibrationInput& input) {
   LensAdjustment problem;
   problem.model = input.camera.distortion_model;
@@ -105,11 +111,7 @@ FloorCalibration CalibrateFloor(const FloorCalibrationInput& input) {
   const Eigen::Isometry3d camera_from_base = ToIsometry(problem.poses.front());
   FloorCalibration result;
   result.base_from_camera = camera_from_base.inverse();
-  result.base_from_pixel = PlaneFromPixel(input.camera, camera_from_base, 0.0);
-  const double last = result.base_from_pixel(2, 2);
-  if (std::abs(last) > 1e-6 * result.base_from_pixel.norm()) {
-    result.base_from_pixel /= last;
-  }
+  result.base_from_pixel = BaseFromPixel(input.camera, result.base_from_camera);
   const Eigen::Matrix3d face_from_pixel = PlaneFromPixel(input.camera, camera_from_base, input.board_thickness_m);
   for (const BoardOnFloorObservation& observation : input.observations) {
     result.fits.push_back(MeasureFit(input, observation, face_from_pixel));

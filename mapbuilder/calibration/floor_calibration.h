@@ -45,6 +45,9 @@ struct FloorCalibration {
   double PitchDownRad() const;
 };
 
+/// FloorPlane's homography of a camera with this pose in the base frame (optical frame: z forward, x right, y down).
+Eigen::Matrix3d BaseFromPixel(const CameraModel& camera, const Eigen::Isometry3d& base_from_camera);
+
 /// Estimates the camera's pose over the floor by least squares on the reprojection errors of all corners of all
 /// observations. Six parameters instead of the eight of a free homography, since the lens is known and the plane
 /// extends beyond the board.

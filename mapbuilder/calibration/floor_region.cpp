@@ -214,7 +214,8 @@ FloorPlane ChooseFloorRegion(const CameraModel& camera, const Eigen::Matrix3d& b
   } else {
     const std::vector<Footprint> footprints = SampleImage(view, camera, options.max_footprint_ratio);
     if (footprints.empty()) {
-      throw InputError("the camera sees no floor; check --board-pose and which side of the board is up");
+      throw InputError(
+          "the camera sees no floor; check --board-pose and which side of the board is up, or --base-from-camera");
     }
     const auto coarsest =
         std::max_element(footprints.begin(), footprints.end(),
@@ -230,7 +231,7 @@ FloorPlane ChooseFloorRegion(const CameraModel& camera, const Eigen::Matrix3d& b
   try {
     floor_camera.Check();
   } catch (const std::invalid_argument& error) {
-    throw InputError(std::string(error.what()) + "; correct --roi, --resolution or --board-pose");
+    throw InputError(std::string(error.what()) + "; correct --roi, --resolution, --board-pose or --base-from-camera");
   }
   return floor_camera.floor;
 }

@@ -14,6 +14,7 @@ void AddDiffCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddEvaluateFeaturesCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
+void AddImportCameraCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddLocalizeCommand(CLI::App& app);
 void AddMergeCommand(CLI::App& app);

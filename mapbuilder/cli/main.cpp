@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", FLOORLOC_VERSION);
   floorloc::AddBuildCommand(app);
   floorloc::AddCalibrateCommand(app);
+  floorloc::AddImportCameraCommand(app);
   floorloc::AddLocalizeCommand(app);
   floorloc::AddOdometryCommand(app);
   floorloc::AddInfoCommand(app);

@@ -34,6 +34,38 @@ ODOMETRY = {"increments": [{"stamp": 1.5, "dx": 0.01, "dy": 0, "dyaw": 0.002},
                            {"stamp": "1700000000.123456789", "odometry": {"dx": 0.02, "dy": -0.01, "dyaw": 0}}]}
 POSE = {"x": 0.5, "y": 0.5, "yaw": 0.1, "covariance": [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.02], "stamp": 2.5}
 
+CAMCHAIN = """cam0:
+  camera_model: pinhole
+  distortion_coeffs: [-0.1, 0.01, 0.001, -0.0005]
+  distortion_model: radtan
+  intrinsics: [600.0, 602.0, 321.0, 239.0]
+  resolution: [640, 480]
+"""
+FILE_STORAGE = """%YAML:1.0
+---
+image_width: 640
+image_height: 480
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 598., 0., 322., 0., 597., 238., 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ -0.25, 0.06, 0.0008, -0.0005, 0.01 ]
+"""
+CAMERA_INFO = """height: 480
+width: 640
+distortion_model: plumb_bob
+d: [-0.25, 0.06, 0.0008, -0.0005, 0.01]
+k: [598.0, 0.0, 322.0, 0.0, 597.0, 238.0, 0.0, 0.0, 1.0]
+binning_x: 0
+roi: {x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false}
+---
+"""
+
 # What fuzz targets of libraries below ours have found before: depth, size, numbers that are none.
 HOSTILE_JSON = ["[" * 500, '{"a":' * 500, "[" + "1," * 500 + "1]", "1e999", "-0", '"\\ud800"', "{}", "null",
                 '{"x":1e308,"y":-1e308,"yaw":1e-320}', '{"x":NaN}']
@@ -61,8 +93,10 @@ def images():
 def survey_files():
     survey, kidnap = SAMPLE / "survey", SAMPLE / "kidnap"
     return {"camera_yaml": [(survey / "camera.yaml").read_text()],
+            "camera_import": [CAMCHAIN, FILE_STORAGE, CAMERA_INFO],
             "floor_yaml": [(survey / "floor.yaml").read_text()],
-            "frames_csv": [first_lines(survey / "frames.csv", 4), "timestamp,filename\n0,0.jpg\n1.5,1.jpg\n"],
+            "frames_csv": [first_lines(survey / "frames.csv", 4), "timestamp,filename\n0,0.jpg\n1.5,1.jpg\n",
+                           '"timestamp","filename"\r\n"0","images\\a.jpg"\r\n1,".\\b ""c"".jpg"\r\n'],
             "imu_csv": [first_lines(kidnap / "imu.csv", 4)],
             "control_points": ["filename,u,v,x,y\n0.jpg,1,2,3,4\n1.jpg,5.5,6,-7,8\n"],
             "known_distances": ["filename1,u1,v1,filename2,u2,v2,distance\n0.jpg,1,2,1.jpg,3,4,1.5\n"],

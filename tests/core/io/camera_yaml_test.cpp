@@ -128,6 +128,8 @@ const BrokenYaml kBrokenCameras[] = {
     {"WordInDistortion", "0.06", "six", "dir/camera.yaml:12: ", "distortion_coefficients must be a finite number"},
     {"UnclosedList", "1.0]", "1.0", "dir/camera.yaml:", "is not valid YAML"},
     {"Tab", "  rows", "\trows", "dir/camera.yaml:", "is not valid YAML"},
+    {"WidthTwice", "image_height", "image_width", "dir/camera.yaml:2: ", "the key 'image_width' is given twice"},
+    {"DataTwice", "  cols: 3", "  data: [1]", "dir/camera.yaml:7: ", "the key 'data' is given twice"},
     {"UnknownAlias", "front", "*nobody", "dir/camera.yaml:3: ", "is not valid YAML"},
 };
 INSTANTIATE_TEST_SUITE_P(Inputs, BrokenCameraYaml, ::testing::ValuesIn(kBrokenCameras),
@@ -143,6 +145,8 @@ TEST_P(BrokenFloorYaml, NamesFileLineAndReason) {
 }
 
 const BrokenYaml kBrokenFloors[] = {
+    {"HomographyTwice", "resolution", "homography", "dir/floor.yaml:3: ", "the key 'homography' is given twice"},
+    {"BoundTwice", "y_max", "x_max", "dir/floor.yaml:2: ", "the key 'x_max' is given twice"},
     {"NoHomography", "homography", "homographie", "dir/floor.yaml: ", "'homography' is missing"},
     {"EightNumbers", ", 1.0]", "]", "dir/floor.yaml:1: ", "homography must have 9 numbers but has 8"},
     {"ScalarHomography", "[0.0, -0.00067, 0.36, -0.00067, 0.0, 0.2155, 0.0, 0.0, 1.0]", "1",

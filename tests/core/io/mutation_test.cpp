@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+#include "core/io/camera_import.h"
 #include "core/io/camera_yaml.h"
 #include "core/io/image.h"
 #include "core/io/survey.h"
@@ -106,6 +107,14 @@ void DecodeAnySize(const std::string& text) {
 std::vector<Parser> AllParsers() {
   return {
       {"CameraYaml", testing_io::kCameraYaml, [](const std::string& text) { ParseCameraYaml(text, "mutated"); }},
+      {"Camchain",
+       "cam0:\n  camera_model: pinhole\n  distortion_coeffs: [-0.277, 0.0671, 0.000875, 0.000116]\n  distortion_model: "
+       "radtan\n  intrinsics: [461.6, 460.2, 362.7, 246.0]\n  resolution: [752, 480]\n",
+       [](const std::string& text) { ImportCamera(text, "mutated", {}); }},
+      {"OpenCvCamera",
+       "%YAML:1.0\n---\nwidth: 640\nheight: 480\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ "
+       "598., 0., 322., 0., 597., 238., 0., 0., 1. ]\nD: [[-0.25, 0.06, 0.0008, -0.0005, 0.01]]\n",
+       [](const std::string& text) { ImportCamera(text, "mutated", {}); }},
       {"FloorYaml", testing_io::kFloorYaml, [](const std::string& text) { ParseFloorYaml(text, "mutated"); }},
       {"Tum", "# t\n1.5 1 2 3 0 0 0 1\n2.5 -1 2e0 3 0 0 1 0\n",
        [](const std::string& text) { ParseTum(text, "mutated"); }},
