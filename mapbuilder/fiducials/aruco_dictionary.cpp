@@ -2,6 +2,7 @@
 #include "mapbuilder/fiducials/aruco_dictionary.h"
 
 #include <array>
+#include <opencv2/core.hpp>
 #include <stdexcept>
 
 namespace floorloc {
@@ -54,6 +55,21 @@ cv::Ptr<cv::aruco::Dictionary> FindArucoDictionary(const std::string& name) {
   }
   throw std::invalid_argument("the marker dictionary '" + name +
                               "' is unknown; use one of OpenCV's names, such as DICT_4X4_50 or DICT_APRILTAG_36h11");
+}
+
+cv::Ptr<cv::aruco::Dictionary> FindPublishedDictionary(const std::string& name) {
+  const cv::Ptr<cv::aruco::Dictionary> opencv = FindArucoDictionary(name);
+  if (!name.starts_with("DICT_APRILTAG_")) {
+    return opencv;
+  }
+  const auto published = cv::makePtr<cv::aruco::Dictionary>(*opencv);
+  published->bytesList = opencv->bytesList.clone();
+  for (int id = 0; id < published->bytesList.rows; ++id) {
+    cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList(opencv->bytesList.row(id), opencv->markerSize);
+    cv::rotate(bits, bits, cv::ROTATE_180);
+    cv::aruco::Dictionary::getByteListFromBits(bits).copyTo(published->bytesList.row(id));
+  }
+  return published;
 }
 
 }  // namespace floorloc

@@ -85,7 +85,7 @@ std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames
                                            const std::vector<LoadedSurvey>& surveys,
                                            const MarkerDetectionOptions& options) {
   options.Check();
-  const cv::Ptr<cv::aruco::Dictionary> dictionary = FindArucoDictionary(options.dictionary);
+  const cv::Ptr<cv::aruco::Dictionary> dictionary = FindPublishedDictionary(options.dictionary);
   std::vector<std::vector<MarkerDetection>> per_frame(frames.size());
   ProgressBar progress("markers", static_cast<std::int64_t>(frames.size()), options.run.progress);
   ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int i) {

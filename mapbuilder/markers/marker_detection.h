@@ -24,7 +24,7 @@ struct MarkerDetectionOptions {
 struct MarkerDetection {
   int frame = 0;
   int id = 0;
-  /// Base frame, metres: clockwise, starting at the upper left corner of the upright marker.
+  /// Base frame, metres: clockwise, starting at the upper left corner of the upright marker, as published.
   std::array<Eigen::Vector2d, 4> corners_m;
 
   Eigen::Vector2d Center() const { return 0.25 * (corners_m[0] + corners_m[1] + corners_m[2] + corners_m[3]); }

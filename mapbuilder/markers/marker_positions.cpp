@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/geometry/pose2.h"
 
@@ -78,6 +79,18 @@ std::vector<std::size_t> FindContradicting(const std::vector<MarkerPosition>& po
     }
   }
   return contradicting;
+}
+
+int CommonQuarterTurn(const std::vector<double>& yaw_errors_rad, double tolerance_rad) {
+  for (const int turns : {-1, 1, 2}) {
+    const auto is_off = [&](double error_rad) {
+      return std::abs(WrapAngle(error_rad - turns * 0.5 * std::numbers::pi)) <= tolerance_rad;
+    };
+    if (yaw_errors_rad.size() >= 2 && std::all_of(yaw_errors_rad.begin(), yaw_errors_rad.end(), is_off)) {
+      return turns;
+    }
+  }
+  return 0;
 }
 
 }  // namespace floorloc

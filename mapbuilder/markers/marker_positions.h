@@ -20,4 +20,7 @@ std::vector<double> RobustResiduals(const std::vector<MarkerPosition>& positions
 /// unknown.
 std::vector<std::size_t> FindContradicting(const std::vector<MarkerPosition>& positions);
 
+/// The quarter turns, -1, 1 or 2, by which all of two or more yaws are off alike; 0 when they are not.
+int CommonQuarterTurn(const std::vector<double>& yaw_errors_rad, double tolerance_rad);
+
 }  // namespace floorloc

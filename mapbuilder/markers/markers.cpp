@@ -239,6 +239,17 @@ FrameSet MarkerSurvey::AddControlPoints(FrameSet set) const {
   return set;
 }
 
+// A common turn is one mistake about what the yaw is, not as many as there are markers.
+void MarkerSurvey::CheckYawDefinition(const std::vector<double>& yaw_errors_rad) const {
+  if (const int turns = CommonQuarterTurn(yaw_errors_rad, kWrongYawRad); turns != 0) {
+    throw InputError(options_.file,
+                     "the yaws of all " + std::to_string(yaw_errors_rad.size()) +
+                         " markers are off by the same quarter turn: add " + std::to_string(90 * turns) +
+                         " degrees to each. A marker's yaw is the direction of its right side when its image is "
+                         "upright as published (AprilTags: by AprilRobotics; OpenCV draws them turned by 180 degrees)");
+  }
+}
+
 bool MarkerSurvey::ExcludeContradicting(const std::vector<BuildFrame>& frames, const Placement& placement) {
   std::vector<MarkerInMap> located = CollectInMap(detections_, frames, placement);
   std::erase_if(located, [&](const MarkerInMap& marker) { return Find(marker.id) == nullptr; });
@@ -254,6 +265,13 @@ bool MarkerSurvey::ExcludeContradicting(const std::vector<BuildFrame>& frames, c
                           " against the other markers, and not used: was it moved, or its position mistyped?");
     }
   }
+  std::vector<double> yaw_errors_rad;
+  for (const MarkerInMap& marker : located) {
+    if (const std::optional<double>& yaw = Find(marker.id)->yaw_rad; yaw && !excluded_.contains(marker.id)) {
+      yaw_errors_rad.push_back(WrapAngle(marker.Yaw() - *yaw));
+    }
+  }
+  CheckYawDefinition(yaw_errors_rad);
   for (const MarkerInMap& marker : located) {
     const std::optional<double>& yaw = Find(marker.id)->yaw_rad;
     if (yaw && std::abs(WrapAngle(marker.Yaw() - *yaw)) > kWrongYawRad && excluded_.insert(marker.id).second) {

@@ -45,8 +45,9 @@ class MarkerSurvey {
   FrameSet AddControlPoints(FrameSet set) const;
 
   /// Compares the markers' map positions with the file (least median of squares over pairs of markers, then residuals).
-  /// Markers that contradict the others are excluded with a warning. Returns true when there is one: then add the
-  /// control points and place the frames again.
+  /// Markers that contradict the others are excluded with a warning. Throws InputError when all yaws are off by the
+  /// same quarter turn, or too few markers agree. Returns true when there is one: then add the control points and place
+  /// the frames again.
   bool ExcludeContradicting(const std::vector<BuildFrame>& frames, const Placement& placement);
 
   /// Removes keypoints on all markers in the map, also in frames that show a marker only partly.
@@ -61,6 +62,7 @@ class MarkerSurvey {
   const KnownMarker* Find(int id) const;
   void CheckSizes();
   void CheckKnownMarkers();
+  void CheckYawDefinition(const std::vector<double>& yaw_errors_rad) const;
 
   MarkerOptions options_;
   std::vector<KnownMarker> known_;

@@ -199,6 +199,30 @@ TEST_F(MarkersTest, NamesAMarkerThatIsTurned) {
   EXPECT_LT(WorstPoseErrorM(), 1e-3);
 }
 
+TEST_F(MarkersTest, SaysThatAllYawsAreOffByTheSameQuarterTurn) {
+  const auto csv = [](double turn_rad) {
+    const double quarter = 0.5 * std::numbers::pi;
+    return "id,x,y,yaw\n3,0.30,0.25," + std::to_string(turn_rad) + "\n7,0.90,0.25," +
+           std::to_string(quarter + turn_rad) + "\n20,0.30,0.65," + std::to_string(2.0 * quarter + turn_rad) + "\n";
+  };
+  EXPECT_LT(Build(csv(0.0)).markers[0].error_m, 1e-3);
+  EXPECT_THAT(Error(csv(std::numbers::pi)), ::testing::AllOf(HasSubstr("markers.csv: the yaws of all 3 markers"),
+                                                             HasSubstr("add 180 degrees to each")));
+  EXPECT_THAT(Error(csv(0.5 * std::numbers::pi)), HasSubstr("add -90 degrees to each"));
+}
+
+TEST(CommonQuarterTurn, IsThatOfAll) {
+  const double quarter = 0.5 * std::numbers::pi;
+  EXPECT_EQ(CommonQuarterTurn({quarter, quarter + 0.05, quarter - 0.05}, 0.1), 1);
+  EXPECT_EQ(CommonQuarterTurn({-quarter, 3.0 * quarter}, 0.1), -1);
+  EXPECT_EQ(CommonQuarterTurn({2.0 * quarter, -2.0 * quarter + 0.05}, 0.1), 2);
+  EXPECT_EQ(CommonQuarterTurn({0.0, 0.0}, 0.1), 0);
+  EXPECT_EQ(CommonQuarterTurn({quarter, 0.0, quarter}, 0.1), 0);
+  EXPECT_EQ(CommonQuarterTurn({0.5, 0.5}, 0.1), 0);
+  EXPECT_EQ(CommonQuarterTurn({quarter}, 0.1), 0) << "of one, the position may be wrong as well";
+  EXPECT_EQ(CommonQuarterTurn({}, 0.1), 0);
+}
+
 TEST_F(MarkersTest, NamesAMarkerOfTheFileThatIsNotSeen) {
   EXPECT_THAT(Build(std::string(kTrueCsv) + "40,5,5,\n").warnings, Contains(HasSubstr("marker 40 (")));
 }
