@@ -38,9 +38,11 @@ void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
 
 // World file: A, D, B, E, C, F of the affine pixel -> map; C and F are for the centre of the upper left pixel.
 std::string FormatWorldFile(const MosaicImage& mosaic) {
+  const double x_step_m = mosaic.extent.width_m() / mosaic.bgr.cols;
+  const double y_step_m = mosaic.extent.height_m() / mosaic.bgr.rows;
   char text[256];
-  std::snprintf(text, sizeof(text), "%.12g\n0\n0\n%.12g\n%.12g\n%.12g\n", mosaic.resolution_m, -mosaic.resolution_m,
-                mosaic.extent.x_min + 0.5 * mosaic.resolution_m, mosaic.extent.y_max - 0.5 * mosaic.resolution_m);
+  std::snprintf(text, sizeof(text), "%.12g\n0\n0\n%.12g\n%.12g\n%.12g\n", x_step_m, -y_step_m,
+                mosaic.extent.x_min + 0.5 * x_step_m, mosaic.extent.y_max - 0.5 * y_step_m);
   return text;
 }
 

@@ -55,13 +55,17 @@ bool NeedsBigTiff(const MosaicLevel& level) {
   return static_cast<double>(level.columns()) * level.rows() * pixels * 1.5 > 4e9;
 }
 
-bool SetImageTags(TIFF* tiff, const MosaicLevel& level) {
+bool SetSizeTags(TIFF* tiff, const MosaicLevel& level) {
   const auto tile_px = static_cast<std::uint32_t>(level.layout.tile_px);
   return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(level.columns()) * tile_px) == 1 &&
          TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(level.rows()) * tile_px) == 1 &&
          TIFFSetField(tiff, TIFFTAG_TILEWIDTH, tile_px) == 1 && TIFFSetField(tiff, TIFFTAG_TILELENGTH, tile_px) == 1 &&
+         TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1;
+}
+
+bool SetImageTags(TIFF* tiff, const MosaicLevel& level) {
+  return SetSizeTags(tiff, level) &&  //
          TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8) == 1 && TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 3) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1 &&
          TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_JPEG) == 1 &&
          // Every tile contains its own JPEG tables.
          TIFFSetField(tiff, TIFFTAG_JPEGTABLESMODE, 0) == 1 &&
@@ -115,6 +119,45 @@ std::vector<std::uint8_t> BlackTile(int tile_px) {
   return jpeg;
 }
 
+bool SetMaskTags(TIFF* tiff, const MosaicLevel& level) {
+  return TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_MASK) == 1 && SetSizeTags(tiff, level) &&
+         TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 1) == 1 && TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1) == 1 &&
+         TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE) == 1 &&
+         TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MASK) == 1;
+}
+
+// One bit per pixel, the first in the highest bit; rows begin on bytes.
+std::vector<std::uint8_t> PackedBits(const cv::Mat& mask) {
+  const auto row_bytes = static_cast<std::size_t>((mask.cols + 7) / 8);
+  std::vector<std::uint8_t> bits(row_bytes * static_cast<std::size_t>(mask.rows), 0);
+  for (int v = 0; v < mask.rows; ++v) {
+    for (int u = 0; u < mask.cols; ++u) {
+      if (mask.at<std::uint8_t>(v, u) != 0) {
+        bits[static_cast<std::size_t>(v) * row_bytes + static_cast<std::size_t>(u / 8)] |=
+            static_cast<std::uint8_t>(0x80 >> (u % 8));
+      }
+    }
+  }
+  return bits;
+}
+
+// A mask rather than a colour that means "no data": floor may have any colour, and JPEG changes black.
+void WriteMask(TIFF* tiff, const MapDatabase& map, const MosaicLevel& level, const std::filesystem::path& file) {
+  const std::set<TileId> present(level.tiles.begin(), level.tiles.end());
+  const cv::Size tile_size(level.layout.tile_px, level.layout.tile_px);
+  std::uint32_t index = 0;
+  for (int y = level.max_y; y >= level.min_y; --y) {
+    for (int x = level.min_x; x <= level.max_x; ++x, ++index) {
+      const TileId tile{level.zoom, x, y};
+      std::vector<std::uint8_t> bits =
+          PackedBits(present.contains(tile) ? SurveyedPixels(DecodeMosaicTile(map, level, tile))
+                                            : cv::Mat(cv::Mat::zeros(tile_size, CV_8UC1)));
+      const auto size = static_cast<tmsize_t>(bits.size());
+      Check(TIFFWriteEncodedTile(tiff, index, bits.data(), size) == size, file);
+    }
+  }
+}
+
 // Row-major from the upper left, the order of tiles in TIFF.
 void WriteTiles(TIFF* tiff, const MapDatabase& map, const MosaicLevel& level, const std::filesystem::path& file) {
   const std::set<TileId> present(level.tiles.begin(), level.tiles.end());
@@ -143,6 +186,8 @@ GeoTiffSummary ExportGeoTiff(const MapDatabase& map, double resolution_m, const 
     const TiffFile tiff = Open(part.path(), NeedsBigTiff(level) ? "w8" : "w");
     Check(tiff && SetImageTags(tiff.get(), level) && SetGeoTags(tiff.get(), level, map.ReadInfo().name), file);
     WriteTiles(tiff.get(), map, level, file);
+    Check(TIFFWriteDirectory(tiff.get()) == 1 && SetMaskTags(tiff.get(), level), file);
+    WriteMask(tiff.get(), map, level, file);
     Check(TIFFFlush(tiff.get()) == 1, file);
   }
   part.MoveTo(file);

@@ -13,6 +13,28 @@ namespace {
 
 constexpr double kMaxSidePx = 30000.0;
 
+// Whole tiles reach beyond the floor. What is left holds the surveyed extent, and every pixel that is not black.
+void CropToFloor(const RectM& surveyed, MosaicImage* mosaic) {
+  const RectM whole = mosaic->extent;
+  const cv::Size size = mosaic->bgr.size();
+  const double x_step_m = whole.width_m() / size.width;
+  const double y_step_m = whole.height_m() / size.height;
+  const auto outwards = [](double low, double high, int limit) {  // a little inwards, so that rounding adds no pixel
+    constexpr double kSlack = 1e-6;
+    const int first = std::clamp(static_cast<int>(std::floor(low + kSlack)), 0, limit - 1);
+    return cv::Range(first, std::clamp(static_cast<int>(std::ceil(high - kSlack)), first + 1, limit));
+  };
+  const cv::Range columns =
+      outwards((surveyed.x_min - whole.x_min) / x_step_m, (surveyed.x_max - whole.x_min) / x_step_m, size.width);
+  const cv::Range rows =
+      outwards((whole.y_max - surveyed.y_max) / y_step_m, (whole.y_max - surveyed.y_min) / y_step_m, size.height);
+  const cv::Rect kept =
+      cv::Rect(columns.start, rows.start, columns.size(), rows.size()) | cv::boundingRect(SurveyedPixels(mosaic->bgr));
+  mosaic->bgr = mosaic->bgr(kept).clone();
+  mosaic->extent = {whole.x_min + kept.x * x_step_m, whole.x_min + (kept.x + kept.width) * x_step_m,
+                    whole.y_max - (kept.y + kept.height) * y_step_m, whole.y_max - kept.y * y_step_m};
+}
+
 }  // namespace
 
 MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m) {
@@ -39,6 +61,7 @@ MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m) {
     cv::resize(whole, result.bgr, size, 0, 0, wanted_m > level.resolution_m() ? cv::INTER_AREA : cv::INTER_CUBIC);
     result.resolution_m = grid.width_m() / size.width;
   }
+  CropToFloor(map.ReadInfo().extent, &result);
   return result;
 }
 

@@ -14,7 +14,8 @@ struct MosaicImage {
   RectM extent;  ///< outer edges of the image, map frame
 };
 
-/// Assembles the mosaic's tiles at the given resolution (0: the map's). Throws MapError when the image would exceed
+/// Assembles the mosaic's tiles at the given resolution (0: the map's) and cuts off what is outside of the surveyed
+/// floor. Throws MapError when the image would exceed
 /// 30,000 pixels a side.
 MosaicImage ExportMosaic(const MapDatabase& map, double resolution_m);
 

@@ -11,22 +11,8 @@
 namespace floorloc {
 namespace {
 
-// JPEG makes black pixels slightly non-zero, in particular next to floor.
-constexpr int kMinFloorGray = 6;
-constexpr int kJpegNoisePx = 3;
-
 // Spacing of the nodes at which the warp is computed; it is interpolated linearly between them.
 constexpr int kNodePx = 16;
-
-cv::Mat ValidPixels(const cv::Mat& bgr) {
-  cv::Mat gray;
-  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-  cv::Mat valid = gray >= kMinFloorGray;
-  const cv::Mat kernel = cv::Mat::ones(kJpegNoisePx, kJpegNoisePx, CV_8U);
-  cv::morphologyEx(valid, valid, cv::MORPH_CLOSE, kernel);  // fills dark specks, which are floor
-  cv::morphologyEx(valid, valid, cv::MORPH_OPEN, kernel);   // removes JPEG noise in black areas
-  return valid;
-}
 
 // Interpolates between the nodes. cv::warpAffine would round to 1/32 of a node, i.e. half a pixel.
 cv::Mat BetweenNodes(const cv::Mat& nodes, int side_px) {
@@ -80,7 +66,7 @@ MosaicPatch MapMosaic::ReadPatch(const RectM& square, int side_px, const Warp& o
   MosaicPatch patch;
   cv::Mat valid;
   cv::remap(source, patch.bgr, source_from_patch, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  cv::remap(ValidPixels(source), valid, source_from_patch, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  cv::remap(SurveyedPixels(source), valid, source_from_patch, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   patch.valid = valid == 255;
   patch.bgr.setTo(cv::Scalar::all(0), patch.valid == 0);
   return patch.empty() ? MosaicPatch{} : patch;

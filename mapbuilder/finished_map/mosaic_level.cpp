@@ -3,11 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 
 namespace floorloc {
+namespace {
+
+// JPEG makes black pixels slightly non-zero, in particular next to floor.
+constexpr int kMinFloorGray = 6;
+constexpr int kJpegNoisePx = 3;
+
+}  // namespace
 
 RectM MosaicLevel::Extent() const {
   const double side_m = layout.TileSide(zoom);
@@ -42,6 +50,16 @@ cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px) {
   } catch (const InputError&) {
     throw MapError("a mosaic tile is damaged; restore the map from a copy or build it again", MapError::Kind::kDamaged);
   }
+}
+
+cv::Mat SurveyedPixels(const cv::Mat& bgr) {
+  cv::Mat gray;
+  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+  cv::Mat valid = gray >= kMinFloorGray;
+  const cv::Mat kernel = cv::Mat::ones(kJpegNoisePx, kJpegNoisePx, CV_8U);
+  cv::morphologyEx(valid, valid, cv::MORPH_CLOSE, kernel);  // fills dark specks, which are floor
+  cv::morphologyEx(valid, valid, cv::MORPH_OPEN, kernel);   // removes JPEG noise in black areas
+  return valid;
 }
 
 cv::Mat DecodeMosaicTile(const MapDatabase& map, const MosaicLevel& level, const TileId& tile) {

@@ -33,6 +33,9 @@ MosaicLevel ReadMosaicLevel(const MapDatabase& map, double resolution_m);
 /// CV_8UC3, tile_px x tile_px. Throws MapError when the bytes are no such image.
 cv::Mat DecodeMosaicTile(const std::vector<std::uint8_t>& jpeg, int tile_px);
 
+/// 255 where a tile, or an image of tiles, shows surveyed floor, 0 where it is black but for JPEG noise. CV_8UC1.
+cv::Mat SurveyedPixels(const cv::Mat& bgr);
+
 /// CV_8UC3. Throws MapError when it is damaged.
 cv::Mat DecodeMosaicTile(const MapDatabase& map, const MosaicLevel& level, const TileId& tile);
 

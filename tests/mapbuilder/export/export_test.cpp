@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tiffio.h>
 
 #include <Eigen/LU>
 #include <cstring>
@@ -73,14 +74,24 @@ class ExportTest : public ::testing::Test {
       }
     }
     tiles_ = content.tiles;
+    content_ = content;
     testing_map::WriteMap(folder_.path() / "map.floormap", content);
   }
 
   MapDatabase Map() const { return MapDatabase(folder_.path() / "map.floormap"); }
+  // The same tiles in a map that says that this is what was surveyed.
+  MapDatabase MapOfExtent(const RectM& extent) const {
+    testing_map::MapContent content = content_;
+    content.info.extent = extent;
+    const fs::path file = folder_.path() / ("map" + std::to_string(extent.x_max) + ".floormap");
+    testing_map::WriteMap(file, content);
+    return MapDatabase(file);
+  }
   fs::path File(const std::string& name) const { return folder_.path() / name; }
 
   TemporaryFolder folder_;
   std::vector<MosaicTile> tiles_;
+  testing_map::MapContent content_;
 };
 
 // The tags of a classic little-endian TIFF: their values' bytes.
@@ -138,6 +149,72 @@ TEST_F(ExportTest, AGeoTiffShowsEveryPointWhereItLies) {
   EXPECT_EQ(cv::norm(image(missing), cv::NORM_INF), 0.0);
   const MosaicImage mosaic = ExportMosaic(Map(), 0.0);
   EXPECT_LE(cv::norm(image, mosaic.bgr, cv::NORM_INF), 2.0) << "the same pixels as in the image";
+}
+
+// The bits of the second image in a TIFF, which must be a mask of the first.
+cv::Mat ReadTiffMask(const fs::path& file) {
+  TIFF* tiff = TIFFOpen(file.c_str(), "r");
+  EXPECT_EQ(TIFFNumberOfDirectories(tiff), 2);
+  std::uint32_t width = 0, height = 0, type = 0;
+  std::uint16_t photometric = 0;
+  EXPECT_EQ(TIFFSetDirectory(tiff, 1), 1);
+  EXPECT_EQ(TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &type), 1);
+  EXPECT_EQ(TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric), 1);
+  EXPECT_EQ(type, FILETYPE_MASK + 0U);
+  EXPECT_EQ(photometric, PHOTOMETRIC_MASK);
+  EXPECT_EQ(TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &width), 1);
+  EXPECT_EQ(TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height), 1);
+  cv::Mat mask(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
+  std::vector<std::uint8_t> bits(static_cast<std::size_t>(TIFFTileSize(tiff)));
+  for (int v = 0; v < mask.rows; ++v) {
+    for (int u = 0; u < mask.cols; ++u) {
+      if (v % kTilePx == 0 && u % kTilePx == 0) {
+        EXPECT_GT(TIFFReadTile(tiff, bits.data(), static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v), 0, 0),
+                  0);
+        for (int i = 0; i < kTilePx * kTilePx; ++i) {
+          const bool set = (bits[static_cast<std::size_t>(i / 8)] >> (7 - i % 8) & 1) != 0;
+          mask.at<std::uint8_t>(v + i / kTilePx, u + i % kTilePx) = set ? 255 : 0;
+        }
+      }
+    }
+  }
+  TIFFClose(tiff);
+  return mask;
+}
+
+TEST_F(ExportTest, FloorThatWasNotSurveyedIsNoDataInAGeoTiff) {
+  ExportGeoTiff(Map(), 0.0, File("map.tif"));
+  const cv::Mat mask = ReadTiffMask(File("map.tif"));
+  ASSERT_EQ(mask.size(), cv::Size(3 * kTilePx, 3 * kTilePx));
+  for (int v = 0; v < mask.rows; ++v) {
+    for (int u = 0; u < mask.cols; ++u) {
+      const double x = -kTileM + (u + 0.5) * kPixelM;
+      const double y = kTileM - (v + 0.5) * kPixelM;
+      if (std::abs(x - 0.9) > 0.02) {  // JPEG blurs the edge
+        ASSERT_EQ(mask.at<std::uint8_t>(v, u) != 0, ColorAt(x, y) != cv::Vec3b(0, 0, 0)) << x << " " << y;
+      }
+    }
+  }
+}
+
+TEST_F(ExportTest, AMosaicEndsWhereTheFloorDoes) {
+  for (const double resolution_m : {0.0, 0.007, 0.03}) {
+    const MosaicImage mosaic = ExportMosaic(MapOfExtent({-0.2, 0.3, -0.5, 0.1}), resolution_m);
+    const double step_m = mosaic.resolution_m;
+    // The floor of the tiles is larger than the extent of this map, and tiles of the coarse level are twice as large.
+    const double side_m = resolution_m > 2.0 * kPixelM ? 2.0 * kTileM : kTileM;
+    EXPECT_NEAR(mosaic.extent.x_min, -side_m, 1e-9);
+    EXPECT_NEAR(mosaic.extent.x_max, 0.9, 2.5 * step_m) << "no floor beyond";
+    EXPECT_NEAR(mosaic.extent.y_max, side_m, 1e-9);
+    EXPECT_NEAR(mosaic.extent.width_m(), mosaic.bgr.cols * step_m, 1e-9);
+    for (const auto& [x, y] : {std::pair(-0.3, 0.4), {0.5, -0.9}, {-0.6, -0.2}, {0.81, 0.6}}) {
+      const int u = static_cast<int>((x - mosaic.extent.x_min) / step_m);
+      const int v = static_cast<int>((mosaic.extent.y_max - y) / mosaic.extent.height_m() * mosaic.bgr.rows);
+      EXPECT_LE(cv::norm(mosaic.bgr.at<cv::Vec3b>(v, u), ColorAt(x, y), cv::NORM_INF), 5.0) << x << " " << y;
+    }
+  }
+  const MosaicImage wide = ExportMosaic(MapOfExtent({-0.2, 1.11, -0.5, 0.1}), 0.0);
+  EXPECT_NEAR(wide.extent.x_max, 1.11, 1e-9) << "all of the map's extent";
 }
 
 TEST_F(ExportTest, ACoarseGeoTiffTakesACoarseLevel) {
