@@ -35,6 +35,17 @@ std::string DroppedText(const BuildReport& report) {
   return text;
 }
 
+// Without links there are no residuals, and no rest that one of them could contradict.
+std::string LinksText(const BuildReport& r) {
+  if (r.links > 0) {
+    return Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
+                  r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);
+  }
+  return r.rejected_links == 0
+             ? "  links        none: no images show the same floor\n"
+             : Format("  links        none: all %d that the images gave contradict the poses\n", r.rejected_links);
+}
+
 }  // namespace
 
 std::vector<std::string> AllWarnings(const BuildReport& r) {
@@ -66,8 +77,7 @@ std::string ToText(const BuildReport& r) {
   if (r.resumed_frames > 0) {
     text << Format("  resumed      %d frames already processed\n", r.resumed_frames);
   }
-  text << Format("  links        %d (%d contradicted the rest), residual %.2f mm per keypoint, %.2f sigma\n", r.links,
-                 r.rejected_links, 1e3 * r.link_rms_m, r.link_rms_sigma);
+  text << LinksText(r);
   for (const std::string& warning : AllWarnings(r)) {
     text << "  WARNING      " << warning << "\n";
   }

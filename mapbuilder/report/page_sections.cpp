@@ -194,6 +194,16 @@ std::string ResurveySection(const ReportPage& page) {
   return html.str();
 }
 
+std::string LinksSentence(const BuildReport& build) {
+  if (build.links > 0) {
+    return NumberText(build.links) + " overlaps were measured; " + NumberText(build.rejected_links) +
+           " more contradicted the rest and were rejected";
+  }
+  return build.rejected_links == 0
+             ? "No images show the same floor"
+             : "None of the " + NumberText(build.rejected_links) + " overlaps that were measured agrees with the poses";
+}
+
 std::string GeometrySection(const ReportPage& page) {
   std::vector<double> errors_mm;
   for (const LinkStrain& strain : page.quality.link_strain) {
@@ -202,8 +212,7 @@ std::string GeometrySection(const ReportPage& page) {
   const BuildReport& build = page.evidence.build;
   const std::vector<OdometryDrift> drifts = FollowOdometry(page.evidence);
   std::ostringstream html;
-  html << "<section id='geometry'><h2>Geometry</h2><p>" << NumberText(build.links) << " overlaps were measured; "
-       << NumberText(build.rejected_links) << " more contradicted the rest and were rejected; of "
+  html << "<section id='geometry'><h2>Geometry</h2><p>" << LinksSentence(build) << "; of "
        << NumberText(build.overlapping_pairs) << " pairs of frames that share most of their floor, "
        << NumberText(build.unmatched_pairs) << " do not match.</p><div class='two'>";
   if (!errors_mm.empty()) {

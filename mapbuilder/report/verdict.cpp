@@ -35,13 +35,13 @@ void AssessHeldOut(const HeldOutScore& score, VerdictReasons* reasons) {
     return;
   }
   const double found = Share(score.localized, score.frames);
-  if (found < kNotAlwaysFound) {
-    reasons->Add(found < kRarelyFound, NumberText(score.frames - score.localized - score.wrong) + " of " +
-                                           NumberText(score.frames) +
+  const int lost = score.frames - score.localized - score.wrong;
+  if (lost > 0 && found < kNotAlwaysFound) {
+    reasons->Add(found < kRarelyFound, NumberText(lost) + " of " + NumberText(score.frames) +
                                            " held-out frames were not localized in a map made without them.");
   }
   if (score.wrong > 0) {
-    reasons->Add(score.wrong > 1 && Share(score.wrong, score.frames) > kOftenWrong,
+    reasons->Add(found < kRarelyFound || (score.wrong > 1 && Share(score.wrong, score.frames) > kOftenWrong),
                  NumberText(score.wrong) + " of " + NumberText(score.frames) +
                      " held-out frames were localized at a wrong pose.");
   }

@@ -9,6 +9,7 @@
 namespace floorloc {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -66,6 +67,17 @@ TEST(BuildReportTest, ADamagedReportIsRefused) {
                            R"({"flat_fields": [{"columns": 3, "rows": 2, "gain": [1.0]}]})"}) {
     EXPECT_THROW(ParseBuildReport(text), MapError) << text;
   }
+}
+
+TEST(BuildReportTest, WithoutLinksThereIsNoResidual) {
+  BuildReport report = MakeReport();
+  EXPECT_THAT(ToText(report), HasSubstr("links        77 (0 contradicted the rest), residual 0.00 mm"));
+  report.links = 0;
+  report.rejected_links = 6;
+  EXPECT_THAT(ToText(report), AllOf(HasSubstr("links        none: all 6 that the images gave contradict the poses"),
+                                    Not(HasSubstr("residual"))));
+  report.rejected_links = 0;
+  EXPECT_THAT(ToText(report), HasSubstr("links        none: no images show the same floor"));
 }
 
 TEST(BuildReportTest, WarningsNameGapsAndPairsThatDoNotMatch) {

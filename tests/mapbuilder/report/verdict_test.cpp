@@ -12,6 +12,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 Verdict VerdictOf(const MapEvidence& evidence) { return AssessMap(evidence, MeasureQuality(evidence, {})); }
 
@@ -69,6 +70,16 @@ TEST(VerdictTest, HeldOutFramesDecide) {
   const Verdict verdict = VerdictOf(evidence);
   EXPECT_EQ(verdict.trust, Trust::kResurvey);
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("wrong pose")));
+}
+
+TEST(VerdictTest, AWrongPoseIsNotCountedAsNotLocalized) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.held_out.resize(1);
+  evidence.build.held_out[0].status = "wrong";
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kResurvey);
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("1 of 1 held-out frames were localized at a wrong pose")));
+  EXPECT_THAT(verdict.reasons, Not(Contains(HasSubstr("not localized"))));
 }
 
 TEST(VerdictTest, ManyUnmatchedOverlapsMeanAFoldedMap) {
