@@ -176,5 +176,17 @@ def check_traces(tree):
     return problems
 
 
+def check_messages(tree):
+    """Checks that the programs have the messages of docs/troubleshooting.md; "…" stands for what differs."""
+    problems = []
+    for page in (page for page in tree.pages if page.name == "docs/troubleshooting.md"):
+        for number, line in enumerate(page.text.splitlines(), start=1):
+            spans = SPAN.findall(line.split(" | ")[0]) if line.startswith("| `") else []
+            problems += [Problem(page.name, number, f"no program says '{part.strip()}'")
+                         for _, span in spans for part in span.split("…")
+                         if part.strip() and part.strip() not in tree.literals]
+    return problems
+
+
 CHECKS = (check_links, check_paths, check_identifiers, check_run, check_commands, check_server_page, check_layout,
-          check_traces)
+          check_traces, check_messages)

@@ -172,6 +172,14 @@ class CheckDocsTest(unittest.TestCase):
         self.assertEqual(self.problems(row + row.replace("Survey", "Video"), **elsewhere),
                          ["ReadVideo is in none of the files of its row"])
 
+    def test_messages_are_those_of_the_programs(self):
+        page = "| message | cause |\n|---|---|\n| `is …m wide; add \"m\"`, `too long` | `none` |\n"
+        source = 'Fail("is " + Text(n) + "m wide; "\n     "add \\"m\\"");\nFail("too long");\n'
+        files = {"docs/troubleshooting.md": page, "core/io/width.cpp": source}
+        self.assertEqual(self.problems(**files), [])
+        files["docs/troubleshooting.md"] = page.replace("wide", "broad").replace("too", "very")
+        self.assertEqual(self.problems(**files), ["no program says 'm broad; add \"m\"'", "no program says 'very long'"])
+
     def test_the_layout_has_every_folder(self):
         self.assertEqual(self.problems(**{"core/map/map.h": "", "core/io/survey.h": ""}),
                          ["core/map/ is missing in the layout"])

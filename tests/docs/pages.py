@@ -90,6 +90,16 @@ class Tree:
         return words
 
     @functools.cached_property
+    def literals(self):
+        """The strings of the C++ sources, one per line; those that the compiler joins are joined."""
+        texts = []
+        for folder in ("core", "mapbuilder", "server"):
+            for file in sorted((self.root / folder).rglob("*.cpp")):
+                source = re.sub(r'"\s*\n\s*"', "", file.read_text(encoding="utf-8"))
+                texts += [re.sub(r"\\(.)", r"\1", text) for text in re.findall(r'"((?:[^"\\\n]|\\.)*)"', source)]
+        return "\n".join(texts)
+
+    @functools.cached_property
     def run_help(self):
         result = subprocess.run(["bash", "run", "help"], cwd=self.root, capture_output=True, text=True, check=True)
         return result.stdout
