@@ -54,7 +54,7 @@ void ProgressBar::Advance(std::int64_t steps) {
     if (done_ == total_ || now - drawn_ >= kRedrawInterval) {
       Draw(now);
     }
-  } else if (done_ * 10 / total_ > shown_tenths_) {
+  } else if (done_ * 10 / total_ > shown_tenths_ && (done_ == total_ || now - drawn_ >= output_.line_interval)) {
     PrintLine(now);
   }
 }
@@ -71,6 +71,7 @@ void ProgressBar::Draw(Clock::time_point now) {
 void ProgressBar::PrintLine(Clock::time_point now) {
   *output_.stream << label_ << ": " << Figures(now) << std::endl;
   shown_tenths_ = done_ * 10 / total_;
+  drawn_ = now;
 }
 
 std::string ProgressBar::Figures(Clock::time_point now) const {

@@ -13,6 +13,8 @@ namespace floorloc {
 struct ProgressOutput {
   std::ostream* stream = nullptr;  ///< nullptr: silent
   bool in_place = false;           ///< redraw one line (terminal) instead of a plain line every 10 %
+  /// Least time between plain lines of a stage, but for its last one: a few items would be a line each.
+  std::chrono::milliseconds line_interval{5000};
 
   /// Standard error, in place when it is a terminal.
   static ProgressOutput Stderr();
@@ -44,7 +46,7 @@ class ProgressBar {
   std::mutex mutex_;
   std::int64_t done_ = 0;
   std::int64_t shown_tenths_ = 0;
-  Clock::time_point drawn_;
+  Clock::time_point drawn_;  ///< last output, at first the start
   bool line_open_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -18,7 +19,7 @@ using ::testing::StartsWith;
 TEST(ProgressBar, PrintsOnePlainLinePerTenPercent) {
   std::ostringstream out;
   {
-    ProgressBar bar("Rendering", 200, {&out, false});
+    ProgressBar bar("Rendering", 200, {&out, false, std::chrono::milliseconds(0)});
     for (int i = 0; i < 200; ++i) {
       bar.Advance();
     }
@@ -27,6 +28,34 @@ TEST(ProgressBar, PrintsOnePlainLinePerTenPercent) {
   EXPECT_EQ(std::ranges::count(text, '\n'), 10);
   EXPECT_THAT(text, StartsWith("Rendering: 10 % 20/200, "));
   EXPECT_THAT(text, HasSubstr("Rendering: 100 % 200/200, "));
+}
+
+TEST(ProgressBar, AStageThatIsSoonDoneHasOnePlainLine) {
+  for (const int items : {1, 7, 10, 500}) {
+    std::ostringstream out;
+    {
+      ProgressBar bar("Rendering", items, {&out, false});
+      for (int i = 0; i < items; ++i) {
+        bar.Advance();
+      }
+    }
+    EXPECT_EQ(std::ranges::count(out.str(), '\n'), 1);
+    EXPECT_THAT(out.str(), StartsWith("Rendering: 100 % "));
+  }
+}
+
+TEST(ProgressBar, PlainLinesKeepTheirDistance) {
+  std::ostringstream out;
+  {
+    ProgressBar bar("Rendering", 3, {&out, false, std::chrono::milliseconds(20)});
+    bar.Advance();  // at once: no line
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    bar.Advance();
+    bar.Advance();
+  }
+  EXPECT_EQ(std::ranges::count(out.str(), '\n'), 2);
+  EXPECT_THAT(out.str(), StartsWith("Rendering: 66 % 2/3"));
+  EXPECT_THAT(out.str(), HasSubstr("100 % 3/3"));
 }
 
 TEST(ProgressBar, CountsStepsOfManyThreads) {
