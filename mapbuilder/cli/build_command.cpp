@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/io/input_error.h"
@@ -73,6 +74,24 @@ BuildReport BuildWithResumeHint(const BuildOptions& options) {
   }
 }
 
+std::string JsonWithVerdict(const BuildReport& report, const Verdict& verdict) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(ToJson(report, true));
+  json["verdict"] = {{"trust", ToString(verdict.trust)}, {"headline", verdict.headline}, {"reasons", verdict.reasons}};
+  return json.dump(2);
+}
+
+void Print(const Arguments& a, const BuildReport& report, const Verdict& verdict) {
+  if (a.json) {
+    std::cout << JsonWithVerdict(report, verdict) << "\n";
+    std::cerr << a.options.out.string() << ": " << verdict.headline << "\n";
+  } else {
+    std::cout << a.options.out.string() << "\n" << ToText(report) << "  verdict      " << verdict.headline << "\n";
+  }
+  if (!a.report.empty()) {
+    std::cerr << (a.report / "report.html").string() << ": " << verdict.headline << "\n";
+  }
+}
+
 void Run(Arguments& a) {
   if (a.features != "auto") {
     a.options.extractor.type = ParseExtractorType(a.features);
@@ -95,14 +114,12 @@ void Run(Arguments& a) {
   BuildReport report = BuildWithResumeHint(a.options);
   report.warnings.insert(report.warnings.end(), video.warnings().begin(), video.warnings().end());
   video.Finish();
-  if (a.json) {
-    std::cout << ToJson(report, true) << "\n";
-  } else {
-    std::cout << a.options.out.string() << "\n" << ToText(report);
-  }
-  if (!a.report.empty()) {
-    const Verdict verdict = WriteReport(a.options.out, a.report);
-    std::cerr << (a.report / "report.html").string() << ": " << verdict.headline << "\n";
+  const Verdict verdict = a.report.empty() ? AssessMapFile(a.options.out) : WriteReport(a.options.out, a.report);
+  Print(a, report, verdict);
+  if (!verdict.Usable()) {
+    std::cerr << "floorloc-mapbuilder: " << a.options.out.string()
+              << " was built, but do not use it: " << verdict.reasons.front() << "\n";
+    throw CLI::RuntimeError(kBuiltButUnusable);
   }
 }
 

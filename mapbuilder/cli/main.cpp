@@ -5,7 +5,7 @@
 
 #include "mapbuilder/cli/command.h"
 
-// Exit codes: 0 success, 1 failure (one sentence on stderr), 2 usage error.
+// Exit codes: 0 success, 1 failure (one sentence on stderr), 2 usage error, 3 (kBuiltButUnusable) by `build` alone.
 int main(int argc, char** argv) {
   CLI::App app("Builds and inspects maps of floors, and localizes recorded frames in them.", "floorloc-mapbuilder");
   app.require_subcommand(1);
@@ -29,6 +29,8 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     return 0;
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

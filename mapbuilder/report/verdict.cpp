@@ -5,13 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/option_check.h"
 #include "mapbuilder/report/number_text.h"
 
 namespace floorloc {
 namespace {
 
 // Thresholds beyond which a map should not be used, or only after inspection.
-constexpr double kFewFramesUsed = 0.7, kSomeFramesLost = 0.95;
+constexpr double kSomeFramesLost = 0.95;
 constexpr double kRarelyFound = 0.75, kNotAlwaysFound = 0.95;
 constexpr double kOftenWrong = 0.02;
 constexpr double kFolded = 0.25;
@@ -47,12 +48,15 @@ void AssessHeldOut(const HeldOutScore& score, VerdictReasons* reasons) {
   }
 }
 
-void AssessFrames(const BuildReport& build, VerdictReasons* reasons) {
-  const double used = Share(build.frames_used, build.frames);
-  if (build.frames > 0 && used < kSomeFramesLost) {
-    reasons->Add(used < kFewFramesUsed, NumberText(build.frames - build.frames_used) + " of " +
-                                            NumberText(build.frames) + (build.extends.empty() ? "" : " new") +
-                                            " frames are not in the map.");
+void AssessFrames(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons) {
+  const auto repeated = std::count_if(build.dropped.begin(), build.dropped.end(),
+                                      [](const DroppedFrame& frame) { return frame.reason == kStoodStill; });
+  const int frames = build.frames - static_cast<int>(repeated);
+  const double used = Share(build.frames_used, frames);
+  if (frames > 0 && used < kSomeFramesLost) {
+    reasons->Add(used < options.min_frames_used, NumberText(frames - build.frames_used) + " of " + NumberText(frames) +
+                                                     (build.extends.empty() ? "" : " new") +
+                                                     " frames are not in the map.");
   }
   for (const std::string& warning : AllWarnings(build)) {
     reasons->Add(false, warning + (warning.ends_with('.') ? "" : "."));
@@ -157,11 +161,16 @@ double ControlPointRms(const std::vector<ControlPointError>& points) {
   return points.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality) {
+void VerdictOptions::Check() const {
+  RequireOption(min_frames_used >= 0.0 && min_frames_used <= 1.0, "min_frames_used must be 0 to 1");
+}
+
+Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const VerdictOptions& options) {
+  options.Check();
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   VerdictReasons reasons;
   AssessHeldOut(score, &reasons);
-  AssessFrames(evidence.build, &reasons);
+  AssessFrames(evidence.build, options, &reasons);
   AssessFloor(evidence, quality, &reasons);
   Verdict verdict;
   verdict.facts = Facts(evidence, quality, score);

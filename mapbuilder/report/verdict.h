@@ -12,12 +12,23 @@ enum class Trust { kTrust, kInspect, kResurvey };
 /// "trust", "look_at", "survey_again"
 const char* ToString(Trust trust);
 
+struct VerdictOptions {
+  /// A map that holds a smaller share of the survey's frames is not to be used; frames taken at standstill count as
+  /// held. Users of exit code 3 rely on it: docs/survey.md.
+  double min_frames_used = 0.8;
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
+};
+
 /// Summary of the report.
 struct Verdict {
   Trust trust = Trust::kTrust;
   std::string headline;
   std::vector<std::string> reasons;  ///< one sentence each; problems
   std::vector<std::string> facts;    ///< one sentence each; evidence in favour
+
+  bool Usable() const { return trust != Trust::kResurvey; }
 };
 
 /// Counts and errors of held-out frames.
@@ -35,6 +46,6 @@ HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames);
 /// RMS error in metres; 0 without points.
 double ControlPointRms(const std::vector<ControlPointError>& points);
 
-Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality);
+Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const VerdictOptions& options = {});
 
 }  // namespace floorloc

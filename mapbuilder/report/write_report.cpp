@@ -31,6 +31,11 @@ void PrepareReportFolder(const std::filesystem::path& folder) {
   CheckWritable(folder / "report.json");
 }
 
+Verdict AssessMapFile(const std::filesystem::path& map_file) {
+  const MapEvidence evidence = ReadMapEvidence(MapDatabase(map_file));
+  return AssessMap(evidence, MeasureQuality(evidence, {}));
+}
+
 Verdict WriteReport(const std::filesystem::path& map_file, const std::filesystem::path& folder) {
   const MapDatabase database(map_file);
   const MapEvidence evidence = ReadMapEvidence(database);

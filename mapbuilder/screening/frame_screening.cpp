@@ -196,7 +196,7 @@ void Screener::FindStandstill(const PairRegistrationOptions& registration) {
         FindStationaryFrames(frames_, Remaining(static_cast<int>(s)), floor.roi, registration);
     for (const int frame : still.repeated) {
       if (!HasControlPoint(frame)) {
-        reason_[static_cast<std::size_t>(frame)] = "the robot stood still";
+        reason_[static_cast<std::size_t>(frame)] = kStoodStill;
       }
     }
     if (still.moved_by_odometry > 0) {

@@ -9,6 +9,9 @@
 
 namespace floorloc {
 
+/// Reason of a frame that repeats the one before it: its floor is in the map all the same.
+inline constexpr const char* kStoodStill = "the robot stood still";
+
 /// A frame that is not in the map.
 struct DroppedFrame {
   std::string filename;

@@ -16,7 +16,7 @@ import time
 import unittest
 from pathlib import Path
 
-from builder import BINARY, Scratch, run, run_ok
+from builder import BINARY, Scratch, run, run_ok, run_unusable
 
 FRAME_KEYS = {
     "timestamp", "filename", "status", "x", "y", "yaw", "covariance", "inliers", "p_wrong", "timing_ms",
@@ -79,6 +79,13 @@ class MainJob(Recorded):
         again = json.loads(run_ok("build", "--survey", self.survey, "--out", self.folder / "m.floormap", "--json",
                                   "--threads", "1"))
         self.assertEqual(again["content_version"], report["content_version"])
+
+    def test_build_says_whether_the_map_can_be_trusted(self):
+        arguments = ["build", "--survey", self.survey, "--out", self.folder / "m.floormap"]
+        self.assertRegex(run_ok(*arguments), r"verdict      You can trust this map")
+        result = run(*arguments, "--json")
+        self.assertRegex(result.stderr, r"m\.floormap: You can trust this map")
+        self.assertRegex(json.loads(result.stdout)["verdict"]["headline"], "You can trust this map")
 
     def test_export_writes_mosaic_world_file_and_poses(self):
         mosaic = self.folder / "mosaic.png"
@@ -385,10 +392,14 @@ class BadInput(Recorded):
         kept = [row for i, row in enumerate(rows[1:]) if i % 7 not in ((3, 4) if i // 7 % 2 == 0 else (2, 3))]
         (survey / "frames.csv").write_text("\n".join([rows[0], *kept]) + "\n")
         out = self.folder / "m.floormap"
-        report = json.loads(run_ok("build", "--survey", survey, "--out", out, "--json"))
+        report = json.loads(run_unusable("build", "--survey", survey, "--out", out, "--json"))
         self.assertEqual(report["parts"], [12, 8])
         self.assertEqual(report["frames_used"], 12)
-        self.assertIn("--keep-all", run_ok("build", "--survey", survey, "--out", out))
+        self.assertEqual(report["verdict"]["trust"], "survey_again")
+        run_ok("verify", out)
+        text = run_unusable("build", "--survey", survey, "--out", out)
+        self.assertIn("--keep-all", text)
+        self.assertIn("verdict      Do not use this map", text)
         report = json.loads(run_ok("build", "--survey", survey, "--out", out, "--json", "--keep-all"))
         self.assertEqual(report["frames_used"], 20)
 

@@ -22,6 +22,14 @@ def run_ok(*arguments, timeout=120):
     return result.stdout
 
 
+def run_unusable(*arguments, timeout=120):
+    """A build whose map is written, but not to be used."""
+    result = run(*arguments, timeout=timeout)
+    if result.returncode != 3 or "do not use it" not in result.stderr:
+        raise AssertionError(f"{arguments} ended with {result.returncode}, not 3: {result.stderr}")
+    return result.stdout
+
+
 class Scratch(unittest.TestCase):
     """Provides a folder for the class, `root`, and one for each test case, `folder`."""
 

@@ -96,8 +96,20 @@ TEST(VerdictTest, LostFramesCount) {
   const int used = evidence.build.frames_used;
   evidence.build.frames = used + used / 10;
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
-  evidence.build.frames = 2 * used;
+  evidence.build.frames = used * 100 / 79;
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kResurvey);
+  EXPECT_FALSE(VerdictOf(evidence).Usable());
+  evidence.build.frames = used * 100 / 81;
+  EXPECT_TRUE(VerdictOf(evidence).Usable());
+}
+
+TEST(VerdictTest, FramesTakenAtStandstillAreNotLost) {
+  MapEvidence evidence = MakeMapEvidence();
+  for (int i = 0; i < evidence.build.frames_used; ++i) {
+    evidence.build.dropped.push_back({"images/still.jpg", kStoodStill});
+  }
+  evidence.build.frames = 2 * evidence.build.frames_used;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
 }
 
 TEST(VerdictTest, ControlPointsThatAreMissedAreNamed) {
