@@ -30,6 +30,7 @@ struct ControlPoint {
   std::string filename;
   Eigen::Vector2d raw_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
+  bool of_marker = false;  ///< no row of the file: a detected marker's
 };
 
 /// One row of known_distances.csv: raw pixels in two frames (or one) and the measured distance of their floor points.

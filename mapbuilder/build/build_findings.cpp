@@ -68,6 +68,7 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
   report->frames_used = report->frames - static_cast<int>(report->dropped.size());
   report->self_calibration = calibrated.calibration;
   report->control_points = CompareControlPoints(survey);
+  report->control_point_scale = placement.control_points.scale;
   AddLinks(placement, report);
   report->extends = placed.base_file;
   report->frames_found = placed.found_in_base;

@@ -64,7 +64,8 @@ struct BuildReport {
   int keypoints = 0;
   double mean_observations = 0.0;
   std::vector<HeldOutFrame> held_out;
-  std::vector<ControlPointError> control_points;
+  std::vector<ControlPointError> control_points;  ///< those that were used
+  double control_point_scale = 1.0;    ///< their distances over those in the images, where it explains a misfit
   std::vector<FlatField> flat_fields;  ///< per survey
   std::string content_version;
   std::string extends;                                  ///< file name of the map that was extended; empty: none

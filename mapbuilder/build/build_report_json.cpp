@@ -135,6 +135,7 @@ void ReadNumbers(const Json& json, BuildReport* report) {
   report->link_rms_sigma = json.value("link_rms_sigma", report->link_rms_sigma);
   report->drift_m = json.value("drift_m", report->drift_m);
   report->drift_rad = json.value("drift_rad", report->drift_rad);
+  report->control_point_scale = json.value("control_point_scale", report->control_point_scale);
   report->area_m2 = json.value("area_m2", report->area_m2);
   report->keypoints = json.value("keypoints", report->keypoints);
   report->mean_observations = json.value("mean_observations", report->mean_observations);
@@ -170,6 +171,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"mean_observations", report.mean_observations},
       {"held_out", ListJson(report.held_out)},
       {"control_points", ListJson(report.control_points)},
+      {"control_point_scale", report.control_point_scale},
       {"markers", ListJson(report.markers)},
       {"flat_fields", ListJson(report.flat_fields)}};
   if (!report.extends.empty()) {

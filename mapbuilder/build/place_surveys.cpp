@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/build/place_surveys.h"
 
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
 #include "core/io/input_error.h"
 #include "mapbuilder/extend/extend_map.h"
 #include "mapbuilder/placement/placement_journal.h"
@@ -79,6 +83,24 @@ PlacedSurveys PlaceWithMarkers(PlacedSurveys placed, const BuildOptions& options
   return placed;
 }
 
+// Control points that the others contradict are named, and no later stage sees them.
+void RemoveContradictedPoints(PlacedSurveys* placed) {
+  std::vector<LeftOutControlPoint> left_out = placed->placement.control_points.left_out;
+  std::sort(left_out.begin(), left_out.end(), [](const LeftOutControlPoint& a, const LeftOutControlPoint& b) {
+    return std::pair(a.survey, a.point) > std::pair(b.survey, b.point);
+  });
+  for (const LeftOutControlPoint& out : left_out) {
+    Survey& survey = placed->set.surveys.at(static_cast<std::size_t>(out.survey)).survey;
+    const ControlPoint& point = survey.control_points.at(static_cast<std::size_t>(out.point));
+    char off[96];
+    std::snprintf(off, sizeof(off), "(%.3f, %.3f) is %.2f m off", point.point_in_map_m.x(), point.point_in_map_m.y(),
+                  out.misfit_m);
+    placed->warnings.push_back((survey.folder / "control_points.csv").string() + ": the point of " + point.filename +
+                               " at " + off + " against the others, and not used; check its name, pixel and position");
+    survey.control_points.erase(survey.control_points.begin() + out.point);
+  }
+}
+
 }  // namespace
 
 PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const BaseMap* base, BuildJournal* journal) {
@@ -96,9 +118,11 @@ PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const Base
     placed.set = AlignToMap(*base, fixes, std::move(placed.set));
   }
   if (placed.markers) {
-    return PlaceWithMarkers(std::move(placed), options, journal);
+    placed = PlaceWithMarkers(std::move(placed), options, journal);
+  } else {
+    placed.placement = PlaceFramesOnce(placed.set, options, journal);
   }
-  placed.placement = PlaceFramesOnce(placed.set, options, journal);
+  RemoveContradictedPoints(&placed);
   return placed;
 }
 

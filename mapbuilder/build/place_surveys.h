@@ -17,7 +17,7 @@ struct PlacedSurveys {
   std::optional<MarkerSurvey> markers;     ///< empty: none were searched for
   std::string base_file = {};              ///< name of the base map; empty: none
   int found_in_base = 0;                   ///< frames that were localized in the base map
-  std::vector<std::string> warnings = {};  ///< about the base map, one sentence each
+  std::vector<std::string> warnings = {};  ///< about base map and control points, one sentence each
 };
 
 /// Computes poses of the screened frames from their images and all external knowledge: poses of another system,

@@ -9,7 +9,6 @@
 
 #include "core/geometry/option_check.h"
 #include "core/io/input_error.h"
-#include "mapbuilder/placement/absolute_constraints.h"
 #include "mapbuilder/placement/connected_parts.h"
 #include "mapbuilder/placement/join_parts.h"
 #include "mapbuilder/placement/robust_pose_graph.h"
@@ -50,7 +49,7 @@ class Placer {
       JoinSeparateParts();
     }
     CloseLoopsInGrowingRounds();
-    AddAbsoluteConstraints(frames_, surveys_, &graph_);
+    control_points_ = AddAbsoluteConstraints(frames_, surveys_, options_.known_points, &graph_);
     return Finish();
   }
 
@@ -80,6 +79,7 @@ class Placer {
   PoseGraph graph_;
   std::vector<Link> candidates_;  // found by appearance, accepted only if others confirm them
   std::set<std::pair<int, int>> linked_;
+  ControlPointFindings control_points_;
 };
 
 void Placer::MakeOdometryLinks() {
@@ -230,6 +230,7 @@ Placement Placer::Finish() {
   const RobustPoseGraphSummary summary = OptimizePosesRobustly(&graph_);
   Placement placement = PlaceConnectedParts(frames_, floors_, graph_, options_.keep_all);
   placement.rejected_links = summary.rejected_links;
+  placement.control_points = control_points_;
   CountUnmatchedOverlaps(&placement);
   return placement;
 }
@@ -238,6 +239,7 @@ Placement Placer::Finish() {
 
 void PlacementOptions::Check() const {
   registration.Check();
+  known_points.Check();
   RequireOption(prior_sigma_m > 0.0, "prior_sigma_m must be positive");
   RequireOption(prior_sigma_rad > 0.0, "prior_sigma_rad must be positive");
   RequireOption(max_unmatched_share >= 0.0 && max_unmatched_share <= 1.0, "max_unmatched_share must be 0 to 1");

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mapbuilder/placement/absolute_constraints.h"
+#include "mapbuilder/placement/known_points.h"
 #include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/placement/pose_graph.h"
 #include "mapbuilder/survey/build_frame.h"
@@ -19,6 +21,7 @@ struct PlacementOptions {
   /// A map without odometry or poses in which a larger share of the overlaps does not match is folded onto itself and
   /// rejected. Chosen at ae7b5b9 on the mapbuilder tests' surveys without odometry.
   double max_unmatched_share = 0.15;
+  KnownPointOptions known_points;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
@@ -37,6 +40,7 @@ struct Placement {
   double rms_m = 0.0;       ///< keypoint residual of the links
   double drift_m = 0.0;     ///< largest deviation of odometry from the result; 0 without odometry
   double drift_rad = 0.0;
+  ControlPointFindings control_points;
 };
 
 /// Finds overlaps, registers them and optimises all poses. Selection, registration and optimisation alternate, so

@@ -123,6 +123,8 @@ std::optional<Placement> RestorePlacement(const std::string& key, std::size_t fr
   for (double* number : {&p.rms_sigma, &p.rms_m, &p.drift_m, &p.drift_rad}) {
     reader.Read(number);
   }
+  reader.Read(&p.control_points.left_out);
+  reader.Read(&p.control_points.scale);
   return reader.Complete() && FitsFrames(p, frames) ? std::optional(std::move(p)) : std::nullopt;
 }
 
@@ -173,6 +175,7 @@ void StorePlacement(const Placement& p, const std::string& key, BuildJournal* jo
   }
   writer.Add(p.part_sizes).Add(p.rejected_links).Add(p.overlapping_pairs).Add(p.unmatched_pairs);
   writer.Add(p.rms_sigma).Add(p.rms_m).Add(p.drift_m).Add(p.drift_rad);
+  writer.Add(p.control_points.left_out).Add(p.control_points.scale);
   journal->Put(key, writer.Take());
   journal->Flush();
 }

@@ -17,7 +17,6 @@ constexpr double kRarelyFound = 0.75, kNotAlwaysFound = 0.95;
 constexpr double kOftenWrong = 0.02;
 constexpr double kFolded = 0.25;
 constexpr double kLargelyWeak = 0.25;
-constexpr double kControlPointM = 0.005;
 
 double Share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
@@ -66,7 +65,7 @@ void AssessFrames(const BuildReport& build, const VerdictOptions& options, Verdi
   }
 }
 
-void AssessFloor(const MapEvidence& evidence, const MapQuality& quality, VerdictReasons* reasons) {
+void AssessFloor(const MapQuality& quality, VerdictReasons* reasons) {
   double bare_m2 = 0.0, missing_m2 = 0.0, self_similar_m2 = 0.0, other_m2 = 0.0;
   for (const Zone& zone : quality.zones) {
     (zone.weakness == Weakness::kFewKeypoints  ? bare_m2
@@ -95,13 +94,20 @@ void AssessFloor(const MapEvidence& evidence, const MapQuality& quality, Verdict
   if (other_m2 > 0.0) {
     reasons->Add(false, part(other_m2) + " of the floor is weak for other reasons; the list below names them.");
   }
-  if (!evidence.build.control_points.empty()) {
-    const double rms_m = ControlPointRms(evidence.build.control_points);
-    if (rms_m > kControlPointM) {
-      reasons->Add(false, "The map misses its control points by " + LengthText(rms_m) +
-                              " RMS; check their coordinates and pixels.");
-    }
+}
+
+void AssessControlPoints(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons) {
+  const double rms_m = ControlPointRms(build.control_points);
+  if (rms_m <= options.doubtful_control_point_m) {
+    return;
   }
+  const std::string scale = FixedText(build.control_point_scale, 3);
+  reasons->Add(rms_m > options.max_control_point_m,
+               "The map misses its control points by " + LengthText(rms_m) + " RMS; " +
+                   (build.control_point_scale == 1.0
+                        ? "check their coordinates and pixels."
+                        : "they are " + scale + " times as far apart as the images say: correct the scale of " +
+                              "floor.yaml, or build with --self-calibrate height."));
 }
 
 std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& quality, const HeldOutScore& score) {
@@ -163,6 +169,9 @@ double ControlPointRms(const std::vector<ControlPointError>& points) {
 
 void VerdictOptions::Check() const {
   RequireOption(min_frames_used >= 0.0 && min_frames_used <= 1.0, "min_frames_used must be 0 to 1");
+  RequireOption(doubtful_control_point_m >= 0.0, "doubtful_control_point_m must not be negative");
+  RequireOption(max_control_point_m >= doubtful_control_point_m,
+                "max_control_point_m must be at least doubtful_control_point_m");
 }
 
 Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const VerdictOptions& options) {
@@ -171,7 +180,8 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   VerdictReasons reasons;
   AssessHeldOut(score, &reasons);
   AssessFrames(evidence.build, options, &reasons);
-  AssessFloor(evidence, quality, &reasons);
+  AssessFloor(quality, &reasons);
+  AssessControlPoints(evidence.build, options, &reasons);
   Verdict verdict;
   verdict.facts = Facts(evidence, quality, score);
   verdict.reasons = reasons.severe;

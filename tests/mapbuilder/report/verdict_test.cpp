@@ -116,10 +116,19 @@ TEST(VerdictTest, ControlPointsThatAreMissedAreNamed) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.001, 1.0}}};
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
-  evidence.build.control_points[0].observed_m.x() = 1.02;
+  evidence.build.control_points[0].observed_m.x() = 1.012;
   const Verdict verdict = VerdictOf(evidence);
   EXPECT_EQ(verdict.trust, Trust::kInspect);
-  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("2.0 cm RMS")));
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("1.2 cm RMS")));
+}
+
+TEST(VerdictTest, AMapThatMissesItsControlPointsIsNotUsable) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.75, 1.0}}};
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kResurvey);
+  EXPECT_THAT(VerdictOf(evidence).reasons.front(), HasSubstr("check their coordinates"));
+  evidence.build.control_point_scale = 1.04;
+  EXPECT_THAT(VerdictOf(evidence).reasons.front(), HasSubstr("1.040 times as far apart"));
 }
 
 }  // namespace
