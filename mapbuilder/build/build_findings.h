@@ -14,7 +14,7 @@
 
 namespace floorloc {
 
-/// Adds the results of screening. odometry: warnings of CheckOdometry.
+/// Adds the results of screening. odometry: warnings about it.
 void AddScreening(const ScreenedFrames& screened, const std::vector<std::string>& odometry, BuildReport* report);
 
 /// Adds what is known once all frames are placed: frames, links, drift, control points, markers, calibration.

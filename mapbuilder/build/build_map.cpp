@@ -71,6 +71,15 @@ ExtractedFrames ExtractFrames(std::vector<LoadedSurvey> surveys, const BuildOpti
   return {{std::move(surveys), std::move(frames)}, done.restored()};
 }
 
+// Warnings, one sentence each.
+std::vector<std::string> CheckAndMendOdometry(const BuildOptions& options, FrameSet* set) {
+  const PairRegistrationOptions& registration = options.placement.registration;
+  std::vector<std::string> warnings = CheckOdometry(*set, registration);
+  const std::vector<std::string> left_out = MendOdometry(registration, options.odometry_steps, set);
+  warnings.insert(warnings.end(), left_out.begin(), left_out.end());
+  return warnings;
+}
+
 // Placed frames and the floor that they cover.
 struct SurveyedFloor {
   SurveyedFloor(CalibratedFrames calibrated, const BaseMap* base_map)
@@ -153,7 +162,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   ExtractedFrames extracted = ExtractFrames(std::move(surveys), options, &journal);
   report.resumed_frames = extracted.restored;
   ScreenedFrames screened = ScreenFrames(std::move(extracted.set), options.placement.registration);
-  AddScreening(screened, CheckOdometry(screened.kept, options.placement.registration), &report);
+  AddScreening(screened, CheckAndMendOdometry(options, &screened.kept), &report);
   clock.Finish("features");
 
   PlacedSurveys placed = PlaceSurveys(std::move(screened.kept), options, base.get(), &journal);

@@ -8,6 +8,7 @@ namespace floorloc {
 void BuildOptions::Check() const {
   extractor.Check();
   markers.Check();
+  odometry_steps.Check();
   placement.Check();
   self_calibration.Check();
   fusion.Check();

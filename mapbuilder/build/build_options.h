@@ -14,6 +14,7 @@
 #include "mapbuilder/markers/markers.h"
 #include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
+#include "mapbuilder/screening/odometry_steps.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 
 namespace floorloc {
@@ -25,6 +26,7 @@ struct BuildOptions {
   ExtractorOptions extractor;    ///< not used with `extend`: the map's own
   Trajectory poses;              ///< map_from_base from another system; may be empty
   MarkerOptions markers;
+  OdometryStepOptions odometry_steps;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
   KeypointFusionOptions fusion;

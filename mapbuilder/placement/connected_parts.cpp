@@ -88,10 +88,13 @@ std::string DropReason(const BuildFrame& frame, bool single, bool largest_is_kep
 }
 
 void MeasureDrift(const std::vector<BuildFrame>& frames, Placement* placement) {
-  // Odometry's frame is the one that fits its first pose: what remains afterwards is drift.
+  // Odometry's frame is the one that fits its first pose: what remains afterwards is drift. Each break starts another.
   std::map<int, Pose2> map_from_odom;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const BuildFrame& frame = frames[i];
+    if (frame.odometry_breaks) {
+      map_from_odom.erase(frame.survey);
+    }
     if (!placement->map_from_base[i] || !frame.odom_from_base) {
       continue;
     }

@@ -41,7 +41,7 @@ std::vector<FramePair> SelectConsecutivePairs(const std::vector<BuildFrame>& fra
     FramePair pair;
     pair.first = static_cast<int>(i);
     pair.second = static_cast<int>(i + 1);
-    if (frames[i].odom_from_base && frames[i + 1].odom_from_base) {
+    if (frames[i].odom_from_base && frames[i + 1].odom_from_base && !frames[i + 1].odometry_breaks) {
       const Pose2 motion = frames[i].odom_from_base->Between(*frames[i + 1].odom_from_base);
       pair.first_from_second = motion;
       pair.radius_m = kOdometryRadiusM + kOdometryShare * motion.translation().norm();

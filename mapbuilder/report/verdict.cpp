@@ -7,6 +7,7 @@
 
 #include "core/geometry/option_check.h"
 #include "mapbuilder/report/number_text.h"
+#include "mapbuilder/report/odometry_drift.h"
 
 namespace floorloc {
 namespace {
@@ -110,7 +111,27 @@ void AssessControlPoints(const BuildReport& build, const VerdictOptions& options
                               "floor.yaml, or build with --self-calibrate height."));
 }
 
-std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& quality, const HeldOutScore& score) {
+// True when odometry disagrees with the map by more than wheels do.
+bool AssessDrift(const MapEvidence& evidence, const VerdictOptions& options, VerdictReasons* reasons) {
+  bool doubtful = false;
+  for (const OdometryDrift& drift : FollowOdometry(evidence)) {
+    // Aligning at the first frame leaves a few millimetres, which count on short ways.
+    const bool far = drift.largest_m > options.max_drift_share * drift.travelled_m + options.max_control_point_m;
+    const bool turned = drift.largest_rad > options.max_drift_rad_per_m * std::max(1.0, drift.travelled_m);
+    if (far || turned) {
+      doubtful = true;
+      reasons->Add(false, "Odometry and map differ by up to " + LengthText(drift.largest_m) + " and " +
+                              FixedText(drift.largest_rad * 180.0 / std::numbers::pi, 0) + " degrees over " +
+                              LengthText(drift.travelled_m) +
+                              ", more than wheels drift: the map rests on the images alone; measure a distance in the "
+                              "mosaic before you trust it.");
+    }
+  }
+  return doubtful;
+}
+
+std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& quality, bool drift_is_doubtful) {
+  const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   std::vector<std::string> facts;
   facts.push_back(NumberText(static_cast<int>(evidence.frames.size())) + " frames cover " +
                   AreaText(quality.surveyed_m2) + " of floor; " + NumberText(static_cast<int>(evidence.links.size())) +
@@ -128,7 +149,7 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
     facts.push_back("Neighbouring frames agree within " + LengthText(Quantile(errors, 0.5)) +
                     " (95 %: " + LengthText(Quantile(errors, 0.95)) + ").");
   }
-  if (evidence.build.drift_m > 0.0) {
+  if (evidence.build.drift_m > 0.0 && !drift_is_doubtful) {
     facts.push_back("Odometry had drifted by up to " + LengthText(evidence.build.drift_m) + "; that is corrected.");
   }
   return facts;
@@ -172,6 +193,8 @@ void VerdictOptions::Check() const {
   RequireOption(doubtful_control_point_m >= 0.0, "doubtful_control_point_m must not be negative");
   RequireOption(max_control_point_m >= doubtful_control_point_m,
                 "max_control_point_m must be at least doubtful_control_point_m");
+  RequireOption(max_drift_share >= 0.0, "max_drift_share must not be negative");
+  RequireOption(max_drift_rad_per_m >= 0.0, "max_drift_rad_per_m must not be negative");
 }
 
 Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const VerdictOptions& options) {
@@ -183,7 +206,7 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   AssessFloor(quality, &reasons);
   AssessControlPoints(evidence.build, options, &reasons);
   Verdict verdict;
-  verdict.facts = Facts(evidence, quality, score);
+  verdict.facts = Facts(evidence, quality, AssessDrift(evidence, options, &reasons));
   verdict.reasons = reasons.severe;
   verdict.reasons.insert(verdict.reasons.end(), reasons.mild.begin(), reasons.mild.end());
   if (!reasons.severe.empty()) {

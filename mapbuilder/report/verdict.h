@@ -21,6 +21,10 @@ struct VerdictOptions {
   /// mm.
   double doubtful_control_point_m = 0.005;
   double max_control_point_m = 0.02;
+  /// Drift of odometry over the distance travelled beyond which it is no evidence for the map but a doubt. Wheels that
+  /// nobody calibrated err by 2 % and less than a degree per metre on UMBmark's 16 m (Borenstein & Feng 1996).
+  double max_drift_share = 0.04;
+  double max_drift_rad_per_m = 0.0175;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -41,6 +41,7 @@ struct BuildFrame {
   /// Of the camera while the image was taken, by self-calibration; `features` are corrected for it.
   MountingError mounting_error;
   std::optional<Pose2> odom_from_base;     ///< if the survey has odometry at the frame's stamp
+  bool odometry_breaks = false;            ///< odometry does not know the motion from the survey's frame before
   std::optional<AbsolutePosePrior> prior;  ///< from another system or from localization in the map being extended
 };
 

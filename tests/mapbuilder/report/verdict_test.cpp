@@ -112,6 +112,35 @@ TEST(VerdictTest, FramesTakenAtStandstillAreNotLost) {
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
 }
 
+// Gives the frames an odometry whose error grows with the way.
+void AddOdometry(double share, double rad_per_m, MapEvidence* evidence) {
+  double way_m = 0.0;
+  const Eigen::Vector2d* before = nullptr;
+  std::vector<Eigen::Vector2d> positions;
+  for (const MapFrame& frame : evidence->frames) {
+    positions.push_back(frame.map_from_base.translation());
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    way_m += before == nullptr ? 0.0 : (positions[i] - *before).norm();
+    before = &positions[i];
+    evidence->frames[i].odom_from_base = Pose2(positions[i].x(), positions[i].y() + share * way_m, rad_per_m * way_m);
+  }
+  evidence->build.drift_m = share * way_m;
+}
+
+TEST(VerdictTest, DriftOfWheelsIsEvidenceAndMoreIsADoubt) {
+  MapEvidence evidence = MakeMapEvidence();
+  AddOdometry(0.01, 0.003, &evidence);
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
+  EXPECT_THAT(VerdictOf(evidence).facts, Contains(HasSubstr("Odometry had drifted")));
+  for (const auto& [share, rad_per_m] : {std::pair(0.056, 0.025), {0.0, 0.025}, {0.056, 0.0}}) {
+    AddOdometry(share, rad_per_m, &evidence);
+    EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
+    EXPECT_THAT(VerdictOf(evidence).reasons, Contains(HasSubstr("more than wheels drift")));
+    EXPECT_THAT(VerdictOf(evidence).facts, Not(Contains(HasSubstr("Odometry had drifted"))));
+  }
+}
+
 TEST(VerdictTest, ControlPointsThatAreMissedAreNamed) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.001, 1.0}}};
