@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -50,6 +51,7 @@ class Placer {
     }
     CloseLoopsInGrowingRounds();
     control_points_ = AddAbsoluteConstraints(frames_, surveys_, options_.known_points, &graph_);
+    RequireNearOrigin();
     return Finish();
   }
 
@@ -63,6 +65,7 @@ class Placer {
   void CloseLoops(int end, const NearbyOptions& options);
   void Optimize(int frame_count);
   std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
+  void RequireNearOrigin() const;
   Placement Finish();
   void CountUnmatchedOverlaps(Placement* placement) const;
 
@@ -225,6 +228,26 @@ void Placer::CountUnmatchedOverlaps(Placement* placement) const {
   }
 }
 
+void Placer::RequireNearOrigin() const {
+  const auto farthest =
+      std::max_element(graph_.map_from_base.begin(), graph_.map_from_base.end(),
+                       [](const Pose2& a, const Pose2& b) { return a.translation().norm() < b.translation().norm(); });
+  if (farthest->translation().norm() <= options_.max_distance_m) {
+    return;
+  }
+  const char* const source = !graph_.control_points.empty() ? "control points and markers"
+                             : !graph_.priors.empty()       ? "the file of --poses"
+                                                            : "odometry.tum";
+  const Eigen::Vector2d offset_m = 1000.0 * (farthest->translation() / 1000.0).array().round().matrix();
+  char text[256];
+  std::snprintf(
+      text, sizeof(text),
+      "the map would lie %.0f km from the origin of its coordinates, where keypoints are not precise (at most "
+      "%.0f km): subtract (%.0f, %.0f) from the coordinates of %s, and add it to the poses that you get",
+      1e-3 * farthest->translation().norm(), 1e-3 * options_.max_distance_m, offset_m.x(), offset_m.y(), source);
+  throw InputError(text);
+}
+
 Placement Placer::Finish() {
   graph_.fixed = graph_.priors.empty() && graph_.control_points.empty() ? std::vector<int>{0} : std::vector<int>{};
   const RobustPoseGraphSummary summary = OptimizePosesRobustly(&graph_);
@@ -242,6 +265,7 @@ void PlacementOptions::Check() const {
   known_points.Check();
   RequireOption(prior_sigma_m > 0.0, "prior_sigma_m must be positive");
   RequireOption(prior_sigma_rad > 0.0, "prior_sigma_rad must be positive");
+  RequireOption(max_distance_m > 0.0, "max_distance_m must be positive");
   RequireOption(max_unmatched_share >= 0.0 && max_unmatched_share <= 1.0, "max_unmatched_share must be 0 to 1");
 }
 
