@@ -35,11 +35,16 @@ void AssessHeldOut(const HeldOutScore& score, VerdictReasons* reasons) {
                  "this map: too few frames, too little overlap, or held-out frames were switched off.");
     return;
   }
-  const double found = Share(score.localized, score.frames);
-  const int lost = score.frames - score.localized - score.wrong;
+  const int lost = score.frames - score.localized - score.wrong - score.ambiguous;
+  const double found = Share(score.localized + score.ambiguous, score.frames);
+  const std::string of_all = " of " + NumberText(score.frames) + " held-out frames ";
   if (lost > 0 && found < kNotAlwaysFound) {
-    reasons->Add(found < kRarelyFound, NumberText(lost) + " of " + NumberText(score.frames) +
-                                           " held-out frames were not localized in a map made without them.");
+    reasons->Add(found < kRarelyFound, NumberText(lost) + of_all + "were not localized in a map made without them.");
+  }
+  if (Share(score.ambiguous, score.frames) > 1.0 - kNotAlwaysFound) {
+    reasons->Add(false, NumberText(score.ambiguous) + of_all +
+                            "fit at several places; where the floor repeats itself a robot needs a rough idea of where "
+                            "it is (a prior).");
   }
   if (score.wrong > 0) {
     reasons->Add(found < kRarelyFound || (score.wrong > 1 && Share(score.wrong, score.frames) > kOftenWrong),

@@ -82,6 +82,16 @@ TEST(VerdictTest, AWrongPoseIsNotCountedAsNotLocalized) {
   EXPECT_THAT(verdict.reasons, Not(Contains(HasSubstr("not localized"))));
 }
 
+TEST(VerdictTest, AmbiguousHeldOutFramesCallForAPriorOnly) {
+  MapEvidence evidence = MakeMapEvidence();
+  for (HeldOutFrame& frame : evidence.build.held_out) {
+    frame.status = "ambiguous";
+  }
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kInspect);
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("4 of 4 held-out frames fit at several places")));
+}
+
 TEST(VerdictTest, ManyUnmatchedOverlapsMeanAFoldedMap) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.overlapping_pairs = 100;
