@@ -22,12 +22,13 @@ def build_map(binaries, surveys, folder, limits):
     program = (binaries / "floorloc-mapbuilder").resolve()
     folder.mkdir(parents=True, exist_ok=True)
     map_file = folder / "map.floormap"
+    map_file.unlink(missing_ok=True)
     poses = folder / "poses.tum"
     command = [program, "build", "--out", map_file]
     for survey in surveys:
         command += ["--survey", survey]
     outcome = run_limited(command, limits)
-    if outcome.failure:
+    if not map_file.exists():  # a map that is not to be used (exit code 3) is compared all the same
         return outcome, []
     subprocess.run([program, "export", map_file, "--poses", poses], check=True, stdout=subprocess.DEVNULL)
     return outcome, parse_tum(poses.read_text(encoding="utf-8"))
