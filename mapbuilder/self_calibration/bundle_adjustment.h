@@ -11,6 +11,9 @@
 
 namespace floorloc {
 
+/// Unknowns of a frame's own tilt: roll and pitch (rad), relative height.
+constexpr int kTiltUnknowns = 3;
+
 /// Observation of a floor point in a frame, with its Jacobians with respect to the camera and to the frame's own tilt.
 struct Observation {
   int frame = 0;

@@ -11,8 +11,6 @@
 // Residuals of the bundle adjustment, for Ceres. Parameter blocks: pose (x, y, yaw), camera, tilt, point.
 namespace floorloc {
 
-constexpr int kTiltUnknowns = 3;
-
 // Predicted map position of an observation.
 template <typename T>
 Eigen::Matrix<T, 2, 1> InMap(const Observation& observation, const T* pose, const T* camera, const T* tilt) {

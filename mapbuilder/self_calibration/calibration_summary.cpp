@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/self_calibration/calibration_summary.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -26,9 +27,27 @@ constexpr std::array<UnknownText, kCameraUnknowns> kTexts = {{{"roll", "degrees"
                                                               {"p1", "", 1.0},
                                                               {"p2", "", 1.0}}};
 
+// Names of the unknowns that were left as given, separated by commas.
+std::string Unobserved(const CalibratedCamera& camera) {
+  std::string names;
+  for (const CameraUnknown unknown : camera.unobserved) {
+    names += (names.empty() ? "" : ", ") + std::string(kTexts[static_cast<std::size_t>(unknown)].name);
+  }
+  return names;
+}
+
+bool MountingUnobserved(const CalibratedCamera& camera) {
+  return std::any_of(camera.unobserved.begin(), camera.unobserved.end(), [](CameraUnknown unknown) {
+    return unknown == CameraUnknown::kRoll || unknown == CameraUnknown::kPitch;
+  });
+}
+
 }  // namespace
 
 std::string ToText(const SelfCalibration& calibration) {
+  if (!calibration.given_up.empty()) {
+    return "  camera       calibration as given: " + calibration.given_up + "\n";
+  }
   std::string text;
   char part[128];
   for (std::size_t survey = 0; survey < calibration.cameras.size(); ++survey) {
@@ -42,6 +61,10 @@ std::string ToText(const SelfCalibration& calibration) {
                       unknown.factor * camera.sigma[i], unknown.unit);
         text += part;
       }
+    }
+    if (!camera.unobserved.empty()) {
+      text += " as given: " + Unobserved(camera);
+      text += MountingUnobserved(camera) ? " (to tell the mounting, drive a strip turned by 90 degrees);" : ";";
     }
     std::snprintf(part, sizeof(part), " scatter of a point's observations %.3f mm, before %.3f mm\n",
                   1e3 * calibration.rms_after_m, 1e3 * calibration.rms_before_m);
@@ -57,6 +80,7 @@ std::string ToJson(const SelfCalibration& calibration) {
   nlohmann::ordered_json json{{"tracks", calibration.tracks},
                               {"rms_before_m", calibration.rms_before_m},
                               {"rms_after_m", calibration.rms_after_m},
+                              {"given_up", calibration.given_up},
                               {"cameras", nlohmann::json::array()}};
   for (const CalibratedCamera& camera : calibration.cameras) {
     nlohmann::ordered_json found = nlohmann::json::object();
@@ -64,6 +88,10 @@ std::string ToJson(const SelfCalibration& calibration) {
       if (camera.sigma[i] > 0.0) {
         found[kTexts[static_cast<std::size_t>(i)].name] = {{"change", camera.change[i]}, {"sigma", camera.sigma[i]}};
       }
+    }
+    found["unobserved"] = nlohmann::json::array();
+    for (const CameraUnknown unknown : camera.unobserved) {
+      found["unobserved"].push_back(kTexts[static_cast<std::size_t>(unknown)].name);
     }
     json["cameras"].push_back(found);
   }

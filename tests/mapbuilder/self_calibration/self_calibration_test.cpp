@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/geometry/mounting.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/simulation/simulated_camera.h"
 #include "tests/mapbuilder/keypoints/floor_points.h"
@@ -182,6 +183,74 @@ TEST(SelfCalibrationTest, NothingAskedForChangesNothing) {
   ParseCameraUnknowns({"none"}, &survey.options);
   EXPECT_TRUE(survey.Run().cameras.empty());
   EXPECT_EQ(survey.placement.map_from_base[7]->x(), before.x());
+}
+
+TEST(SelfCalibrationTest, ByDefaultItEstimatesWhatTheImagesTell) {
+  const CameraAdjustment error =
+      Error(CameraUnknown::kPitch, 0.012) + Error(CameraUnknown::kRoll, -0.009) + Error(CameraUnknown::kP1, 0.002);
+  Survey20 survey(error);
+  const FloorCamera given = survey.surveys[0].survey.camera;
+  const double before = survey.ShapeErrorM();
+  const SelfCalibration found = survey.Run();
+  ASSERT_EQ(found.given_up, "");
+  const CalibratedCamera& camera = found.cameras[0];
+  EXPECT_LT(survey.ShapeErrorM(), 0.25 * before);
+  EXPECT_EQ(camera.given.floor.base_from_pixel, given.floor.base_from_pixel);
+  EXPECT_NEAR(camera.change[static_cast<int>(CameraUnknown::kPitch)], -0.012, 2e-3);
+  EXPECT_EQ(camera.change[static_cast<int>(CameraUnknown::kHeight)], 0.0) << "nothing tells the scale";
+  EXPECT_GT(camera.camera.camera.sigma_px, 0.0);
+  EXPECT_GT(camera.camera.floor.offset_sigma_m, 0.0);
+}
+
+// Three frames tell a lens with tilt and distortion not at all.
+TEST(SelfCalibrationTest, ByDefaultItLeavesTheRestAsGiven) {
+  Survey20 survey(CameraAdjustment::Zero());
+  for (std::size_t i = 3; i < survey.frames.size(); ++i) {
+    survey.placement.map_from_base[i].reset();
+  }
+  const std::vector<Keypoint> keypoints = survey.frames[1].features.keypoints;
+  const SelfCalibration found = survey.Run();
+  EXPECT_FALSE(found.cameras[0].unobserved.empty());
+  for (const CameraUnknown unknown : found.cameras[0].unobserved) {
+    EXPECT_EQ(found.cameras[0].change[static_cast<int>(unknown)], 0.0);
+    EXPECT_EQ(found.cameras[0].sigma[static_cast<int>(unknown)], 0.0);
+  }
+}
+
+TEST(SelfCalibrationTest, AnAutomaticCalibrationThatDoesNotFitIsGivenUp) {
+  Survey20 survey(CameraAdjustment::Zero());
+  survey.options.max_scatter_px = 1e-3;
+  const std::vector<Keypoint> keypoints = survey.frames[7].features.keypoints;
+  const Pose2 before = *survey.placement.map_from_base[7];
+  const SelfCalibration found = survey.Run();
+  EXPECT_THAT(found.given_up, testing::HasSubstr("scatter"));
+  EXPECT_EQ(survey.placement.map_from_base[7]->x(), before.x());
+  EXPECT_EQ(survey.frames[7].features.keypoints[3].x_m, keypoints[3].x_m);
+  EXPECT_EQ(survey.frames[7].mounting_error.rotation_rad.norm(), 0.0);
+}
+
+// Without their tilts, frames that vibrate by half a degree put a floor point where it is not.
+TEST(SelfCalibrationTest, KeypointsAreCorrectedForEachFramesTilt) {
+  Survey20 survey(CameraAdjustment::Zero());
+  survey.options.tilt_rad = 5e-3;
+  const Eigen::Vector3d center = survey.surveys[0].survey.camera.CameraCenter();
+  const Eigen::Vector4d tilt(0.004, -0.004, 0.0, 0.0);
+  const std::vector<Keypoint> truth = survey.frames[5].features.keypoints;
+  for (Keypoint& k : survey.frames[5].features.keypoints) {
+    const Eigen::Vector2d seen = k.Position() - MountingJacobian(center, k.Position()) * tilt;
+    k.x_m = static_cast<float>(seen.x());
+    k.y_m = static_cast<float>(seen.y());
+  }
+  survey.Run();
+  EXPECT_NEAR(survey.frames[5].mounting_error.rotation_rad.x(), 0.004, 1e-3);
+  EXPECT_NEAR(survey.frames[5].mounting_error.rotation_rad.y(), -0.004, 1e-3);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Eigen::Vector2d in_map =
+        *survey.placement.map_from_base[5] * survey.frames[5].features.keypoints[i].Position();
+    squares += (in_map - survey.truth[5] * truth[i].Position()).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(truth.size())), 7e-4);
 }
 
 TEST(SelfCalibrationTest, UnknownNamesAreRefused) {
