@@ -31,7 +31,9 @@ struct Arguments {
   std::string floor_yaml;
   bool keep_direction = false;
   bool no_odometry = false;
-  double roll_error_deg = 0.0, pitch_error_deg = 0.0;
+  bool exact_calibration = false;
+  std::optional<double> radial_error, tangential_error, principal_point_error, focal_error;
+  std::optional<double> roll_error_deg, pitch_error_deg, height_error;
   double odometry_drift = 1.0;
   double imu_errors = 1.0;
   std::optional<double> odometry_rate, imu_rate, speed_variation;
@@ -73,6 +75,23 @@ ConditionLevels ChooseConditions(const Arguments& arguments) {
   return levels;
 }
 
+CalibrationError ChooseCalibrationError(const Arguments& a) {
+  // Of the built-in cameras: files are taken as they are, and an equidistant lens has no tangential distortion.
+  const bool usual = !a.exact_calibration && a.camera_yaml.empty();
+  CalibrationError error = usual ? CalibrationError::ForCondition(a.condition) : CalibrationError();
+  if (a.camera == "equidistant") {
+    error.tangential_px = 0.0;
+  }
+  error.radial_px = a.radial_error.value_or(error.radial_px);
+  error.tangential_px = a.tangential_error.value_or(error.tangential_px);
+  error.principal_point_px = a.principal_point_error.value_or(error.principal_point_px);
+  error.focal_share = a.focal_error.value_or(error.focal_share);
+  error.roll_rad = a.roll_error_deg ? *a.roll_error_deg * kDegree : error.roll_rad;
+  error.pitch_rad = a.pitch_error_deg ? *a.pitch_error_deg * kDegree : error.pitch_rad;
+  error.height_m = a.height_error.value_or(error.height_m);
+  return error;
+}
+
 // Defaults for a drive: the sensors and rates that robots usually record.
 void ChooseSensors(const Arguments& arguments, PathOptions& path) {
   const bool drive = path.type == PathType::kDrive;
@@ -110,8 +129,7 @@ void Run(Arguments& arguments) {
   options.floor.rotate_patches = !arguments.keep_direction;
   options.floor.run = options.run;
   options.camera = ChooseCamera(arguments);
-  options.calibration_error.roll_rad = arguments.roll_error_deg * kDegree;
-  options.calibration_error.pitch_rad = arguments.pitch_error_deg * kDegree;
+  options.calibration_error = ChooseCalibrationError(arguments);
   options.conditions = ChooseConditions(arguments);
   options.path.type = ParsePathType(arguments.trajectory);
   options.path.odometry = options.path.odometry.Scaled(arguments.odometry_drift);
@@ -191,15 +209,19 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
 }
 
 void AddCalibrationOptions(CLI::App& command, Arguments& a) {
-  CalibrationError& error = a.options.calibration_error;
-  command.add_option("--radial-error", error.radial_px,
-                     "What camera.yaml is wrong by: radial distortion, pixels at the farthest corner");
-  command.add_option("--tangential-error", error.tangential_px, "Tangential distortion, pixels at the farthest corner");
-  command.add_option("--principal-point-error", error.principal_point_px, "Principal point, pixels");
-  command.add_option("--focal-error", error.focal_share, "Focal length, as a share of it");
-  command.add_option("--roll-error", a.roll_error_deg, "What floor.yaml is wrong by: roll of the camera, degrees");
-  command.add_option("--pitch-error", a.pitch_error_deg, "Pitch of the camera, degrees");
-  command.add_option("--height-error", error.height_m, "Height of the camera, metres");
+  command.add_option(
+      "--radial-error", a.radial_error,
+      "What camera.yaml is wrong by: radial distortion, pixels at the farthest corner (of the camera's 0.3\n"
+      "px, two thirds, unless the condition is clean)");
+  command.add_option("--tangential-error", a.tangential_error,
+                     "Tangential distortion, pixels at the farthest corner (one third)");
+  command.add_option("--principal-point-error", a.principal_point_error, "Principal point, pixels (0)");
+  command.add_option("--focal-error", a.focal_error, "Focal length, as a share of it (0)");
+  command.add_option("--roll-error", a.roll_error_deg,
+                     "What floor.yaml is wrong by: roll of the camera, degrees (0.1 unless the condition is clean)");
+  command.add_option("--pitch-error", a.pitch_error_deg, "Pitch of the camera, degrees (-0.05)");
+  command.add_option("--height-error", a.height_error, "Height of the camera, metres (0)");
+  command.add_flag("--exact-calibration", a.exact_calibration, "Nothing is wrong but what other options say");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "mapbuilder/simulation/calibration_error.h"
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "core/geometry/option_check.h"
@@ -54,6 +55,12 @@ CalibrationError CalibrationError::Typical(double residual_px, double tilt_rad) 
   error.roll_rad = tilt_rad;
   error.pitch_rad = -0.5 * tilt_rad;
   return error;
+}
+
+CalibrationError CalibrationError::ForCondition(const std::string& name) {
+  constexpr double kResidualPx = 0.3;
+  constexpr double kTiltRad = 0.1 * std::numbers::pi / 180.0;
+  return name == "clean" ? CalibrationError() : Typical(kResidualPx, kTiltRad);
 }
 
 bool CalibrationError::IsZero() const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "core/geometry/floor_plane.h"
 
 namespace floorloc {
@@ -19,6 +21,10 @@ struct CalibrationError {
   /// Lens residual of `residual_px` at the corner, two thirds radial and one third tangential, and a floor homography
   /// off by `tilt_rad` in roll and half of it, with the other sign, in pitch.
   static CalibrationError Typical(double residual_px, double tilt_rad);
+
+  /// Of a recording under the conditions "clean" (none), "mild" or "hard": 0.3 px and 0.1 degrees, since a camera that
+  /// is known exactly does not exist.
+  static CalibrationError ForCondition(const std::string& name);
 
   bool IsZero() const;
   /// Throws std::invalid_argument that names the first bad field and what it may be.

@@ -2,6 +2,7 @@
 #include "tests/bench/extractors/extractor_trial.h"
 
 #include "core/io/survey.h"
+#include "core/map/camera_correction.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
@@ -43,7 +44,8 @@ FrameOutcome TryFrame(const MapUnderTest& map, const Rectifier& rectifier, const
 }
 
 void TryGroup(const MapUnderTest& map, const FrameGroup& group, GroupTally* tally) {
-  const Rectifier rectifier(group.camera.AtResolution(map.localizer.map().info.camera().floor.resolution_m));
+  const Rectifier rectifier(CorrectedOrGiven(map.localizer.map().info, group.camera)
+                                .AtResolution(map.localizer.map().info.camera().floor.resolution_m));
   std::vector<FrameOutcome> outcomes(group.frames.size());
   ParallelFor(static_cast<int>(outcomes.size()), 0, [&](int i) {
     const auto index = static_cast<std::size_t>(i);

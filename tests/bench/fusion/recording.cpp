@@ -10,6 +10,7 @@
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
 #include "core/io/text_file.h"
+#include "core/map/camera_correction.h"
 #include "core/odometry/planar_odometry.h"
 
 namespace floorloc {
@@ -25,7 +26,9 @@ std::optional<Pose2> WheelsBetween(const Trajectory& odometry, std::int64_t from
 }
 
 std::vector<RecordedImage> LocalizeImages(const Localizer& localizer, const Survey& survey) {
-  const Rectifier rectifier(survey.camera.AtResolution(localizer.map().info.camera().floor.resolution_m), survey.mask);
+  const MapInfo& info = localizer.map().info;
+  const Rectifier rectifier(CorrectedOrGiven(info, survey.camera).AtResolution(info.camera().floor.resolution_m),
+                            survey.mask);
   PlanarOdometryOptions options;
   options.resolution_m = localizer.map().info.camera().floor.resolution_m;
   PlanarOdometry visual(options);

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "core/io/survey.h"
+#include "core/map/camera_correction.h"
 #include "core/map/map_database.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/parallel.h"
@@ -64,7 +65,8 @@ std::size_t BytesOfFile(const FloorMap& map, const std::filesystem::path& file) 
 }
 
 void TryGroup(const Localizer& localizer, const Pose2& map_from_truth, const FrameGroup& group, GroupTally* tally) {
-  const Rectifier rectifier(group.camera.AtResolution(localizer.map().info.camera().floor.resolution_m));
+  const MapInfo& info = localizer.map().info;
+  const Rectifier rectifier(CorrectedOrGiven(info, group.camera).AtResolution(info.camera().floor.resolution_m));
   std::vector<std::pair<LocalizationResult, LocalizationResult>> results(group.frames.size());
   ParallelFor(static_cast<int>(results.size()), 0, [&](int i) {
     const SceneFrame& frame = group.frames[static_cast<std::size_t>(i)];

@@ -13,6 +13,7 @@
 #include "core/io/text_file.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
+#include "mapbuilder/simulation/calibration_error.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "mapbuilder/simulation/floor_wear.h"
 #include "mapbuilder/simulation/simulated_path.h"
@@ -57,7 +58,8 @@ SimulatedPath PlanSurvey(const FloorCase& floor_case, const FloorCamera& camera)
 }
 
 void WriteSurvey(const fs::path& folder, const FloorCase& floor_case, const FloorTexture& floor) {
-  const FloorCamera camera = MakeDownwardCamera();
+  const FloorCamera camera = BenchCamera();
+  const FloorCamera calibration = BenchCalibration();
   const SimulatedPath path = PlanSurvey(floor_case, camera);
   fs::create_directories(folder / "images");
   const CameraRenderer renderer(floor, camera);
@@ -77,8 +79,8 @@ void WriteSurvey(const fs::path& folder, const FloorCase& floor_case, const Floo
         renderer.Render(frame.map_from_base, sampler.Sample(index, ToSeconds(frame.stamp_ns), frame.twist));
     WriteImage(folder / names[index], image, {cv::IMWRITE_JPEG_QUALITY, kSurveyJpegQuality});
   });
-  WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(camera.camera));
-  WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(camera.floor));
+  WriteFileAtomically(folder / "camera.yaml", FormatCameraYaml(calibration.camera));
+  WriteFileAtomically(folder / "floor.yaml", FormatFloorYaml(calibration.floor));
   WriteFileAtomically(folder / "frames.csv", rows);
   WriteFileAtomically(folder / "groundtruth.tum", FormatTum(truth));
   WriteFileAtomically(folder / "odometry.tum", FormatTum(path.odometry));
@@ -97,6 +99,10 @@ double RmsError(const std::vector<MapFrame>& frames, const Trajectory& truth, co
 }
 
 }  // namespace
+
+FloorCamera BenchCamera() { return MakeDownwardCamera(); }
+
+FloorCamera BenchCalibration() { return Miscalibrated(BenchCamera(), CalibrationError::ForCondition("mild")); }
 
 fs::path FloorFiles::ImageFile(double wear) const {
   return folder / (name + "-" + std::to_string(std::lround(100.0 * wear)) + ".pgm");

@@ -13,6 +13,10 @@
 
 namespace floorloc {
 
+/// The camera that takes the benchmark's images, and its calibration, which is a little wrong as every one.
+FloorCamera BenchCamera();
+FloorCamera BenchCalibration();
+
 /// Paths of a floor's images, survey and map.
 struct FloorFiles {
   std::filesystem::path folder;

@@ -9,6 +9,7 @@
 
 #include "core/evaluation/consistency.h"
 #include "core/evaluation/fix_score.h"
+#include "core/map/camera_correction.h"
 
 namespace floorloc {
 namespace {
@@ -43,8 +44,9 @@ FrameRunner::FrameRunner(const BenchFloor& floor, FramePlanner planner, std::vec
       planner_(std::move(planner)),
       others_(std::move(others)),
       conditions_(std::move(conditions)),
-      renderer_(MakeDownwardCamera()),
-      rectifier_(renderer_.camera().AtResolution(floor.localizer->map().info.camera().floor.resolution_m)) {}
+      renderer_(BenchCamera()),
+      rectifier_(CorrectedOrGiven(floor.localizer->map().info, BenchCalibration())
+                     .AtResolution(floor.localizer->map().info.camera().floor.resolution_m)) {}
 
 FrameRecord FrameRunner::Run(int frame) const {
   const FramePlan plan = planner_.Plan(frame);

@@ -43,8 +43,8 @@ PosePrior PlannedPrior(const FramePlan& plan) {
 }
 
 FrameGroup RenderGroup(const GrayFloor& floor, const ConditionCase& condition, const std::vector<FramePlan>& plans) {
-  const GrayRenderer renderer(MakeDownwardCamera());
-  FrameGroup group{condition.name, renderer.camera(), std::vector<SceneFrame>(plans.size())};
+  const GrayRenderer renderer(BenchCamera());
+  FrameGroup group{condition.name, BenchCalibration(), std::vector<SceneFrame>(plans.size())};
   ParallelFor(static_cast<int>(plans.size()), 0, [&](int i) {
     const auto index = static_cast<std::size_t>(i);
     const FramePlan& plan = plans[index];
@@ -81,7 +81,7 @@ Scene SimulateScene(const std::filesystem::path& folder, const FloorCase& floor,
   const FloorFiles files{folder, floor.name};
   MakeFloor(files, floor);
   const std::vector<ConditionCase> conditions = MildAndHard();
-  const FramePlanner planner{floor, MakeDownwardCamera().floor.roi, conditions.size(), {}, kFrameSeed, true};
+  const FramePlanner planner{floor, BenchCamera().floor.roi, conditions.size(), {}, kFrameSeed, true};
   const std::vector<std::vector<FramePlan>> plans = PlanFrames(planner, frames);
   Scene scene{files.Survey(), {}};
   for (std::size_t i = 0; i < conditions.size(); ++i) {
