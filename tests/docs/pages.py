@@ -94,7 +94,7 @@ class Tree:
         """The strings of the C++ sources, one per line; those that the compiler joins are joined."""
         texts = []
         for folder in ("core", "mapbuilder", "server"):
-            for file in sorted((self.root / folder).rglob("*.cpp")):
+            for file in sorted((self.root / folder).rglob("*.[ch]*")):
                 source = re.sub(r'"\s*\n\s*"', "", file.read_text(encoding="utf-8"))
                 texts += [re.sub(r"\\(.)", r"\1", text) for text in re.findall(r'"((?:[^"\\\n]|\\.)*)"', source)]
         return "\n".join(texts)
