@@ -34,6 +34,16 @@ std::vector<double> NineNumbers(JsonObject& object, const std::string& key) {
   return numbers;
 }
 
+// 0, which is unknown, when the key is missing.
+double OptionalNumber(JsonObject& object, const std::string& key) { return object.Has(key) ? object.Number(key) : 0.0; }
+
+// Leaves out what is unknown.
+void AddKnown(const char* key, double value, nlohmann::json* json) {
+  if (value > 0.0) {
+    (*json)[key] = value;
+  }
+}
+
 DistortionModel ParseModel(const std::string& name) {
   for (const DistortionModel model :
        {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant}) {
@@ -68,6 +78,7 @@ CameraModel ParseCamera(const nlohmann::json& json) {
   camera.cy = k[5];
   camera.distortion_model = ParseModel(object.Text("distortion_model"));
   camera.distortion = MatrixNumbers(object, "distortion_coefficients");
+  camera.sigma_px = OptionalNumber(object, "calibration_sigma");
   return camera;
 }
 
@@ -79,16 +90,20 @@ FloorPlane ParseFloor(const nlohmann::json& json) {
   JsonObject roi = object.Object("roi");
   floor.roi = {roi.Number("x_min"), roi.Number("x_max"), roi.Number("y_min"), roi.Number("y_max")};
   floor.resolution_m = object.Number("resolution");
+  floor.offset_sigma_m = OptionalNumber(object, "offset_sigma");
   return floor;
 }
 
 nlohmann::json FormatCamera(const CameraModel& camera) {
-  return {{"image_width", camera.width_px},
-          {"image_height", camera.height_px},
-          {"camera_name", camera.name},
-          {"camera_matrix", Matrix(3, 3, {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0})},
-          {"distortion_model", ToString(camera.distortion_model)},
-          {"distortion_coefficients", Matrix(1, static_cast<int>(camera.distortion.size()), camera.distortion)}};
+  nlohmann::json json = {
+      {"image_width", camera.width_px},
+      {"image_height", camera.height_px},
+      {"camera_name", camera.name},
+      {"camera_matrix", Matrix(3, 3, {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0})},
+      {"distortion_model", ToString(camera.distortion_model)},
+      {"distortion_coefficients", Matrix(1, static_cast<int>(camera.distortion.size()), camera.distortion)}};
+  AddKnown("calibration_sigma", camera.sigma_px, &json);
+  return json;
 }
 
 nlohmann::json FormatFloor(const FloorPlane& floor) {
@@ -96,13 +111,20 @@ nlohmann::json FormatFloor(const FloorPlane& floor) {
   for (int i = 0; i < 9; ++i) {
     homography.push_back(floor.base_from_pixel(i / 3, i % 3));
   }
-  return {{"homography", std::move(homography)},
-          {"roi",
-           {{"x_min", floor.roi.x_min},
-            {"x_max", floor.roi.x_max},
-            {"y_min", floor.roi.y_min},
-            {"y_max", floor.roi.y_max}}},
-          {"resolution", floor.resolution_m}};
+  nlohmann::json json = {{"homography", std::move(homography)},
+                         {"roi",
+                          {{"x_min", floor.roi.x_min},
+                           {"x_max", floor.roi.x_max},
+                           {"y_min", floor.roi.y_min},
+                           {"y_max", floor.roi.y_max}}},
+                         {"resolution", floor.resolution_m}};
+  AddKnown("offset_sigma", floor.offset_sigma_m, &json);
+  return json;
+}
+
+nlohmann::json FormatCorrection(const std::optional<AppliedCorrection>& correction) {
+  return correction ? nlohmann::json{{"survey", correction->survey}, {"moved_px", correction->moved_px}}
+                    : nlohmann::json();
 }
 
 }  // namespace floorloc

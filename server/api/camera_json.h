@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/geometry/floor_plane.h"
+#include "server/serving/map_camera.h"
 
 namespace floorloc {
 
@@ -14,5 +15,7 @@ FloorPlane ParseFloor(const nlohmann::json& json);
 
 nlohmann::json FormatCamera(const CameraModel& camera);
 nlohmann::json FormatFloor(const FloorPlane& floor);
+/// {"survey","moved_px"}, or null.
+nlohmann::json FormatCorrection(const std::optional<AppliedCorrection>& correction);
 
 }  // namespace floorloc

@@ -42,6 +42,11 @@ VehicleState RequireVehicle(const AppState& state, const std::string& id) {
   return *std::move(found);
 }
 
+MapCamera VehicleCameraIn(const LoadedMap& map, const Vehicle& vehicle, RectifierStore& store) {
+  const MapInfo& info = map.info();
+  return info.content_version == vehicle.map_version ? vehicle.in_map : CameraInMap(info, vehicle.camera, store);
+}
+
 FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome) {
   FixRecord record;
   record.received_s = label.received_s;

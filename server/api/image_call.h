@@ -29,6 +29,10 @@ Problem UnknownVehicle();
 /// Throws UnknownVehicle().
 VehicleState RequireVehicle(const AppState& state, const std::string& id);
 
+/// The camera of a vehicle as a map wants it: what its registration prepared, unless that was for another map or
+/// version. Throws Problem as RectifierStore::Get does. To be called in the compute pool: it may have to build tables.
+MapCamera VehicleCameraIn(const LoadedMap& map, const Vehicle& vehicle, RectifierStore& store);
+
 /// Adds a localization to the fix history and the metrics.
 FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome);
 

@@ -126,6 +126,9 @@ LocalizeRequest ParseLocalizeJson(const std::string& text) {
   if (object.Has("mask")) {
     request.mask = ParseCameraMask(object.Text("mask"));
   }
+  if (object.Has("correct_camera")) {
+    request.correct = object.Bool("correct_camera");
+  }
   if (object.Has("stamp")) {
     request.stamp_s = object.Number("stamp");
   }
@@ -169,6 +172,7 @@ nlohmann::json FormatTiming(const LocalizeOutcome& outcome) {
 std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcome& outcome) {
   nlohmann::json answer;
   AddStatus(record, answer);
+  answer["camera_correction"] = FormatCorrection(outcome.correction);
   answer["timing_ms"] = FormatTiming(outcome);
   return ToText(answer);
 }

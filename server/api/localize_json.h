@@ -19,13 +19,15 @@ struct LocalizeRequest {
   std::string vehicle;                ///< empty: the camera is inline
   std::optional<FloorCamera> camera;  ///< inline
   CameraMask mask;                    ///< of the inline camera; may be empty
+  std::optional<bool> correct;        ///< the camera, by the map; empty: as the vehicle registered, or true
   std::optional<PosePrior> prior;
   std::optional<double> stamp_s;
 };
 
 /// From the query: vehicle, prior=x,y,yaw, radius, stamp. Throws Problem 400 invalid_parameter.
 LocalizeRequest ParseLocalizeQuery(const HttpRequest& request);
-/// From the part `request`: the same fields, or camera and floor. Throws JsonError.
+/// From the part `request`: the same fields, or camera and floor; and
+/// correct_camera. Throws JsonError.
 LocalizeRequest ParseLocalizeJson(const std::string& text);
 
 /// The answer of localize.

@@ -32,22 +32,27 @@ LocalizeCall ParseCall(const HttpRequest& request) {
   return call;
 }
 
-LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob job) {
-  CameraMask mask = call.request.mask;
-  if (!call.request.vehicle.empty()) {
-    const std::shared_ptr<const Vehicle> vehicle = RequireVehicle(state, call.request.vehicle).vehicle;
-    job.rectifier = vehicle->rectifier;
-    mask = vehicle->mask();
+// The camera of a request as it came, or that of its vehicle.
+MapCamera CameraOf(const LocalizeRequest& request, const Vehicle* vehicle, const LoadedMap& map,
+                   RectifierStore& store) {
+  if (vehicle == nullptr) {
+    return CameraInMap(map.info(), {*request.camera, request.mask, request.correct.value_or(true)}, store);
   }
-  const CameraModel& model = job.rectifier ? job.rectifier->camera().camera : call.request.camera->camera;
+  if (request.correct.value_or(vehicle->camera.correct) == vehicle->camera.correct) {
+    return VehicleCameraIn(map, *vehicle, store);
+  }
+  return CameraInMap(map.info(), {vehicle->camera.camera, vehicle->camera.mask, *request.correct}, store);
+}
+
+LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob job) {
+  const LocalizeRequest& request = call.request;
+  const std::shared_ptr<const Vehicle> vehicle =
+      request.vehicle.empty() ? nullptr : RequireVehicle(state, request.vehicle).vehicle;
+  const CameraModel& model = (vehicle ? vehicle->camera.camera : *request.camera).camera;
   CheckImageHeader(job.bytes, model, state.config.limits.max_image_pixels);
-  CheckMaskHeader(mask, model);
+  CheckMaskHeader(request.mask, model);
   return RunInPool(state.pool, [&] {
-    const FloorCamera& camera = job.rectifier ? job.rectifier->camera() : *call.request.camera;
-    const double resolution_m = job.map->info().camera().floor.resolution_m;
-    if (job.rectifier == nullptr || camera.floor.resolution_m != resolution_m) {
-      job.rectifier = state.rectifiers.Get(camera.AtResolution(resolution_m), mask);
-    }
+    job.camera = CameraOf(request, vehicle.get(), *job.map, state.rectifiers);
     return RunLocalization(job);
   });
 }
@@ -56,8 +61,7 @@ HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const LocalizeCall call = ParseCall(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(call.image->data());
-  const LocalizeOutcome outcome =
-      Localize(state, call, {map, nullptr, {bytes, call.image->size()}, call.request.prior});
+  const LocalizeOutcome outcome = Localize(state, call, {map, {}, {bytes, call.image->size()}, call.request.prior});
   const double now_s = UnixTimeNow();
   const FrameLabel label = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
   return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, label, outcome), outcome));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/io/trajectory.h"
+#include "server/api/camera_json.h"
 #include "server/api/localize_json.h"
 #include "server/api/pose_json.h"
 #include "server/wire/number_text.h"
@@ -212,6 +213,7 @@ std::string FormatFrameResponse(const FrameReport& report, const FixRecord& reco
   answer["message"] = ToString(report.message);
   answer["fix"] = FormatVehicleFix(report, record);
   answer["alternatives"] = FormatAlternatives(record);
+  answer["camera_correction"] = FormatCorrection(outcome.correction);
   answer["timing_ms"] = FormatTiming(outcome);
   return ToText(answer);
 }

@@ -50,16 +50,12 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   const FrameCall call = ParseCall(request);
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
   const auto map = RequireMap(state, vehicle.vehicle->map);
-  const FloorCamera& camera = vehicle.vehicle->camera();
-  CheckImageHeader(call.image, camera.camera, state.config.limits.max_image_pixels);
+  CheckImageHeader(call.image, vehicle.vehicle->camera.camera.camera, state.config.limits.max_image_pixels);
   const FrameSlot slot = AcquireSlot(*vehicle.session, call.request);
   FrameReport report;
   const LocalizeOutcome outcome = RunInPool(state.pool, [&] {
-    const double resolution_m = map->info().camera().floor.resolution_m;
-    const auto rectifier = camera.floor.resolution_m == resolution_m
-                               ? vehicle.vehicle->rectifier
-                               : state.rectifiers.Get(camera.AtResolution(resolution_m), vehicle.vehicle->mask());
-    LocalizeOutcome localized = RunLocalization({map, rectifier, call.image, slot.prior});
+    const MapCamera camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
+    LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior});
     report = vehicle.session->FinishFrame(slot, localized.features, localized.result);
     return localized;
   });

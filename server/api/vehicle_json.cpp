@@ -29,8 +29,9 @@ VehicleGate ParseGate(JsonObject object) {
   return gate;
 }
 
-nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, const std::string& map_version) {
-  const PoseLabel label = {state.vehicle->map, map_version, view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
+nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, const MapInfo* map) {
+  const PoseLabel label = {state.vehicle->map, map != nullptr ? map->content_version : "",
+                           view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
   return {
       {"id", state.vehicle->id},
       {"map", state.vehicle->map},
@@ -64,9 +65,12 @@ VehicleRequest ParseVehicleRequest(const std::string& text) {
   JsonObject object(json, "");
   VehicleRequest request;
   request.map = object.Text("map");
-  request.camera = {ParseCamera(object.Value("camera")), ParseFloor(object.Value("floor"))};
+  request.camera.camera = {ParseCamera(object.Value("camera")), ParseFloor(object.Value("floor"))};
   if (object.Has("mask")) {
-    request.mask = ParseCameraMask(object.Text("mask"));
+    request.camera.mask = ParseCameraMask(object.Text("mask"));
+  }
+  if (object.Has("correct_camera")) {
+    request.camera.correct = object.Bool("correct_camera");
   }
   if (object.Has("gate")) {
     request.gate = ParseGate(object.Object("gate"));
@@ -75,14 +79,17 @@ VehicleRequest ParseVehicleRequest(const std::string& text) {
   return request;
 }
 
-nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_version) {
+nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map) {
   const Vehicle& vehicle = *state.vehicle;
   const VehicleView view = state.session->View();
-  nlohmann::json json = FormatSummary(state, view, map_version);
-  json["camera"] = FormatCamera(vehicle.camera().camera);
-  json["floor"] = FormatFloor(vehicle.camera().floor);
-  json["mask"] = vehicle.mask_digest.empty() ? nlohmann::json()
-                                             : nlohmann::json{{"masked_share", vehicle.rectifier->masked_share()}};
+  nlohmann::json json = FormatSummary(state, view, map);
+  json["camera"] = FormatCamera(vehicle.camera.camera.camera);
+  json["floor"] = FormatFloor(vehicle.camera.camera.floor);
+  json["correct_camera"] = vehicle.camera.correct;
+  json["camera_correction"] = FormatCorrection(map != nullptr ? CorrectionOf(*map, vehicle.camera) : std::nullopt);
+  json["mask"] = vehicle.camera.mask.empty()
+                     ? nlohmann::json()
+                     : nlohmann::json{{"masked_share", vehicle.in_map.rectifier->masked_share()}};
   json["gate"] = {{"max_distance_m", vehicle.gate.max_distance_m}, {"max_angle_rad", vehicle.gate.max_angle_rad}};
   json["since_fix"] = FormatSinceFix(view);
   json["messages"] = FormatMessageCounts(view.counts);
@@ -90,8 +97,8 @@ nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_v
   return json;
 }
 
-nlohmann::json FormatVehicleSummary(const VehicleState& state, const std::string& map_version) {
-  return FormatSummary(state, state.session->View(), map_version);
+nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map) {
+  return FormatSummary(state, state.session->View(), map);
 }
 
 }  // namespace floorloc

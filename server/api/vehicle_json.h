@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "core/geometry/floor_plane.h"
+#include "core/map/floor_map.h"
 #include "server/serving/vehicle_registry.h"
 
 namespace floorloc {
@@ -12,17 +12,16 @@ namespace floorloc {
 /// Body of PUT /v1/vehicles/{id}.
 struct VehicleRequest {
   std::string map;
-  FloorCamera camera;
-  CameraMask mask;  ///< of the robot's body in the camera's images; may be empty
+  GivenCamera camera;
   VehicleGate gate;
 };
 
 /// Unknown keys are errors, except in camera and floor. Throws JsonError that names the field.
 VehicleRequest ParseVehicleRequest(const std::string& text);
 
-/// map_version: content version of the map as served now; the vehicle's pose refers to it.
-nlohmann::json FormatVehicle(const VehicleState& state, const std::string& map_version);
+/// map: as served now, the vehicle's pose and the correction of its camera refer to it; null when it is not served.
+nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map);
 /// FormatVehicle without registration and counts.
-nlohmann::json FormatVehicleSummary(const VehicleState& state, const std::string& map_version);
+nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map);
 
 }  // namespace floorloc

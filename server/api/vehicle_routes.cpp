@@ -10,10 +10,24 @@
 namespace floorloc {
 namespace {
 
-// Content version of the served map; empty when the map is not served, for then no pose refers to it.
-std::string MapVersion(const AppState& state, const std::string& name) {
-  const auto map = state.catalog.Find(name);
-  return map != nullptr && map->ready() ? map->info().content_version : "";
+// Of the served map; null when it is not served, for then no pose refers to it.
+const MapInfo* InfoOf(const std::shared_ptr<const LoadedMap>& map) {
+  return map != nullptr && map->ready() ? &map->info() : nullptr;
+}
+
+nlohmann::json Describe(const AppState& state, const VehicleState& vehicle) {
+  const auto map = state.catalog.Find(vehicle.vehicle->map);
+  return FormatVehicle(vehicle, InfoOf(map));
+}
+
+// Prepares the camera for the map; for one that is not served, as it was given.
+void PrepareCamera(const MapInfo* info, RectifierStore& store, Vehicle* vehicle) {
+  store.Check(vehicle->camera.camera);
+  vehicle->in_map = info != nullptr ? CameraInMap(*info, vehicle->camera, store)
+                                    : MapCamera{store.Get(vehicle->camera.camera, vehicle->camera.mask), std::nullopt};
+  vehicle->camera.mask = {vehicle->camera.mask.digest, "", vehicle->in_map.rectifier->raw_mask()};
+  vehicle->map_version = info != nullptr ? info->content_version : "";
+  vehicle->map_resolution_m = (info != nullptr ? info->camera() : vehicle->camera.camera).floor.resolution_m;
 }
 
 HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
@@ -26,26 +40,22 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
   if (map == nullptr) {
     throw Problem(422, "unknown_map", "The vehicle names a map that is not served; GET /v1/maps lists them.");
   }
-  CheckMaskHeader(parsed.mask, parsed.camera.camera);
-  Vehicle vehicle{id, parsed.map, parsed.gate,
-                  RunInPool(state.pool, [&] { return state.rectifiers.Get(parsed.camera, parsed.mask); }),
-                  parsed.mask.digest};
-  const FloorCamera& camera = map->ready() ? map->info().camera() : parsed.camera;
-  vehicle.map_resolution_m = camera.floor.resolution_m;
+  CheckMaskHeader(parsed.camera.mask, parsed.camera.camera.camera);
+  Vehicle vehicle{id, parsed.map, parsed.gate, std::move(parsed.camera), {}, ""};
+  RunInPool(state.pool, [&] { PrepareCamera(InfoOf(map), state.rectifiers, &vehicle); });
   const Registration registration = state.vehicles.Put(std::move(vehicle));
-  return JsonResponse(registration.created ? 201 : 200,
-                      ToText(FormatVehicle(registration.state, MapVersion(state, parsed.map))));
+  return JsonResponse(registration.created ? 201 : 200, ToText(FormatVehicle(registration.state, InfoOf(map))));
 }
 
 HttpResponse HandleVehicle(const AppState& state, const HttpRequest& request) {
-  const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
-  return JsonResponse(200, ToText(FormatVehicle(vehicle, MapVersion(state, vehicle.vehicle->map))));
+  return JsonResponse(200, ToText(Describe(state, RequireVehicle(state, request.path_parameters.at("id")))));
 }
 
 HttpResponse HandleVehicles(const AppState& state) {
   nlohmann::json vehicles = nlohmann::json::array();
   for (const VehicleState& vehicle : state.vehicles.All()) {
-    vehicles.push_back(FormatVehicleSummary(vehicle, MapVersion(state, vehicle.vehicle->map)));
+    const auto map = state.catalog.Find(vehicle.vehicle->map);
+    vehicles.push_back(FormatVehicleSummary(vehicle, InfoOf(map)));
   }
   return JsonResponse(200, ToText({{"vehicles", std::move(vehicles)}}));
 }

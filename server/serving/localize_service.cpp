@@ -22,7 +22,7 @@ std::string SizeText(int width_px, int height_px) {
 }
 
 cv::Mat Decode(const LocalizeJob& job) {
-  const CameraModel& camera = job.rectifier->camera().camera;
+  const CameraModel& camera = job.camera.rectifier->camera().camera;
   try {
     return DecodeGray(job.bytes, camera.width_px, camera.height_px, "image");
   } catch (const InputError& error) {
@@ -55,9 +55,10 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
   const Localizer& localizer = *job.map->localizer;
-  FrameObservation observation = localizer.Observe(*job.rectifier, image);
+  FrameObservation observation = localizer.Observe(*job.camera.rectifier, image);
   outcome.result = localizer.LocalizeWithGlobalFallback(observation, job.prior);
   outcome.features = std::move(observation.features);
+  outcome.correction = job.camera.correction;
   outcome.search = outcome.result.used_prior ? "prior" : "global";
   outcome.total_ms = MillisecondsSince(start);
   return outcome;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/localization/localizer.h"
+#include "server/serving/map_camera.h"
 #include "server/serving/map_catalog.h"
 
 namespace floorloc {
@@ -14,15 +15,16 @@ namespace floorloc {
 /// One frame to localize; bytes is the encoded image.
 struct LocalizeJob {
   std::shared_ptr<const LoadedMap> map;
-  std::shared_ptr<const Rectifier> rectifier;
+  MapCamera camera;
   std::span<const std::uint8_t> bytes;
   std::optional<PosePrior> prior;
 };
 
 struct LocalizeOutcome {
   LocalizationResult result;
-  Features features;              ///< of the image, base frame
-  const char* search = "global";  ///< "prior" or "global"
+  Features features;                            ///< of the image, base frame
+  std::optional<AppliedCorrection> correction;  ///< of the camera, by the map
+  const char* search = "global";                ///< "prior" or "global"
   double decode_ms = 0.0;
   double total_ms = 0.0;
 };

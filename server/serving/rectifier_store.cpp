@@ -20,7 +20,8 @@ void Append(double value, std::string& key) {
   std::memcpy(key.data() + at, &value, sizeof value);
 }
 
-// The bit patterns of all parameters of the lookup tables; the camera's name has no influence on them.
+// The bit patterns of all parameters of the lookup tables, and of what the calibration is worth, which the Localizer
+// asks the rectifier for; the camera's name has no influence on either.
 std::string KeyOf(const FloorCamera& camera) {
   std::string key;
   const CameraModel& c = camera.camera;
@@ -35,7 +36,8 @@ std::string KeyOf(const FloorCamera& camera) {
   for (int i = 0; i < 9; ++i) {
     Append(f.base_from_pixel(i / 3, i % 3), key);
   }
-  for (const double value : {f.roi.x_min, f.roi.x_max, f.roi.y_min, f.roi.y_max, f.resolution_m}) {
+  for (const double value :
+       {f.roi.x_min, f.roi.x_max, f.roi.y_min, f.roi.y_max, f.resolution_m, f.offset_sigma_m, c.sigma_px}) {
     Append(value, key);
   }
   return key;
@@ -84,8 +86,10 @@ void RectifierStoreOptions::Check() const {
 
 RectifierStore::RectifierStore(const RectifierStoreOptions& options) : options_(options) { options_.Check(); }
 
+void RectifierStore::Check(const FloorCamera& camera) const { CheckCamera(camera, options_.max_image_pixels); }
+
 std::shared_ptr<const Rectifier> RectifierStore::Get(const FloorCamera& camera, const CameraMask& mask) {
-  CheckCamera(camera, options_.max_image_pixels);
+  Check(camera);
   const std::string key = KeyOf(camera) + mask.digest;
   const std::size_t bytes = BytesOf(camera, mask);
   {

@@ -30,6 +30,9 @@ class RectifierStore {
   /// Throws std::invalid_argument when the options do not pass Check().
   explicit RectifierStore(const RectifierStoreOptions& options);
 
+  /// Throws Problem 422 for a camera that makes no sense or is too large.
+  void Check(const FloorCamera& camera) const;
+
   /// The rectifier of a camera; builds it when it is new, which takes compute time.
   /// Throws Problem: 422 for a camera that makes no sense or is too large, or whose mask is none or leaves no floor
   /// (mask_hides_floor), 503 when the memory is full.

@@ -10,7 +10,7 @@ namespace floorloc {
 namespace {
 
 bool IsSame(const Vehicle& a, const Vehicle& b) {
-  return a.map == b.map && a.rectifier == b.rectifier && a.map_resolution_m == b.map_resolution_m &&
+  return a.map == b.map && a.in_map.rectifier == b.in_map.rectifier && a.map_resolution_m == b.map_resolution_m &&
          a.gate.max_distance_m == b.gate.max_distance_m && a.gate.max_angle_rad == b.gate.max_angle_rad;
 }
 

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/vision/image/rectifier.h"
-#include "server/serving/camera_mask.h"
 #include "server/serving/fix_history.h"
+#include "server/serving/map_camera.h"
 #include "server/serving/vehicle_session.h"
 
 namespace floorloc {
@@ -27,13 +26,10 @@ struct Vehicle {
   std::string id;
   std::string map;
   VehicleGate gate;
-  std::shared_ptr<const Rectifier> rectifier;
-  std::string mask_digest;  ///< CameraMask::digest
+  GivenCamera camera;
+  MapCamera in_map;         ///< the camera as map_version wants it; as given when the map is not served
+  std::string map_version;  ///< content version; empty: the map was not served at the registration
   double map_resolution_m = 0.0;
-
-  /// For the same camera at another resolution.
-  CameraMask mask() const { return {mask_digest, "", rectifier->raw_mask()}; }
-  const FloorCamera& camera() const { return rectifier->camera(); }
 };
 
 /// A vehicle, its pose, and its last fix.

@@ -29,7 +29,8 @@ CAMERA = {"image_width": 96, "image_height": 72, "camera_name": "small",
 PIXEL_M = 1 / 300
 FLOOR = {"homography": [0, -PIXEL_M, 0.12, -PIXEL_M, 0, 0.16, 0, 0, 1],
          "roi": {"x_min": -0.11, "x_max": 0.11, "y_min": -0.15, "y_max": 0.15}, "resolution": PIXEL_M}
-VEHICLE = {"map": "hall", "camera": CAMERA, "floor": FLOOR, "gate": {"max_distance_m": 0.2, "max_angle_rad": 0.17}}
+VEHICLE = {"map": "hall", "camera": CAMERA, "floor": FLOOR, "gate": {"max_distance_m": 0.2, "max_angle_rad": 0.17},
+           "correct_camera": False}
 ODOMETRY = {"increments": [{"stamp": 1.5, "dx": 0.01, "dy": 0, "dyaw": 0.002},
                            {"stamp": "1700000000.123456789", "odometry": {"dx": 0.02, "dy": -0.01, "dyaw": 0}}]}
 POSE = {"x": 0.5, "y": 0.5, "yaw": 0.1, "covariance": [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.02], "stamp": 2.5}

@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr std::int64_t kMaxPixels = 100'000;
   MayRefuse<JsonError, Problem>([&] {
     const VehicleRequest request = ParseVehicleRequest(FuzzedText(data, size));
-    RectifierStore({kMaxPixels, std::size_t{1} << 20, 1}).Get(request.camera);
+    RectifierStore({kMaxPixels, std::size_t{1} << 20, 1}).Get(request.camera.camera, request.camera.mask);
   });
   return 0;
 }

@@ -40,7 +40,7 @@ TEST_F(VehicleTest, VehiclesWithTheSameCameraShareItsTables) {
   renamed["camera"]["camera_name"] = "other";
   client_.Put("/v1/vehicles/b", renamed.dump());
   const VehicleRegistry& vehicles = server_.app().state().vehicles;
-  EXPECT_EQ(vehicles.Find("a")->vehicle->rectifier, vehicles.Find("b")->vehicle->rectifier);
+  EXPECT_EQ(vehicles.Find("a")->vehicle->in_map.rectifier, vehicles.Find("b")->vehicle->in_map.rectifier);
 }
 
 TEST_F(VehicleTest, RefusesWrongBodies) {
@@ -64,7 +64,11 @@ TEST_F(VehicleTest, RefusesWrongFields) {
       {"/camera/camera_matrix", {1, 2, 3}},
       {"/camera/camera_matrix", {{"rows", 2}, {"cols", 2}, {"data", {1, 0, 0, 0, 1, 0, 0, 0, 1}}}},
       {"/floor/homography", {1, 2}},
+      {"/camera/calibration_sigma", "small"},
+      {"/correct_camera", "no"},
+      {"/correct_camera", 1},
       {"/floor/roi", 5},
+      {"/floor/offset_sigma", {1, 2}},
       {"/floor/resolution", nullptr}};
   for (const auto& [pointer, value] : changes) {
     SCOPED_TRACE(pointer + " = " + value.dump());
@@ -75,6 +79,11 @@ TEST_F(VehicleTest, RefusesWrongFields) {
   json body = VehicleBody();
   body["camera"]["distortion_coefficients"] = {0.1};
   ExpectProblem(client_.Put("/v1/vehicles/a", body.dump()), 422, "invalid_camera");
+  for (const char* pointer : {"/camera/calibration_sigma", "/floor/offset_sigma", "/floor/resolution"}) {
+    body = VehicleBody();
+    body[json::json_pointer(pointer)] = -0.1;
+    ExpectProblem(client_.Put("/v1/vehicles/a", body.dump()), 422, "invalid_camera");
+  }
 }
 
 TEST_F(VehicleTest, SurvivesDeeplyNestedJson) {
@@ -102,7 +111,7 @@ TEST(VehicleLimitTest, TheMemoryOfTheirCamerasIsBounded) {
   ContractClient client(server.port());
   EXPECT_EQ(client.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
   json other = VehicleBody();
-  other["floor"]["resolution"] = other["floor"]["resolution"].get<double>() * 1.01;
+  other["camera"]["camera_matrix"]["data"][0] = other["camera"]["camera_matrix"]["data"][0].get<double>() * 1.001;
   ExpectProblem(client.Put("/v1/vehicles/b", other.dump()), 503, "camera_memory_full");
   EXPECT_EQ(client.Delete("/v1/vehicles/a").status, 204);
   EXPECT_EQ(client.Put("/v1/vehicles/b", other.dump()).status, 201);
