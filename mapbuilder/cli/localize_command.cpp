@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/io/text_file.h"
+#include "core/map/camera_correction.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/replay/fuse_frames.h"
@@ -50,6 +51,17 @@ void PrintSummary(const std::vector<LocalizedFrame>& frames) {
   std::printf("%zu frames: %td localized, %td ambiguous, %td not localized; median %.1f ms per frame\n", frames.size(),
               with_status(LocalizationStatus::kLocalized), with_status(LocalizationStatus::kAmbiguous),
               with_status(LocalizationStatus::kNotLocalized), Median(ms));
+}
+
+// Says how the map corrected the camera; nothing when it did not move anything that one could see.
+void PrintCorrection(const MapInfo& info, const Survey& survey) {
+  constexpr double kVisiblePx = 0.05;
+  const std::optional<CameraCorrection> correction =
+      CorrectCamera(info, survey.camera.AtResolution(info.camera().floor.resolution_m));
+  if (correction && correction->moved_px >= kVisiblePx) {
+    std::printf("camera corrected as survey %d of %zu of the map corrected it: floor points move by up to %.1f px\n",
+                correction->survey + 1, info.cameras.size(), correction->moved_px);
+  }
 }
 
 // Prints the numbers of states, rejections and relocalizations.
@@ -96,6 +108,7 @@ void LocalizeAndFuse(Arguments& a, const Localizer& localizer, const Survey& sur
   a.fusion.tracker.method = ParseFusionMethod(a.fusion_method);
   a.fusion.use_prior = !(a.prior_given && a.options.prior == PriorSource::kNone);
   a.fusion.use_imu = !a.no_imu;
+  a.fusion.correct_camera = a.options.correct_camera;
   a.fusion.run.progress = a.options.run.progress;
   const FusedDrive drive = FuseFrames(localizer, survey, a.fusion);
   WriteFileAtomically(a.out, FormatTum(ToTrajectory(drive.poses)));
@@ -136,6 +149,9 @@ void Run(Arguments& a) {
   } else {
     LocalizeOnly(a, localizer, survey);
   }
+  if (a.options.correct_camera) {
+    PrintCorrection(localizer.map().info, survey);
+  }
 }
 
 void AddFusionOptions(CLI::App& command, Arguments& a) {
@@ -173,6 +189,8 @@ void AddLocalizeCommand(CLI::App& app) {
   command->add_option("--max-p-wrong", a->max_p_wrong, "Largest probability of being wrong that is accepted")
       ->check(CLI::Range(1e-300, 1.0))
       ->capture_default_str();
+  command->add_flag("!--no-camera-correction", a->options.correct_camera,
+                    "Use the camera as the folder has it, even if the map corrected it");
   command->add_option("--threads", a->options.run.threads, "0: one per core; with odometry, frames run one by one")
       ->capture_default_str();
   command->add_option("--seed", a->seed, "Seed of all random choices")->capture_default_str();

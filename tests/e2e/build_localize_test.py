@@ -223,6 +223,35 @@ class MainJob(Recorded):
         self.assertEqual(answers(1), answers(4))
 
 
+class CorrectedCamera(Scratch):
+    """A survey and a drive with one camera, whose floor.yaml is wrong by half a degree."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.drive = cls.root / "drive"
+        cls.map = cls.root / "hall.floormap"
+        floor = ["simulate", "--texture", "concrete", "--size", "1.2x0.9", "--floor-seed", "5", "--pitch-error", "0.5"]
+        run_ok(*floor, "--out", cls.root / "survey", "--seed", "1")
+        run_ok(*floor, "--out", cls.drive, "--seed", "2", "--trajectory", "drive", "--frames", "12", "--fps", "4")
+        run_ok("build", "--survey", cls.root / "survey", "--out", cls.map, "--no-held-out")
+
+    def localize(self, *options):
+        out = self.folder / "estimate.tum"
+        return run_ok("localize", "--map", self.map, "--frames", self.drive, "--out", out, *options), read_tum(out)
+
+    def test_localize_says_that_the_map_corrected_the_camera(self):
+        sentence = r"camera corrected as survey 1 of 1 of the map corrected it: floor points move by up to \d+\.\d px\n"
+        declined, given = self.localize("--no-camera-correction")
+        self.assertNotIn("corrected", declined)
+        for options in [[], ["--fuse"]]:
+            said, corrected = self.localize(*options)
+            self.assertRegex(said, sentence)
+            self.assertNotEqual(corrected, given)
+        fused, _ = self.localize("--fuse", "--no-camera-correction")
+        self.assertNotIn("corrected", fused)
+
+
 class Usage(unittest.TestCase):
     def test_help_and_version_succeed(self):
         for arguments in (["--help"], ["--version"], ["build", "--help"], ["localize", "--help"]):
