@@ -12,6 +12,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/calibration/calibration_report.h"
+#include "mapbuilder/calibration/calibration_sigma.h"
 #include "mapbuilder/calibration/floor_grid.h"
 #include "mapbuilder/calibration/known_camera.h"
 
@@ -177,7 +178,9 @@ CalibrationResult Calibrate(const CalibrateOptions& options) {
     result.camera.camera.name = options.camera_name;
     result.warnings = ThrowIfFatal(CheckConstraints(input, result.camera), options.images);
     CheckImages(result.images, &result.warnings);
-    region.max_radius_px = kRadiusMargin * CalibratedRadiusPx(input, result.camera);
+    const double radius_px = CalibratedRadiusPx(input, result.camera);
+    result.camera.camera.sigma_px = CalibrationSigmaPx(result.camera, radius_px);
+    region.max_radius_px = kRadiusMargin * radius_px;
   }
   if (options.board_on_floor_images.empty()) {
     return result;

@@ -37,7 +37,8 @@ ordered_json CameraToJson(const CameraCalibration& calibration) {
                        {"fy", camera.fy},
                        {"cx", camera.cx},
                        {"cy", camera.cy},
-                       {"distortion", camera.distortion}};
+                       {"distortion", camera.distortion},
+                       {"calibration_sigma", camera.sigma_px}};
   if (calibration.covariance) {
     json["standard_deviations"] = SigmasToJson(calibration);
   }
@@ -96,7 +97,7 @@ void WriteCamera(const CameraCalibration& calibration, std::ostream& out) {
         << " +- " << calibration.SigmaPx(3) << " px\n";
   }
   out << std::setprecision(3) << "images: " << calibration.used_count() << " used, reprojection error "
-      << calibration.rms_px << " px (RMS)\n";
+      << calibration.rms_px << " px (RMS), calibration good to " << camera.sigma_px << " px\n";
 }
 
 void WriteExcluded(const CalibrationResult& result, std::ostream& out) {

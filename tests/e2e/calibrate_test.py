@@ -59,6 +59,9 @@ class Calibrate(Scratch):
         for index in (0, 4, 2, 5):
             self.assertAlmostEqual(found[index], truth[index], delta=1.5)
         self.assertLess(report["rms_px"], 0.2)
+        sigma = yaml.safe_load((self.out / "camera.yaml").read_text())["calibration_sigma"]
+        self.assertAlmostEqual(report["camera"]["calibration_sigma"], sigma)
+        self.assertTrue(report["rms_px"] / math.sqrt(2) <= sigma < 1, sigma)
         for u, v in ((100, 60), (240, 180), (400, 300), (100, 300)):
             expected = floor_point(self.root / kind / "floor.yaml", u, v)
             self.assertLess(math.dist(expected, floor_point(self.out / "floor.yaml", u, v)), 0.002)

@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 using testing_io::ErrorOf;
 using testing_io::kCameraYaml;
@@ -27,6 +28,7 @@ void ExpectSame(const CameraModel& a, const CameraModel& b) {
   EXPECT_EQ(a.cy, b.cy);
   EXPECT_EQ(a.distortion_model, b.distortion_model);
   EXPECT_EQ(a.distortion, b.distortion);
+  EXPECT_EQ(a.sigma_px, b.sigma_px);
 }
 
 TEST(CameraYaml, ReadsRosCameraInfo) {
@@ -56,7 +58,15 @@ TEST(CameraYaml, WritesWhatItReads) {
   camera.name = "a: \"strange\" name\n# yes";
   camera.distortion_model = DistortionModel::kEquidistant;
   camera.distortion = {1.0 / 3.0, 1e-17, -4e-4, 0.0};
+  camera.sigma_px = 1.0 / 7.0;
   ExpectSame(ParseCameraYaml(FormatCameraYaml(camera), "camera.yaml"), camera);
+}
+
+TEST(CameraYaml, WhatACalibrationIsWorthMayBeUnknown) {
+  EXPECT_EQ(ParseCameraYaml(kCameraYaml, "camera.yaml").sigma_px, 0.0);
+  EXPECT_EQ(ParseCameraYaml(std::string(kCameraYaml) + "calibration_sigma: 0.25\n", "camera.yaml").sigma_px, 0.25);
+  EXPECT_EQ(ParseCameraYaml(std::string(kCameraYaml) + "calibration_sigma:\n", "camera.yaml").sigma_px, 0.0);
+  EXPECT_THAT(FormatCameraYaml(ParseCameraYaml(kCameraYaml, "camera.yaml")), Not(HasSubstr("calibration_sigma")));
 }
 
 TEST(FloorYaml, ReadsListsAndMatrices) {
@@ -76,13 +86,21 @@ TEST(FloorYaml, ReadsListsAndMatrices) {
 TEST(FloorYaml, WritesWhatItReads) {
   FloorPlane floor = ParseFloorYaml(kFloorYaml, "floor.yaml");
   floor.base_from_pixel(2, 0) = 1.0246375494874106e-19;
+  floor.offset_sigma_m = 0.002;
   const std::string text = FormatFloorYaml(floor);
   const FloorPlane again = ParseFloorYaml(text, "floor.yaml");
   EXPECT_EQ(again.base_from_pixel, floor.base_from_pixel);
   EXPECT_EQ(again.roi.x_min, floor.roi.x_min);
   EXPECT_EQ(again.roi.y_max, floor.roi.y_max);
   EXPECT_EQ(again.resolution_m, floor.resolution_m);
+  EXPECT_EQ(again.offset_sigma_m, floor.offset_sigma_m);
   EXPECT_THAT(text, HasSubstr("resolution: 7.0e-04")) << "YAML 1.1 takes a number without a dot for a string";
+}
+
+TEST(FloorYaml, TheBasesPlaceMayBeUnknown) {
+  const FloorPlane floor = ParseFloorYaml(kFloorYaml, "floor.yaml");
+  EXPECT_EQ(floor.offset_sigma_m, 0.0);
+  EXPECT_THAT(FormatFloorYaml(floor), Not(HasSubstr("offset_sigma")));
 }
 
 struct BrokenYaml {
@@ -126,6 +144,10 @@ const BrokenYaml kBrokenCameras[] = {
     {"UnknownModel", "plumb_bob", "brown", "dir/camera.yaml:8: ", "distortion_model must be plumb_bob"},
     {"ModelOfOtherCount", "plumb_bob", "equidistant", "dir/camera.yaml: ", "distortion_coefficients"},
     {"WordInDistortion", "0.06", "six", "dir/camera.yaml:12: ", "distortion_coefficients must be a finite number"},
+    {"NegativeSigma", "camera_name: front", "calibration_sigma: -0.1",
+     "dir/camera.yaml: ", "calibration_sigma must be a number of pixels, 0 or more"},
+    {"TextSigma", "camera_name: front", "calibration_sigma: good",
+     "dir/camera.yaml:3: ", "calibration_sigma must be a finite number"},
     {"UnclosedList", "1.0]", "1.0", "dir/camera.yaml:", "is not valid YAML"},
     {"Tab", "  rows", "\trows", "dir/camera.yaml:", "is not valid YAML"},
     {"WidthTwice", "image_height", "image_width", "dir/camera.yaml:2: ", "the key 'image_width' is given twice"},
@@ -162,6 +184,10 @@ const BrokenYaml kBrokenFloors[] = {
     {"NoResolution", "resolution", "res", "dir/floor.yaml: ", "'resolution' is missing"},
     {"ResolutionWithUnit", "0.0007", "0.7 mm", "dir/floor.yaml:3: ", "resolution must be a finite number"},
     {"NegativeResolution", "0.0007", "-0.0007", "dir/floor.yaml: ", "resolution must be a positive number"},
+    {"NegativeOffsetSigma", "resolution: 0.0007", "resolution: 0.0007\noffset_sigma: -0.001",
+     "dir/floor.yaml: ", "offset_sigma must be a number of metres, 0 or more"},
+    {"ListOffsetSigma", "resolution: 0.0007", "resolution: 0.0007\noffset_sigma: [0.001]",
+     "dir/floor.yaml:4: ", "offset_sigma must be a finite number"},
     {"MillimetresPerPixel", "0.0007", "0.7", "dir/floor.yaml: ", "less than 16 pixels"},
 };
 INSTANTIATE_TEST_SUITE_P(Inputs, BrokenFloorYaml, ::testing::ValuesIn(kBrokenFloors),
