@@ -155,7 +155,9 @@ TEST_F(MapDamageTest, VerifyFindsWhatReadingDoesNotNeed) {
                                             "UPDATE camera SET name = 'rear'",
                                             "UPDATE link SET inliers = inliers + 1",
                                             "UPDATE frame SET odom_x = 0, odom_y = 0, odom_yaw = 0 WHERE id = 0",
-                                            "UPDATE camera SET fx = fx + 1"};
+                                            "UPDATE camera SET fx = fx + 1",
+                                            "UPDATE calibration SET sigma_px = sigma_px + 0.1",
+                                            "UPDATE calibration SET given_fx = given_fx + 0.001"};
   for (const std::string& damage : damages) {
     WriteBytes(file_, bytes_);
     RunSql(damage);

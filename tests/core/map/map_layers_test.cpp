@@ -21,12 +21,15 @@ class MapLayersTest : public ::testing::Test {
  protected:
   MapLayersTest() { version_ = WriteMap(file_, MakeContent()); }
 
-  // Adds a layer as a newer program would, and updates the map's content version.
-  void AddLayer(const std::string& name, int version, bool required) const {
-    RunSql(file_, "CREATE TABLE " + name + " (x REAL); INSERT INTO layer VALUES ('" + name + "', " +
-                      std::to_string(version) + ", " + (required ? "1" : "0") + ", '" + std::string(64, 'a') + "')");
+  // Changes the file as another version of the program would have written it.
+  void Rewrite(const std::string& sql) const {
+    RunSql(file_, sql);
     const std::string content = ComputeContentVersion(SqliteConnection(file_, SqliteConnection::Mode::kReadOnly));
     RunSql(file_, "UPDATE map SET content_version = '" + content + "'");
+  }
+  void AddLayer(const std::string& name, int version, bool required) const {
+    Rewrite("CREATE TABLE " + name + " (x REAL); INSERT INTO layer VALUES ('" + name + "', " + std::to_string(version) +
+            ", " + (required ? "1" : "0") + ", '" + std::string(64, 'a') + "')");
   }
   MapError::Kind KindOfError() const {
     try {
@@ -81,6 +84,35 @@ TEST_F(MapLayersTest, ANewerVersionOfANeededLayerIsRefused) {
   RunSql(file_, "UPDATE layer SET version = 2, required = 0 WHERE name = 'mosaic'");
   EXPECT_THAT(ErrorOf([this] { const MapDatabase database(file_); }), HasSubstr("the layer 'mosaic' in version 2"));
   EXPECT_EQ(KindOfError(), MapError::Kind::kUnsupported);
+}
+
+// Maps of before the layer existed: what the calibrations are worth and what they were is unknown.
+TEST_F(MapLayersTest, AMapWithoutCalibrationsIsRead) {
+  Rewrite("DROP TABLE calibration; DELETE FROM layer WHERE name = 'calibration'");
+  const MapDatabase database(file_);
+  database.VerifyContent();
+  const MapInfo info = database.ReadMap().info;
+  EXPECT_TRUE(info.given_cameras.empty());
+  ASSERT_EQ(info.cameras.size(), 2U);
+  EXPECT_EQ(info.cameras[0].camera.sigma_px, 0.0);
+  EXPECT_EQ(info.cameras[0].floor.offset_sigma_m, 0.0);
+}
+
+// It is optional, so its table may have become another one.
+TEST_F(MapLayersTest, ANewerVersionOfTheCalibrationsIsLeftAlone) {
+  Rewrite("UPDATE layer SET version = 2 WHERE name = 'calibration'; ALTER TABLE calibration DROP COLUMN given_fx");
+  const MapDatabase database(file_);
+  database.VerifyContent();
+  const MapInfo info = database.ReadMap().info;
+  ASSERT_EQ(info.layers[0].name, "calibration");
+  EXPECT_FALSE(info.layers[0].known);
+  EXPECT_TRUE(info.given_cameras.empty());
+}
+
+TEST_F(MapLayersTest, ACalibrationSaysWhatIsWrongWithIt) {
+  RunSql(file_, "UPDATE calibration SET given_homography = zeroblob(72) WHERE survey = 1");
+  EXPECT_THAT(ErrorOf([this] { MapDatabase(file_).ReadMap(); }),
+              HasSubstr("is damaged (calibration 1: homography is singular)"));
 }
 
 TEST_F(MapLayersTest, ADamagedTableOfLayersIsRefused) {

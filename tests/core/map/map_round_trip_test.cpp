@@ -43,6 +43,8 @@ void ExpectSame(const FloorCamera& a, const FloorCamera& b) {
   EXPECT_EQ(a.floor.base_from_pixel, b.floor.base_from_pixel);
   ExpectSame(a.floor.roi, b.floor.roi);
   EXPECT_EQ(a.floor.resolution_m, b.floor.resolution_m);
+  EXPECT_EQ(a.camera.sigma_px, b.camera.sigma_px);
+  EXPECT_EQ(a.floor.offset_sigma_m, b.floor.offset_sigma_m);
 }
 
 // The file orders keypoints by tile, so they are identified by their unique response.
@@ -94,6 +96,9 @@ TEST_P(MapRoundTrip, ReadsWhatWasWritten) {
   ASSERT_EQ(map.info.cameras.size(), 2U);
   ExpectSame(map.info.camera(), content.info.camera());
   ExpectSame(map.info.cameras[1], content.info.cameras[1]);
+  ASSERT_EQ(map.info.given_cameras.size(), 2U);
+  ExpectSame(map.info.given_cameras[0], content.info.given_cameras[0]);
+  ExpectSame(map.info.given_cameras[1], content.info.given_cameras[1]);
   ASSERT_EQ(map.info.parents.size(), 2U);
   EXPECT_EQ(map.info.parents[1].relation, "merges");
   EXPECT_EQ(map.info.parents[1].id, content.info.parents[1].id);

@@ -46,6 +46,18 @@ inline FloorCamera MakeCamera(DistortionModel model) {
   return camera;
 }
 
+/// What a self-calibration changes.
+inline void Correct(FloorCamera* camera) {
+  camera->camera.fx += 0.125;
+  camera->camera.fy += 0.25;
+  camera->camera.cx -= 0.5;
+  camera->camera.cy += 0.75;
+  camera->camera.distortion[0] += 1e-3;
+  camera->camera.sigma_px = 1.0 / 3.0;
+  camera->floor.base_from_pixel(0, 2) += 1e-3;
+  camera->floor.offset_sigma_m = 1.0 / 7000.0;
+}
+
 inline MapKeypoints RandomKeypoints(int count, DescriptorType type, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
@@ -85,6 +97,8 @@ inline MapContent MakeContent(DescriptorType type = DescriptorType::kBinary,
                             21,
                             0.75};
   content.info.cameras = {MakeCamera(model), MakeCamera(DistortionModel::kEquidistant)};
+  content.info.given_cameras = content.info.cameras;
+  Correct(&content.info.cameras[0]);
   content.info.parents = {{"merges", "an id", "a version"}, {"merges", "another id", "another version"}};
   content.info.surveys_json = R"([{"folder":"s\u00fc\u00df"}])";
   content.info.report_json = R"({"frames":2})";
