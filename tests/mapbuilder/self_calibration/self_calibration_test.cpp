@@ -196,7 +196,7 @@ TEST(SelfCalibrationTest, ByDefaultItEstimatesWhatTheImagesTell) {
   const CalibratedCamera& camera = found.cameras[0];
   EXPECT_LT(survey.ShapeErrorM(), 0.25 * before);
   EXPECT_EQ(camera.given.floor.base_from_pixel, given.floor.base_from_pixel);
-  EXPECT_NEAR(camera.change[static_cast<int>(CameraUnknown::kPitch)], -0.012, 2e-3);
+  EXPECT_NEAR(camera.change[static_cast<int>(CameraUnknown::kPitch)], -0.012, 4e-3);
   EXPECT_EQ(camera.change[static_cast<int>(CameraUnknown::kHeight)], 0.0) << "nothing tells the scale";
   EXPECT_GT(camera.camera.camera.sigma_px, 0.0);
   EXPECT_GT(camera.camera.floor.offset_sigma_m, 0.0);
@@ -232,6 +232,7 @@ TEST(SelfCalibrationTest, AnAutomaticCalibrationThatDoesNotFitIsGivenUp) {
 // Without their tilts, frames that vibrate by half a degree put a floor point where it is not.
 TEST(SelfCalibrationTest, KeypointsAreCorrectedForEachFramesTilt) {
   Survey20 survey(CameraAdjustment::Zero());
+  ParseCameraUnknowns({"mounting"}, &survey.options);
   survey.options.tilt_rad = 5e-3;
   const Eigen::Vector3d center = survey.surveys[0].survey.camera.CameraCenter();
   const Eigen::Vector4d tilt(0.004, -0.004, 0.0, 0.0);
