@@ -81,38 +81,53 @@ std::optional<FloorPlane> MakeFloor(const Arguments& a, const CameraModel& camer
   return ChooseFloorRegion(camera, BaseFromPixel(camera, ToIsometry(a.base_from_camera)), region);
 }
 
+// --out may name the folder or, by its ending, camera.yaml itself.
+std::filesystem::path CameraFile(const std::filesystem::path& out) {
+  if (out.extension() != ".yaml" && out.extension() != ".yml") {
+    return out / "camera.yaml";
+  }
+  return out.has_parent_path() ? out : std::filesystem::path(".") / out;
+}
+
 // The given file may be the one that is about to be written.
-void KeepOriginal(const std::filesystem::path& file, const std::string& text, const std::filesystem::path& folder) {
+void KeepOriginal(const std::filesystem::path& given, const std::string& text, const std::filesystem::path& written) {
   std::error_code ignored;
-  if (std::filesystem::equivalent(file, folder / "camera.yaml", ignored)) {
-    const std::filesystem::path kept = folder / "camera.original.yaml";
+  if (std::filesystem::equivalent(given, written, ignored)) {
+    std::filesystem::path kept = written;
+    kept.replace_extension(".original.yaml");
     WriteFileAtomically(kept, text);
     std::cout << kept.string() << ": the file as it was\n";
   }
+}
+
+void SayThatFloorIsMissing(const Arguments& a, const std::filesystem::path& camera_file) {
+  std::cout << "floor.yaml is missing: where the camera is over the floor is not in " << a.file.string()
+            << ". Give --base-from-camera X,Y,Z,ROLL,PITCH,YAW, or an image of a board on the floor: "
+               "'floorloc-mapbuilder calibrate --camera "
+            << camera_file.string() << " --board 9x6 --square M --floor-image F --board-pose X,Y,YAW --out "
+            << camera_file.parent_path().string() << "'\n";
 }
 
 void Run(const Arguments& a) {
   const std::string text = ReadTextFile(a.file);
   const ImportedCamera imported = ImportCamera(text, a.file, Translate(a));
   const std::optional<FloorPlane> floor = MakeFloor(a, imported.camera);
+  const std::filesystem::path camera_file = CameraFile(a.out);
   std::error_code error;
-  std::filesystem::create_directories(a.out, error);
+  std::filesystem::create_directories(camera_file.parent_path(), error);
   if (error) {
     throw InputError(a.out, "cannot be made (" + error.message() + "); check --out");
   }
-  KeepOriginal(a.file, text, a.out);
-  WriteFileAtomically(a.out / "camera.yaml", FormatCameraYaml(imported.camera));
-  std::cout << (a.out / "camera.yaml").string() << ": from " << imported.format << ", " << imported.camera.width_px
-            << "x" << imported.camera.height_px << ", " << ToString(imported.camera.distortion_model) << "\n";
+  KeepOriginal(a.file, text, camera_file);
+  WriteFileAtomically(camera_file, FormatCameraYaml(imported.camera));
+  std::cout << camera_file.string() << ": from " << imported.format << ", " << imported.camera.width_px << "x"
+            << imported.camera.height_px << ", " << ToString(imported.camera.distortion_model) << "\n";
+  const std::filesystem::path floor_file = camera_file.parent_path() / "floor.yaml";
   if (floor) {
-    WriteFileAtomically(a.out / "floor.yaml", FormatFloorYaml(*floor));
-    std::cout << (a.out / "floor.yaml").string() << ": from --base-from-camera\n";
-  } else if (!std::filesystem::exists(a.out / "floor.yaml", error)) {
-    std::cout << "floor.yaml is missing: where the camera is over the floor is not in " << a.file.string()
-              << ". Give --base-from-camera X,Y,Z,ROLL,PITCH,YAW, or an image of a board on the floor: "
-                 "'floorloc-mapbuilder calibrate --camera "
-              << (a.out / "camera.yaml").string()
-              << " --board 9x6 --square M --floor-image F --board-pose X,Y,YAW --out " << a.out.string() << "'\n";
+    WriteFileAtomically(floor_file, FormatFloorYaml(*floor));
+    std::cout << floor_file.string() << ": from --base-from-camera\n";
+  } else if (!std::filesystem::exists(floor_file, error)) {
+    SayThatFloorIsMissing(a, camera_file);
   }
 }
 
@@ -145,7 +160,10 @@ void AddImportCameraCommand(CLI::App& app) {
       ->add_option("file", a->file,
                    "Kalibr's camchain, EuRoC's sensor.yaml, OpenCV's FileStorage (YAML), a ROS camera_info message")
       ->required();
-  command->add_option("--out", a->out, "Folder for camera.yaml and floor.yaml, such as the survey's")->required();
+  command
+      ->add_option("--out", a->out,
+                   "Folder for camera.yaml and floor.yaml, such as the survey's, or the camera.yaml to be written")
+      ->required();
   command->add_option("--camera", a->options.camera, "Which one, if the file has several: cam1 of a camchain, 1 of M1");
   command->add_flag("--rectified", a->options.rectified,
                     "The images are rectified (image_rect): take the projection matrix P, and no distortion");

@@ -53,6 +53,11 @@ class ImportCamera(Scratch):
                "--camera-yaml", self.out / "camera.yaml", "--floor-yaml", self.out / "floor.yaml",
                "--out", self.folder / "simulated")
 
+    def test_out_may_be_the_file_itself(self):
+        run_ok("import-camera", self.file, "--base-from-camera", LOOKING_DOWN, "--out", self.out / "front.yaml")
+        self.assertIn("plumb_bob", (self.out / "front.yaml").read_text())
+        self.assertTrue((self.out / "floor.yaml").exists())
+
     def test_a_survey_with_such_a_file_names_the_command_that_mends_it(self):
         self.out.mkdir()
         (self.out / "camera.yaml").write_text(CAMCHAIN)
