@@ -97,7 +97,11 @@ void WriteCamera(const CameraCalibration& calibration, std::ostream& out) {
         << " +- " << calibration.SigmaPx(3) << " px\n";
   }
   out << std::setprecision(3) << "images: " << calibration.used_count() << " used, reprojection error "
-      << calibration.rms_px << " px (RMS), calibration good to " << camera.sigma_px << " px\n";
+      << calibration.rms_px << " px (RMS)";
+  if (camera.sigma_px > 0.0) {  // 0: a camera that was calibrated elsewhere does not say
+    out << ", calibration good to " << camera.sigma_px << " px";
+  }
+  out << "\n";
 }
 
 void WriteExcluded(const CalibrationResult& result, std::ostream& out) {

@@ -95,6 +95,7 @@ class Calibrate(Scratch):
             camera = self.root / kind / "camera.yaml"
             said = run_ok("calibrate", "--camera", camera, *board, *self.floor_options(kind), "--out", self.out)
             self.assertIn("images: 1 used", said)
+            self.assertNotIn("calibration good to", said)
             self.assertEqual(yaml.safe_load((self.out / "camera.yaml").read_text()), yaml.safe_load(camera.read_text()))
             for u, v in ((100, 60), (240, 180), (400, 300), (100, 300)):
                 expected = floor_point(self.root / kind / "floor.yaml", u, v)
