@@ -55,6 +55,8 @@ class GivenCamerasTest : public ::testing::Test {
 TEST_F(GivenCamerasTest, AnExtendedMapKnowsTheCamerasOfAllItsSurveys) {
   const BaseMap base(WriteMap("old", Camera(0.0)));
   LoadedSurvey survey;
+  survey.survey.folder = "new";
+  survey.survey.frames = {{2, "b.jpg"}};
   survey.given_camera = Camera(20.0);
   survey.survey.camera = Camera(20.0 + kChangePx);
   const MapInfo info = MakeMapInfo("new", {survey}, &base);
