@@ -90,13 +90,13 @@ Posterior PosteriorAt(double level, double calibration_px, const Likelihood& lik
   FullMatrix information = likelihood.information;
   information.topLeftCorner<kMotions, kMotions>() += PriorInformation(level);
   information.diagonal().tail<kCalibrationModes>().array() += 1.0 / (calibration_px * calibration_px);
-  const Eigen::LDLT<FullMatrix> lambda(information);
+  const Eigen::LLT<FullMatrix> lambda(information);
   const FullVector mean = lambda.solve(likelihood.pull);
   Posterior posterior;
   posterior.mean = mean.head<kMotions>();
   posterior.covariance = lambda.solve(FullMatrix::Identity().leftCols<kMotions>()).topRows<kMotions>();
   posterior.log_evidence = -4.0 * std::log(level) - kCalibrationModes * std::log(calibration_px) -
-                           0.5 * lambda.vectorD().array().abs().log().sum() + 0.5 * likelihood.pull.dot(mean);
+                           lambda.matrixLLT().diagonal().array().log().sum() + 0.5 * likelihood.pull.dot(mean);
   return posterior;
 }
 
