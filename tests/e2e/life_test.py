@@ -60,11 +60,10 @@ class Resumed(Scratch):
     def test_killed_again_and_again_the_map_is_the_same_and_the_old_one_whole(self):
         draw = random.Random(1)
         shutil.copy(self.whole, self.out)
-        before = self.out.read_bytes()
         for _ in range(8):
-            if self.kill_after(draw.randrange(len(self.lines)), "--resume"):
-                self.assertEqual(self.out.read_bytes(), before)
-            before = self.out.read_bytes()  # a fast build may have finished
+            self.kill_after(draw.randrange(len(self.lines)), "--resume")
+            run_ok("verify", self.out)
+            self.assertEqual(json.loads(run_ok("info", self.out, "--json"))["version"], self.version)
         report, _ = self.build("--resume")
         self.assertEqual(report["content_version"], self.version)
         self.assertEqual([file.name for file in self.folder.iterdir()], ["m.floormap"])
