@@ -60,7 +60,9 @@ MosaicPatch MapMosaic::ReadPatch(const RectM& square, int side_px, const Warp& o
   // The centre of the source's upper left pixel is half a pixel inside its corner; rows run down.
   const double left = first.x() * layout_.tile_px + 0.5;
   const double top = (last.y() + 1) * layout_.tile_px - 0.5;
-  nodes.forEach<cv::Vec2d>([&](cv::Vec2d& node, const int*) { node = {node[0] - left, top - node[1]}; });
+  std::for_each(nodes.begin<cv::Vec2d>(), nodes.end<cv::Vec2d>(), [&](cv::Vec2d& node) {
+    node = {node[0] - left, top - node[1]};
+  });
   nodes.convertTo(nodes, CV_32F);
   const cv::Mat source_from_patch = BetweenNodes(nodes, side_px);
   MosaicPatch patch;

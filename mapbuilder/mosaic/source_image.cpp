@@ -22,7 +22,7 @@ cv::Mat MakeLowBand(const cv::Mat& bgra) {
   cv::Mat low_band;
   small.convertTo(low_band, CV_32F);
   cv::GaussianBlur(low_band, low_band, cv::Size(), kLowBandSigma, kLowBandSigma, cv::BORDER_REFLECT);
-  low_band.forEach<cv::Vec4f>([](cv::Vec4f& pixel, const int*) {
+  std::for_each(low_band.begin<cv::Vec4f>(), low_band.end<cv::Vec4f>(), [](cv::Vec4f& pixel) {
     const float share = std::max(pixel[3] / 255.0F, 1e-3F);
     pixel = cv::Vec4f(pixel[0] / share, pixel[1] / share, pixel[2] / share, 1.0F);
   });
