@@ -20,7 +20,7 @@ ServerConfig SmallConfig() {
   spdlog::set_level(spdlog::level::off);
   ServerConfig config;
   config.threads = 1;
-  config.limits.max_body_bytes = std::size_t{64} << 10;
+  config.limits.http.max_body_bytes = std::size_t{64} << 10;
   return config;
 }
 
@@ -28,7 +28,7 @@ ServerConfig SmallConfig() {
 struct Server {
   TemporaryFolder maps;
   App app{SmallConfig(), maps.path()};
-  HttpServer http{{"127.0.0.1", 0, app.state().config.limits}, app.router()};
+  HttpServer http{{"127.0.0.1", 0, app.state().config.limits.http}, app.router()};
   std::thread thread{[this] { http.Serve(); }};
 };
 

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     session.SetPose(request.pose, request.stamp_ns);
     const std::int64_t stamp_ns = request.stamp_ns.value_or(0);
     const std::int64_t later_ns = stamp_ns + 100'000'000;
-    FormatInitialPoseAnswer(session.AddOdometry({{stamp_ns, {}}, {later_ns, {0.1, 0.0, 0.0}}}).view, {"hall", "1"});
+    FormatInitialPoseResponse(session.AddOdometry({{stamp_ns, {}}, {later_ns, {0.1, 0.0, 0.0}}}).view, {"hall", "1"});
   });
   return 0;
 }

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::vector<OdometryMessage> messages = ParseOdometryJson(FuzzedText(data, size));
     VehicleSession session({}, 0.001, 0.0);
     session.SetPose({}, std::nullopt);
-    FormatOdometryAnswer(session.AddOdometry(messages), {"hall", "1"});
+    FormatOdometryResponse(session.AddOdometry(messages), {"hall", "1"});
   });
   return 0;
 }

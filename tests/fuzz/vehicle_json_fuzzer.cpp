@@ -5,7 +5,7 @@
 #include "server/wire/strict_json.h"
 #include "tests/fuzz/refusal.h"
 
-// A camera that is accepted gets its lookup tables, as long as they are small.
+// A camera that is accepted gets its lookup tables, as long as they are small; its mask, if any, is decoded.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floorloc;
   constexpr std::int64_t kMaxPixels = 100'000;
