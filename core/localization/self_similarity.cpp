@@ -14,7 +14,7 @@ void SelfSimilarityOptions::Check() const {
   RequireOption(neighbours >= 1 && neighbours <= 1000, "neighbours must be 1 to 1000");
   RequireOption(min_distance_m > 0, "min_distance_m must be positive");
   RequireOption(max_bit_share >= 0 && max_bit_share < 1, "max_bit_share must be 0 to 1");
-  RequireOption(min_twin_share > 0 && min_twin_share < 1, "min_twin_share must be between 0 and 1");
+  RequireOption(min_duplicate_share > 0 && min_duplicate_share < 1, "min_duplicate_share must be between 0 and 1");
 }
 
 bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,
@@ -38,7 +38,7 @@ bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const 
       return (map.keypoints[static_cast<std::size_t>(n.index)].Position() - here).norm() > options.min_distance_m;
     });
   }
-  return duplicates > options.min_twin_share * options.sample;
+  return duplicates > options.min_duplicate_share * options.sample;
 }
 
 }  // namespace floorloc

@@ -16,13 +16,13 @@ struct SelfSimilarityOptions {
   double min_distance_m = 0.05;
   /// Largest share of differing bits of a duplicate: as much as good views of one point differ.
   double max_bit_share = 18.0 / 256.0;
-  double min_twin_share = 0.5;  ///< share of the sample with a duplicate above which the floor is self-similar
+  double min_duplicate_share = 0.5;  ///< share of the sample with a duplicate above which the floor is self-similar
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
 };
 
-/// True when the floor repeats itself, as tiles do: more than min_twin_share of a sample of its keypoints have a
+/// True when the floor repeats itself, as tiles do: more than min_duplicate_share of a sample of its keypoints have a
 /// duplicate, a keypoint at another place whose descriptor is as near as another view of the same point. False for
 /// float descriptors, which are not tested.
 bool IsSelfSimilar(const MapKeypoints& map, const DescriptorIndex& index, const SelfSimilarityOptions& options,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The folder that --state names: the twin of tests/bench/state_folder.h, with the same mark."""
+"""The folder that --state names: as tests/bench/common/state_folder.h, with the same mark."""
 
 MARK = ".floorloc_benchmark"
 

@@ -29,7 +29,7 @@ std::vector<BadValue> BadSearchValues() {
           {"neighbours", [](auto* o) { o->self_similarity.neighbours = 0; }},
           {"min_distance_m", [](auto* o) { o->self_similarity.min_distance_m = kNan; }},
           {"max_bit_share", [](auto* o) { o->self_similarity.max_bit_share = 1.0; }},
-          {"min_twin_share", [](auto* o) { o->self_similarity.min_twin_share = 0.0; }}};
+          {"min_duplicate_share", [](auto* o) { o->self_similarity.min_duplicate_share = 0.0; }}};
 }
 
 std::vector<BadValue> BadVerificationValues() {
