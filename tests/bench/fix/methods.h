@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/localization/localizer.h"
+#include "tests/bench/common/baseline.h"
 #include "tests/bench/common/bench_frames.h"
 #include "tests/bench/common/score.h"
-#include "tests/bench/common/baseline.h"
 
 namespace floorloc {
 
