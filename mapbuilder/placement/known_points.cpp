@@ -160,7 +160,7 @@ Points Mapped(const Points& points, const std::function<Eigen::Vector2d(const Ei
 // Metres east and north of the first point. Lengths of a degree on WGS 84: series of the U.S. National
 // Geospatial-Intelligence Agency, to a millimetre.
 Points FromDegrees(const Points& longitude_latitude) {
-  const Eigen::Vector2d first = longitude_latitude.front();
+  const Eigen::Vector2d& first = longitude_latitude.front();
   const double latitude = first.y() * std::numbers::pi / 180.0;
   const double east = 111412.84 * std::cos(latitude) - 93.5 * std::cos(3.0 * latitude);
   const double north = 111132.92 - 559.82 * std::cos(2.0 * latitude) + 1.175 * std::cos(4.0 * latitude);

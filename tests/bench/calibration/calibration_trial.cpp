@@ -183,7 +183,7 @@ double RmsOf(const std::vector<PoseAndTruth>& poses, const FrameOffset& offset) 
 }  // namespace
 
 CalibrationScene MakeCalibrationScene(const fs::path& folder, const std::string& photograph, int frames) {
-  const CalibrationScene scene{folder, {"still", "mild", "shaken", "hard", "rolling", "exposure"}};
+  CalibrationScene scene{folder, {"still", "mild", "shaken", "hard", "rolling", "exposure"}};
   SimulateOptions options = SceneOptions(photograph);
   SimulateOnce(options, scene.Survey());
   options.path.type = PathType::kRandom;

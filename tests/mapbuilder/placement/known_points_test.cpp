@@ -81,7 +81,8 @@ TEST(KnownPointsTest, OtherUnitsAreNamed) {
                                       {39.37, "inches"},
                                       {3.2808, "feet"},
                                       {0.001, "kilometres"}}) {
-      const KnownPointFit fit = Fit(Mistaken(Surveyed(count), [&](const Eigen::Vector2d& p) { return per_m * p; }));
+      const KnownPointFit fit =
+          Fit(Mistaken(Surveyed(count), [scale = per_m](const Eigen::Vector2d& p) { return scale * p; }));
       EXPECT_EQ(fit.status, Status::kFitsOtherwise) << name << count;
       EXPECT_THAT(fit.when, HasSubstr(name)) << count;
     }
