@@ -64,7 +64,7 @@ CalibrationModes::CalibrationModes(const FloorCamera& camera) : roi_(camera.floo
 }
 
 const CalibrationJacobian& CalibrationModes::Node(int row, int column) const {
-  return nodes_[static_cast<std::size_t>(row * (kIntervals + 1) + column)];
+  return nodes_[static_cast<std::size_t>(row) * (kIntervals + 1) + static_cast<std::size_t>(column)];
 }
 
 CalibrationJacobian CalibrationModes::At(const Eigen::Vector2d& point_in_base) const {

@@ -23,7 +23,7 @@ DerivativeGrid::DerivativeGrid(const FloorCamera& camera) : camera_(camera), der
 }
 
 const DerivativeGrid::Jacobian& DerivativeGrid::Node(int row, int column) const {
-  return nodes_[static_cast<std::size_t>(row * (kIntervals + 1) + column)];
+  return nodes_[static_cast<std::size_t>(row) * (kIntervals + 1) + static_cast<std::size_t>(column)];
 }
 
 DerivativeGrid::Jacobian DerivativeGrid::At(const Eigen::Vector2d& point_in_base) const {
