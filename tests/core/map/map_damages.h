@@ -80,8 +80,7 @@ inline const std::vector<std::string>& FatalDamages() {
       "DELETE FROM calibration WHERE survey = 0",
       "DELETE FROM calibration WHERE survey = (SELECT max(survey) FROM calibration)",
       "UPDATE calibration SET survey = survey + 10",
-      "INSERT INTO calibration SELECT survey + 10, 0, 0, 1, 1, 0, 0, given_distortion, given_homography FROM "
-      "calibration",
+      "INSERT INTO calibration SELECT survey+9,0,0,1,1,0,0,given_distortion,given_homography FROM calibration",
       "UPDATE calibration SET sigma_px = -1",
       "UPDATE calibration SET sigma_px = 9e999",
       "UPDATE calibration SET sigma_px = 'small'",

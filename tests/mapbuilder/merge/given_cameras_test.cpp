@@ -25,7 +25,7 @@ FloorCamera Camera(double change_px) {
 class GivenCamerasTest : public ::testing::Test {
  protected:
   std::filesystem::path WriteMap(const std::string& name, const FloorCamera& given) const {
-    const std::filesystem::path file = folder_.path() / (name + ".floormap");
+    std::filesystem::path file = folder_.path() / (name + ".floormap");
     MapWriter writer(file);
     MapKeypoints none;
     none.descriptors = cv::Mat(0, 32, CV_8U);
