@@ -24,8 +24,9 @@ struct PhotometricOptions {
   double min_correlation = 0.15;
   /// Largest correction of the frame's centre relative to the pose by keypoints, in inlier radii: a fit can diverge.
   double max_correction_radii = 2.0;
-  /// Standard deviation of a camera's calibration, pixels at the corners of its region of interest: a careful one
-  /// leaves 0.2 to 1 px. `./run bench calibration` measures its effect.
+  /// Standard deviation of the calibration of a camera that does not tell its own (CameraModel::sigma_px), pixels at
+  /// the corners of the region of interest: a careful one leaves 0.2 to 1 px. `./run bench calibration` measures its
+  /// effect.
   double calibration_sigma_px = 0.3;
 
   /// Throws std::invalid_argument with the field's name.

@@ -17,8 +17,8 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/build/build_report.h"
+#include "tests/mapbuilder/build/survey_copy.h"
 #include "tests/synthetic/synthetic_floor.h"
-#include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc {
 namespace {
@@ -36,18 +36,8 @@ auto Dropped(const std::string& filename, Reason reason) {
   return AllOf(Field(&DroppedFrame::filename, filename), Field(&DroppedFrame::reason, reason));
 }
 
-class BadInputTest : public ::testing::Test {
+class BadInputTest : public SurveyCopyTest {
  protected:
-  BadInputTest() {
-    static const TemporaryFolder recorded;
-    static const bool written = SyntheticFloor(1).WriteSurvey(recorded.path() / "survey").frames > 0;
-    EXPECT_TRUE(written);
-    fs::copy(recorded.path() / "survey", survey_, fs::copy_options::recursive);
-    options_.surveys = {survey_};
-    options_.out = folder_.path() / "floor.floormap";
-    options_.mosaic.resolution_m = 0.0028;
-  }
-
   fs::path ImageFile(int number) const {
     char name[16];
     std::snprintf(name, sizeof(name), "%06d.jpg", number);
@@ -92,10 +82,6 @@ class BadInputTest : public ::testing::Test {
     floor.base_from_pixel = about_center.matrix() * floor.base_from_pixel;
     WriteFileAtomically(survey_ / "floor.yaml", FormatFloorYaml(floor));
   }
-
-  TemporaryFolder folder_;
-  fs::path survey_ = folder_.path() / "survey";
-  BuildOptions options_;
 };
 
 TEST_F(BadInputTest, AGoodSurveyHasNoWarnings) {

@@ -11,8 +11,7 @@
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
-#include "tests/synthetic/synthetic_floor.h"
-#include "tests/synthetic/temporary_folder.h"
+#include "tests/mapbuilder/build/survey_copy.h"
 
 namespace floorloc {
 namespace {
@@ -24,18 +23,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Mistake = std::function<Eigen::Vector2d(std::size_t, const Eigen::Vector2d&)>;
 
-class ControlPointsTest : public ::testing::Test {
+class ControlPointsTest : public SurveyCopyTest {
  protected:
-  ControlPointsTest() {
-    static const TemporaryFolder recorded;
-    static const bool written = SyntheticFloor(1).WriteSurvey(recorded.path() / "survey").frames > 0;
-    EXPECT_TRUE(written);
-    fs::copy(recorded.path() / "survey", survey_, fs::copy_options::recursive);
-    options_.surveys = {survey_};
-    options_.out = folder_.path() / "floor.floormap";
-    options_.mosaic.resolution_m = 0.0028;
-    options_.hold_out = false;
-  }
+  ControlPointsTest() { options_.hold_out = false; }
 
   // Six targets all over the floor, in the frame of the ground truth.
   void WriteTargets(const Mistake& mistake) const {
@@ -73,10 +63,6 @@ class ControlPointsTest : public ::testing::Test {
     }
     return largest;
   }
-
-  TemporaryFolder folder_;
-  fs::path survey_ = folder_.path() / "survey";
-  BuildOptions options_;
 };
 
 TEST_F(ControlPointsTest, ExactOnesFitWithinAFewMillimetres) {

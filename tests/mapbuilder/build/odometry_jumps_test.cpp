@@ -8,29 +8,18 @@
 #include "core/io/text_file.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
-#include "tests/synthetic/synthetic_floor.h"
-#include "tests/synthetic/temporary_folder.h"
+#include "tests/mapbuilder/build/survey_copy.h"
 
 namespace floorloc {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-class OdometryJumpsTest : public ::testing::Test {
+class OdometryJumpsTest : public SurveyCopyTest {
  protected:
-  OdometryJumpsTest() {
-    static const TemporaryFolder recorded;
-    static const bool written = SyntheticFloor(1).WriteSurvey(recorded.path() / "survey").frames > 0;
-    EXPECT_TRUE(written);
-    fs::copy(recorded.path() / "survey", survey_, fs::copy_options::recursive);
-    options_.surveys = {survey_};
-    options_.out = folder_.path() / "floor.floormap";
-    options_.mosaic.resolution_m = 0.0028;
-    options_.hold_out = false;
-  }
+  OdometryJumpsTest() { options_.hold_out = false; }
 
   // Changes odometry from row `from` on; the second argument is the pose of that row.
   void Jump(std::size_t from, const std::function<Pose2(const Pose2&, const Pose2&)>& jump) const {
@@ -64,10 +53,6 @@ class OdometryJumpsTest : public ::testing::Test {
     EXPECT_LT(LargestErrorM(), 0.004);
     EXPECT_LT(report.drift_m, 0.1) << "of odometry without the jump";
   }
-
-  TemporaryFolder folder_;
-  fs::path survey_ = folder_.path() / "survey";
-  BuildOptions options_;
 };
 
 TEST_F(OdometryJumpsTest, ByTwoMetres) {
