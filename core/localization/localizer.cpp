@@ -72,7 +72,7 @@ struct Localizer::Impl {
   CandidateSearch search;
   std::optional<MosaicRaster> raster;
 
-  // Searches, decides and reports; adds its times to the result's.
+  // Searches, decides and reports; adds its times to the result's. All poses are relative to the keypoints' origin.
   void LocalizeIn(const SearchScope& scope, const FrameObservation& frame, GlobalSearchCache* global,
                   LocalizationResult* result) const {
     Stopwatch stage;
@@ -92,8 +92,10 @@ struct Localizer::Impl {
       return decision;
     }
     const PhotometricAligner aligner(*raster, options.photometric);
+    const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
     const auto align = [&](VerifiedPose* pose) {
-      pose->photo = aligner.Align(frame.samples, pose->candidate.target_from_source);
+      pose->photo = aligner.Align(frame.samples, map_from_origin * pose->candidate.target_from_source);
+      pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
     };
     if (decision.p_wrong <= options.decision.clear_p_wrong) {
       align(&(*poses)[static_cast<std::size_t>(decision.best)]);
@@ -194,12 +196,21 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
   if (result.keypoints < impl_->options.registration.min_inliers) {
     result.reason = NotLocalizedReason::kTooFewKeypoints;
   } else {
+    const Pose2 map_from_origin = impl_->map.keypoints.MapFromOrigin();
+    std::optional<PosePrior> near = prior;
+    if (near) {
+      near->map_from_base = map_from_origin.Inverse() * near->map_from_base;
+    }
     GlobalSearchCache global;
-    for (const SearchScope& scope : SearchScopes(prior, frame.roi, impl_->search.floor_repeats())) {
+    for (const SearchScope& scope : SearchScopes(near, frame.roi, impl_->search.floor_repeats())) {
       impl_->LocalizeIn(scope, frame, &global, &result);
       if (result.status == LocalizationStatus::kLocalized || result.reason == NotLocalizedReason::kContradictsPrior) {
         break;
       }
+    }
+    result.map_from_base = map_from_origin * result.map_from_base;
+    for (PoseHypothesis& other : result.alternatives) {
+      other.target_from_source = map_from_origin * other.target_from_source;
     }
   }
   result.timing.total_ms = frame.rectify_ms + frame.features_ms + search.LapMs();

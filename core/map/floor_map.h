@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <compare>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
@@ -76,7 +77,7 @@ struct MapLink {
   double residual_sigma = 0.0;  ///< residual of the frames' poses, in standard deviations of the link
 };
 
-/// All keypoints of a map, in memory, in the map frame.
+/// All keypoints of a map, in memory.
 struct MapKeypoints {
   std::vector<Keypoint> keypoints;
   std::vector<std::uint16_t> observations;  ///< number of frames that saw the point
@@ -85,9 +86,18 @@ struct MapKeypoints {
   /// expected of a random one.
   std::vector<std::uint8_t> distinctiveness;
   std::vector<std::uint16_t> last_survey;  ///< index of the newest survey that saw the point
+  /// Metres in the map frame. Positions of the keypoints are relative to it, since they are float32: far from (0, 0),
+  /// as with UTM coordinates, they would be off by decimetres.
+  Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
 
   std::size_t size() const { return keypoints.size(); }
+  Pose2 MapFromOrigin() const { return {origin_m.x(), origin_m.y(), 0.0}; }
+  Eigen::Vector2d PositionInMap(std::size_t i) const { return origin_m + keypoints[i].Position(); }
 };
+
+/// Origin for the keypoints of a map of this extent: its centre in whole kilometres. So positions are stored in steps
+/// of less than 0.1 mm in maps of up to 2 km, and maps near (0, 0) have their origin there.
+Eigen::Vector2d KeypointOrigin(const RectM& extent);
 
 /// Pyramid of the mosaic: level `max_zoom` has resolution_m, each level z - 1 twice as many metres per pixel as level
 /// z. Tile (z, x, y): counted from the map frame's origin, x to the right (+x), y UP (+y); both may be negative.

@@ -70,8 +70,9 @@ KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> 
   for (const int i : indices) {
     const auto index = static_cast<std::size_t>(i);
     const Keypoint& k = keypoints.keypoints[index];
-    Append(&blobs.position, static_cast<float>(k.x_m - tile.x * tile.side_m));
-    Append(&blobs.position, static_cast<float>(k.y_m - tile.y * tile.side_m));
+    const Eigen::Vector2d in_tile = keypoints.PositionInMap(index) - tile.Corner();
+    Append(&blobs.position, static_cast<float>(in_tile.x()));
+    Append(&blobs.position, static_cast<float>(in_tile.y()));
     Append(&blobs.angle, k.angle_rad);
     Append(&blobs.size, k.size_m);
     Append(&blobs.response, k.response);
@@ -90,12 +91,13 @@ bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::
       (keypoints->descriptors.depth() == CV_32F && !AreFinite(blobs.descriptor))) {
     return false;
   }
+  const Eigen::Vector2d corner = tile.Corner() - keypoints->origin_m;
   for (std::size_t i = 0; i < static_cast<std::size_t>(blobs.count); ++i) {
     Keypoint k;
     const auto x_m = Get<float>(blobs.position, 2 * i);
     const auto y_m = Get<float>(blobs.position, 2 * i + 1);
-    k.x_m = static_cast<float>(x_m + tile.x * tile.side_m);
-    k.y_m = static_cast<float>(y_m + tile.y * tile.side_m);
+    k.x_m = static_cast<float>(x_m + corner.x());
+    k.y_m = static_cast<float>(y_m + corner.y());
     k.angle_rad = Get<float>(blobs.angle, i);
     k.size_m = Get<float>(blobs.size, i);
     k.response = Get<float>(blobs.response, i);

@@ -23,11 +23,14 @@ struct KeypointTile {
   int x = 0;
   int y = 0;
   double side_m = 1.0;
+
+  /// Lower left corner, map frame.
+  Eigen::Vector2d Corner() const { return {x * side_m, y * side_m}; }
 };
 
 KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile);
 
-/// Appends a tile's keypoints. row_bytes: bytes per descriptor. Returns false when a blob has the wrong length, a
+/// Appends a tile's keypoints, relative to keypoints->origin_m. row_bytes: bytes per descriptor. Returns false when a blob has the wrong length, a
 /// keypoint lies outside the tile or a number is not finite.
 bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::size_t row_bytes,
                      MapKeypoints* keypoints);

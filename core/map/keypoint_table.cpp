@@ -86,6 +86,7 @@ MapKeypoints ReadKeypointTable(const SqliteConnection& connection, const MapInfo
   const std::size_t total = CountKeypoints(connection);
   CheckDescriptors(connection, info.extractor.type, total, &columns.descriptors);
   MapKeypoints keypoints;
+  keypoints.origin_m = KeypointOrigin(info.extent);
   keypoints.descriptors = cv::Mat(0, columns.descriptors.length, columns.binary() ? CV_8U : CV_32F);
   keypoints.keypoints.reserve(total);
   keypoints.observations.reserve(total);

@@ -130,9 +130,9 @@ void MapWriter::WriteKeypoints(const MapKeypoints& keypoints, DescriptorType typ
   impl_->descriptor_length = keypoints.descriptors.cols;
   std::map<std::pair<int, int>, std::vector<int>> tiles;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const Keypoint& k = keypoints.keypoints[i];
-    const int x = static_cast<int>(std::floor(k.x_m / kKeypointTileM));
-    const int y = static_cast<int>(std::floor(k.y_m / kKeypointTileM));
+    const Eigen::Vector2d tile = keypoints.PositionInMap(i) / kKeypointTileM;
+    const int x = static_cast<int>(std::floor(tile.x()));
+    const int y = static_cast<int>(std::floor(tile.y()));
     tiles[{x, y}].push_back(static_cast<int>(i));
   }
   SqliteTransaction transaction(impl_->connection);

@@ -94,30 +94,30 @@ MosaicRaster::Tile MosaicRaster::Get(int x, int y) const {
 RasterPatch MosaicRaster::Cut(const RectM& rect) const {
   const double resolution = layout_.resolution_m;
   const double side = layout_.tile_px;
-  // Pixels are counted in ints; beyond this there is no floor.
-  constexpr double kMaxPx = 1e9;
-  if (!(std::abs(rect.x_min) < kMaxPx * resolution && std::abs(rect.x_max) < kMaxPx * resolution &&
-        std::abs(rect.y_min) < kMaxPx * resolution && std::abs(rect.y_max) < kMaxPx * resolution)) {
+  // Tiles are counted in ints; beyond this there is no floor.
+  const double farthest_m = 1e9 * side * resolution;
+  if (!(std::abs(rect.x_min) < farthest_m && std::abs(rect.x_max) < farthest_m && std::abs(rect.y_min) < farthest_m &&
+        std::abs(rect.y_max) < farthest_m)) {
     return {cv::Mat::zeros(1, 1, CV_8UC1), 0.0, 0.0, resolution};
   }
   // Pixel columns of the level are counted from the map frame's origin, rows upwards.
-  const auto first_column = static_cast<int>(std::floor(rect.x_min / resolution));
-  const auto last_column = static_cast<int>(std::floor(rect.x_max / resolution));
-  const auto first_row = static_cast<int>(std::floor(rect.y_min / resolution));
-  const auto last_row = static_cast<int>(std::floor(rect.y_max / resolution));
-  RasterPatch patch{cv::Mat::zeros(last_row - first_row + 1, last_column - first_column + 1, CV_8UC1),
+  const double first_column = std::floor(rect.x_min / resolution);
+  const double last_column = std::floor(rect.x_max / resolution);
+  const double first_row = std::floor(rect.y_min / resolution);
+  const double last_row = std::floor(rect.y_max / resolution);
+  RasterPatch patch{cv::Mat::zeros(static_cast<int>(last_row - first_row) + 1,
+                                   static_cast<int>(last_column - first_column) + 1, CV_8UC1),
                     (first_column + 0.5) * resolution, (last_row + 0.5) * resolution, resolution};
   const cv::Rect whole(0, 0, patch.gray.cols, patch.gray.rows);
-  for (int y = static_cast<int>(std::floor(first_row / side)); y <= static_cast<int>(std::floor(last_row / side));
-       ++y) {
-    for (int x = static_cast<int>(std::floor(first_column / side));
-         x <= static_cast<int>(std::floor(last_column / side)); ++x) {
+  const auto tile_of = [side](double pixel) { return static_cast<int>(std::floor(pixel / side)); };
+  for (int y = tile_of(first_row); y <= tile_of(last_row); ++y) {
+    for (int x = tile_of(first_column); x <= tile_of(last_column); ++x) {
       const Tile tile = Get(x, y);
       if (tile->empty()) {
         continue;
       }
-      const cv::Rect place(x * layout_.tile_px - first_column, last_row + 1 - (y + 1) * layout_.tile_px,
-                           layout_.tile_px, layout_.tile_px);
+      const cv::Rect place(static_cast<int>(x * side - first_column),
+                           static_cast<int>(last_row + 1.0 - (y + 1.0) * side), layout_.tile_px, layout_.tile_px);
       const cv::Rect inside = place & whole;
       (*tile)(inside - place.tl()).copyTo(patch.gray(inside));
     }

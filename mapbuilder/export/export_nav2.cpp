@@ -72,7 +72,7 @@ void WriteNav2Map(const OccupancyGrid& grid, const std::filesystem::path& yaml) 
   char text[512];
   // Unknown cells have an occupancy of (255 - 205) / 255 = 0.19608, so free_thresh must be below that.
   std::snprintf(text, sizeof(text),
-                "mode: trinary\nresolution: %.9g\norigin: [%.9g, %.9g, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"
+                "mode: trinary\nresolution: %.9g\norigin: [%.12g, %.12g, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"
                 "free_thresh: 0.196\n",
                 grid.resolution_m, grid.lower_left_m.x(), grid.lower_left_m.y());
   WriteFileAtomically(yaml, "image: \"" + image.filename().string() + "\"\n" + text);

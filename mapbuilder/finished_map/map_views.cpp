@@ -16,9 +16,9 @@ std::int64_t Index(double coordinate_m) { return static_cast<std::int64_t>(std::
 }  // namespace
 
 MapViews::MapViews(const BaseMap& map) : map_(map) {
-  const std::vector<Keypoint>& keypoints = map.map.keypoints.keypoints;
+  const MapKeypoints& keypoints = map.map.keypoints;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    cells_[CellKey(keypoints[i].Position(), kCellM)].push_back(static_cast<int>(i));
+    cells_[CellKey(keypoints.PositionInMap(i), kCellM)].push_back(static_cast<int>(i));
   }
 }
 
@@ -40,7 +40,7 @@ Features MapViews::Of(const MapFrame& frame) const {
       }
       for (const int i : cell->second) {
         Keypoint k = map_.map.keypoints.keypoints[static_cast<std::size_t>(i)];
-        const Eigen::Vector2d p = base_from_map * k.Position();
+        const Eigen::Vector2d p = base_from_map * map_.map.keypoints.PositionInMap(static_cast<std::size_t>(i));
         if (floor.Contains(p)) {
           k.x_m = static_cast<float>(p.x());
           k.y_m = static_cast<float>(p.y());

@@ -25,11 +25,12 @@ bool IsSimilar(const Match& match, const cv::Mat& descriptors) {
 
 std::vector<Match> FindSamePoints(const MapKeypoints& a, const MapKeypoints& b, double resolution_m) {
   const double radius_m = kSamePointPx * resolution_m;
+  const Pose2 b_from_a = b.MapFromOrigin().Between(a.MapFromOrigin());
   const GuidedMatcher matcher(b.keypoints, b.descriptors, 4.0 * radius_m);
   std::vector<bool> taken(b.size(), false);
   std::vector<Match> same;
   for (const Match& match :
-       matcher.FindNearest({a.keypoints, a.descriptors}, {Pose2(), radius_m, kKeypointAngleNoiseRad, 1})) {
+       matcher.FindNearest({a.keypoints, a.descriptors}, {b_from_a, radius_m, kKeypointAngleNoiseRad, 1})) {
     if (!taken[static_cast<std::size_t>(match.train)] && IsSimilar(match, a.descriptors)) {
       taken[static_cast<std::size_t>(match.train)] = true;
       same.push_back(match);

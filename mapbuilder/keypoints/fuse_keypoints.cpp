@@ -49,6 +49,32 @@ std::vector<RectM> DetectableFloor(const std::vector<BuildFrame>& frames) {
   return floors;
 }
 
+// Of the base map, or near the frames.
+Eigen::Vector2d OriginOf(const KeypointFusionInput& input) {
+  if (input.base_map != nullptr) {
+    return input.base_map->origin_m;
+  }
+  Eigen::AlignedBox2d box;
+  for (const std::optional<Pose2>& pose : input.map_from_base) {
+    if (pose) {
+      box.extend(pose->translation());
+    }
+  }
+  return box.isEmpty() ? Eigen::Vector2d::Zero().eval()
+                       : KeypointOrigin({box.min().x(), box.max().x(), box.min().y(), box.max().y()});
+}
+
+std::vector<std::optional<Pose2>> FromOrigin(std::vector<std::optional<Pose2>> map_from_base,
+                                             const Eigen::Vector2d& origin_m) {
+  const Pose2 origin_from_map(-origin_m.x(), -origin_m.y(), 0.0);
+  for (std::optional<Pose2>& pose : map_from_base) {
+    if (pose) {
+      pose = origin_from_map * *pose;
+    }
+  }
+  return map_from_base;
+}
+
 float MeanResponse(const KeypointTrack& track, const std::vector<BuildFrame>& frames) {
   float sum = 0.0F;
   for (const auto& [frame, keypoint] : track.views) {
@@ -71,7 +97,7 @@ std::vector<Candidate> FindCandidates(const KeypointFusionInput& input, const Co
       c.base_observations = std::max<int>(1, base_map.observations[i]);
       c.response = base_map.keypoints[i].response;
       if (input.base_coverage != nullptr) {
-        c.base_visible = std::max(c.base_observations, input.base_coverage->CountAt(base_map.keypoints[i].Position()));
+        c.base_visible = std::max(c.base_observations, input.base_coverage->CountAt(base_map.PositionInMap(i)));
       }
     } else {
       c.response = MeanResponse(tracks[i], input.frames);
@@ -226,8 +252,13 @@ void KeypointFusionOptions::Check() const {
   run.Check();
 }
 
-MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options) {
+MapKeypoints FuseKeypoints(const KeypointFusionInput& in_map, const KeypointFusionOptions& options) {
   options.Check();
+  // Map points are float32: all positions are counted from an origin near them.
+  const Eigen::Vector2d origin_m = OriginOf(in_map);
+  const std::vector<std::optional<Pose2>> poses = FromOrigin(in_map.map_from_base, origin_m);
+  const KeypointFusionInput input{
+      in_map.frames, poses, in_map.floor_in_base, in_map.base_map, in_map.base_coverage, in_map.first_survey};
   const CoverageGrid coverage(input.map_from_base, input.floor_in_base);
   const CoverageGrid detectable(input.map_from_base, DetectableFloor(input.frames));
   std::vector<Candidate> candidates = FindCandidates(input, detectable, options.tracks);
@@ -240,7 +271,9 @@ MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusio
   MapKeypoints map = FusePoints(input, candidates, options);
   map.distinctiveness =
       MeasureDistinctiveness(map.keypoints, map.descriptors, {.run = options.run, .seed = options.seed});
-  return Select(map, SelectUseful(map, candidates, rates, coverage, options.pruning));
+  MapKeypoints selected = Select(map, SelectUseful(map, candidates, rates, coverage, options.pruning));
+  selected.origin_m = origin_m;
+  return selected;
 }
 
 }  // namespace floorloc

@@ -37,6 +37,7 @@ class MapAligner {
       : first_(first),
         second_(second),
         options_(options),
+        first_from_origin_(first.map.keypoints.MapFromOrigin()),
         views_(second),
         guided_(first.map.keypoints.keypoints, first.map.keypoints.descriptors, 40.0 * Resolution()) {
     registration_ = PairRegistrationOptions::DefaultRegistration();
@@ -103,7 +104,7 @@ class MapAligner {
     jacobian(1, 2) = arm.x();
     const Eigen::Vector3d variance(kSystematicM * kSystematicM, kSystematicM * kSystematicM,
                                    kSystematicRad * kSystematicRad);
-    return PosePriorFactor{frame, result.target_from_source,
+    return PosePriorFactor{frame, first_from_origin_ * result.target_from_source,
                            result.covariance + jacobian * variance.asDiagonal() * jacobian.transpose()};
   }
 
@@ -185,7 +186,7 @@ class MapAligner {
       if (view.keypoints.empty()) {
         return std::nullopt;
       }
-      const MatchGuide guide{first_from_base[static_cast<std::size_t>(frame)], kRadiusM,
+      const MatchGuide guide{first_from_origin_.Inverse() * first_from_base[static_cast<std::size_t>(frame)], kRadiusM,
                              kRadiusRad + kKeypointAngleNoiseRad};
       return Register(frame, view, guided_.FindNearest(view, guide), 3.14 * kRadiusM * kRadiusM);
     });
@@ -194,6 +195,7 @@ class MapAligner {
   const BaseMap& first_;
   const BaseMap& second_;
   const MapAlignmentOptions& options_;
+  Pose2 first_from_origin_;  // of the first map's keypoints
   MapViews views_;
   GuidedMatcher guided_;
   RegistrationOptions registration_;

@@ -31,12 +31,15 @@ void CheckCompatible(const BaseMap& first, const BaseMap& second) {
   }
 }
 
-// Moves the second map's keypoints with the frames around them.
-MapKeypoints Deformed(const MapKeypoints& keypoints, const MapDeformation& deformation) {
+// Moves the second map's keypoints with the frames around them, and counts their positions from the first's origin.
+MapKeypoints Deformed(const MapKeypoints& keypoints, const MapDeformation& deformation,
+                      const Eigen::Vector2d& origin_m) {
   MapKeypoints deformed = keypoints;
-  for (Keypoint& k : deformed.keypoints) {
-    const Pose2 motion = deformation.At(k.Position());
-    const Eigen::Vector2d p = motion * k.Position();
+  deformed.origin_m = origin_m;
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    Keypoint& k = deformed.keypoints[i];
+    const Pose2 motion = deformation.At(keypoints.PositionInMap(i));
+    const Eigen::Vector2d p = motion * keypoints.PositionInMap(i) - origin_m;
     k.x_m = static_cast<float>(p.x());
     k.y_m = static_cast<float>(p.y());
     k.angle_rad = static_cast<float>(WrapAngle(k.angle_rad + motion.yaw()));
@@ -114,7 +117,7 @@ MergeReport MergeMaps(const MergeOptions& options) {
   WriteFramesAndLinks(first, second, alignment, &writer);
 
   const MapDeformation deformation(second, alignment.first_from_base);
-  const MapKeypoints deformed = Deformed(second.map.keypoints, deformation);
+  const MapKeypoints deformed = Deformed(second.map.keypoints, deformation, first.map.keypoints.origin_m);
   const MapKeypoints keypoints =
       JoinKeypoints(first.map.keypoints, deformed, first.map.info.camera().floor.resolution_m, first.survey_count());
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(first.map.info.extractor)->descriptor_type());

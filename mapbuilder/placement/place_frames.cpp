@@ -240,11 +240,11 @@ void Placer::RequireNearOrigin() const {
                                                             : "odometry.tum";
   const Eigen::Vector2d offset_m = 1000.0 * (farthest->translation() / 1000.0).array().round().matrix();
   char text[256];
-  std::snprintf(
-      text, sizeof(text),
-      "the map would lie %.0f km from the origin of its coordinates, where keypoints are not precise (at most "
-      "%.0f km): subtract (%.0f, %.0f) from the coordinates of %s, and add it to the poses that you get",
-      1e-3 * farthest->translation().norm(), 1e-3 * options_.max_distance_m, offset_m.x(), offset_m.y(), source);
+  std::snprintf(text, sizeof(text),
+                "the map would lie %.0f km from the origin of its coordinates (at most %.0f km): subtract (%.0f, %.0f) "
+                "from the coordinates of %s, and add it to the poses that you get",
+                1e-3 * farthest->translation().norm(), 1e-3 * options_.max_distance_m, offset_m.x(), offset_m.y(),
+                source);
   throw InputError(text);
 }
 

@@ -22,10 +22,9 @@ struct PlacementOptions {
   /// rejected. Chosen at ae7b5b9 on the mapbuilder tests' surveys without odometry.
   double max_unmatched_share = 0.15;
   KnownPointOptions known_points;
-  /// Largest distance of a frame from the map's origin, since keypoints are stored as float32: steps of 2 mm at 32 km.
-  /// With control points moved by 0, 32 and 130 km, a survey of photographed concrete localizes 57, 57 and 45 of 60
-  /// hard frames, with 147, 147 and 78 inliers (build, localize).
-  double max_distance_m = 32e3;
+  /// Largest distance of a frame from the origin of the map frame. UTM needs 1e7 m, which is also what readers of maps
+  /// allow (kMaxMapCoordinateM): not quite that, for the frame's floor.
+  double max_distance_m = 9.999e6;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;

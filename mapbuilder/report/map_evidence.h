@@ -20,6 +20,9 @@ struct MapEvidence {
   }
 };
 
+/// Where the report's drawings have (0, 0): map frame, metres.
+inline Eigen::Vector2d DrawingOrigin(const MapEvidence& evidence) { return evidence.map.keypoints.origin_m; }
+
 /// Extent of the surveyed floor and of dropped frames, unless they are much farther away.
 RectM ExtentWithLostFrames(const MapEvidence& evidence);
 

@@ -35,7 +35,9 @@ std::vector<std::pair<std::string, std::string>> LegendOf(const ColourScale& sca
   return legend;
 }
 
-std::string ImageSvg(const RectM& rect, const std::string& uri, const std::string& css_class) {
+std::string ImageSvg(const RectM& rect_in_map, const Eigen::Vector2d& origin_m, const std::string& uri,
+                     const std::string& css_class) {
+  const RectM rect = RelativeTo(origin_m, rect_in_map);
   return "<image class='" + css_class + "' x='" + FixedText(rect.x_min, 4) + "' y='" + FixedText(-rect.y_max, 4) +
          "' width='" + FixedText(rect.width_m(), 4) + "' height='" + FixedText(rect.height_m(), 4) +
          "' preserveAspectRatio='none' href='" + uri + "'/>";
@@ -52,7 +54,7 @@ std::string CellsSvg(const MapQuality& quality, const std::vector<T>& values, co
       image.at<cv::Vec4b>(grid.rows() - 1 - grid.Row(cell), grid.Column(cell)) = Bgra(colour);
     }
   }
-  return ImageSvg(grid.extent(), PngUri(image), "cells");
+  return ImageSvg(grid.extent(), quality.drawing_origin_m, PngUri(image), "cells");
 }
 
 Eigen::Vector2d ViewCenter(const MapEvidence& evidence, std::size_t frame) {
@@ -72,7 +74,7 @@ std::string PathsByError(const std::vector<SvgPath>& paths, const ColourScale& s
 
 PageLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
   const ColourScale scale = ErrorScale();
-  std::vector<SvgPath> paths(scale.colours.size());
+  std::vector<SvgPath> paths(scale.colours.size(), SvgPath(quality.drawing_origin_m));
   const std::size_t step = 1 + evidence.links.size() / kMaxLinks;
   for (std::size_t i = 0; i < evidence.links.size(); ++i) {
     const std::size_t error_class = scale.ClassOf(quality.link_strain[i].error_m);
@@ -93,7 +95,7 @@ PageLayer LinksLayer(const MapEvidence& evidence, const MapQuality& quality) {
 
 PageLayer PosesLayer(const MapEvidence& evidence, const MapQuality& quality) {
   const ColourScale scale = ErrorScale();
-  std::vector<SvgPath> paths(scale.colours.size());
+  std::vector<SvgPath> paths(scale.colours.size(), SvgPath(quality.drawing_origin_m));
   for (std::size_t i = 0; i < evidence.frames.size(); ++i) {
     paths[scale.ClassOf(quality.frame_error_m[i])].Dot(ViewCenter(evidence, i));
   }
@@ -116,7 +118,8 @@ PageLayer DriftLayer(const MapEvidence& evidence) {
                   false,
                   false};
   for (const OdometryDrift& drift : FollowOdometry(evidence)) {
-    SvgPath by_odometry, in_map;
+    SvgPath by_odometry(DrawingOrigin(evidence));
+    SvgPath in_map(DrawingOrigin(evidence));
     for (std::size_t i = 0; i < drift.samples.size(); ++i) {
       const DriftSample& sample = drift.samples[i];
       i == 0 ? by_odometry.MoveTo(sample.by_odometry) : by_odometry.LineTo(sample.by_odometry);
@@ -128,7 +131,9 @@ PageLayer DriftLayer(const MapEvidence& evidence) {
 }
 
 PageLayer HeldOutLayer(const MapEvidence& evidence, double arm_m) {
-  SvgPath right, unsure, wrong;
+  SvgPath right(DrawingOrigin(evidence));
+  SvgPath unsure(DrawingOrigin(evidence));
+  SvgPath wrong(DrawingOrigin(evidence));
   for (const HeldOutFrame& frame : evidence.build.held_out) {
     const Eigen::Vector2d at = frame.map_from_base * evidence.map.info.camera().floor.roi.Center();
     if (frame.status == "localized") {
@@ -148,7 +153,7 @@ PageLayer HeldOutLayer(const MapEvidence& evidence, double arm_m) {
 }
 
 PageLayer LostLayer(const MapEvidence& evidence, double arm_m) {
-  SvgPath lost;
+  SvgPath lost(DrawingOrigin(evidence));
   for (const DroppedFrame& frame : evidence.build.dropped) {
     if (frame.near) {
       lost.Cross(*frame.near * evidence.map.info.camera().floor.roi.Center(), arm_m);
@@ -165,7 +170,8 @@ PageLayer LostLayer(const MapEvidence& evidence, double arm_m) {
 
 PageLayer ControlPointsLayer(const MapEvidence& evidence, double arm_m) {
   constexpr double kExaggerated = 50.0;
-  SvgPath places, errors;
+  SvgPath places(DrawingOrigin(evidence));
+  SvgPath errors(DrawingOrigin(evidence));
   for (const ControlPointError& point : evidence.build.control_points) {
     places.Triangle(point.surveyed_m, arm_m);
     errors.MoveTo(point.surveyed_m);
@@ -186,7 +192,7 @@ PageLayer ZonesLayer(const MapQuality& quality) {
                   true};
   for (const Weakness weakness : {Weakness::kNotSurveyed, Weakness::kFewKeypoints, Weakness::kObservedOnce,
                                   Weakness::kSelfSimilar, Weakness::kStrained, Weakness::kNotFound}) {
-    SvgPath path;
+    SvgPath path(quality.drawing_origin_m);
     for (const Zone& zone : quality.zones) {
       if (zone.weakness == weakness) {
         path.Cells(quality.grid, zone.cells);
@@ -250,7 +256,7 @@ std::string MosaicSvg(const MosaicImage& mosaic, const MapQuality& quality) {
   cv::inRange(mosaic.bgr, cv::Scalar(0, 0, 0), cv::Scalar(12, 12, 12), dark);
   cv::Mat image = mosaic.bgr.clone();
   image.setTo(cv::Scalar(255, 255, 255), mask & dark);
-  return ImageSvg(mosaic.extent, JpegUri(image, kQuality), "mosaic");
+  return ImageSvg(mosaic.extent, quality.drawing_origin_m, JpegUri(image, kQuality), "mosaic");
 }
 
 std::vector<PageLayer> MakePageLayers(const MapEvidence& evidence, const MapQuality& quality,
@@ -279,8 +285,9 @@ std::string MarksSvg(const MapQuality& quality, const RectM& drawn) {
   for (std::size_t i = 0; i < quality.zones.size(); ++i) {
     const Zone& zone = quality.zones[i];
     const std::string number = std::to_string(i + 1);
-    svg << "<g class='mark' data-zone='" << number << "' transform='translate(" << FixedText(zone.mark.x(), 3) << " "
-        << FixedText(-zone.mark.y(), 3) << ")'><g class='pin' transform='scale(" << size
+    const Eigen::Vector2d mark = zone.mark - quality.drawing_origin_m;
+    svg << "<g class='mark' data-zone='" << number << "' transform='translate(" << FixedText(mark.x(), 3) << " "
+        << FixedText(-mark.y(), 3) << ")'><g class='pin' transform='scale(" << size
         << ")'><circle r='1' style='fill:" << ColourOf(zone.weakness) << "'/><text y='0.38'>" << number
         << "</text></g></g>";
   }

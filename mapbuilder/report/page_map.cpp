@@ -10,11 +10,13 @@
 #include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/data_uri.h"
 #include "mapbuilder/report/number_text.h"
+#include "mapbuilder/report/svg_path.h"
 
 namespace floorloc {
 namespace {
 
-std::string ViewBox(const RectM& drawn) {
+std::string ViewBox(const RectM& drawn_in_map, const Eigen::Vector2d& origin_m) {
+  const RectM drawn = RelativeTo(origin_m, drawn_in_map);
   return FixedText(drawn.x_min, 4) + " " + FixedText(-drawn.y_max, 4) + " " + FixedText(drawn.width_m(), 4) + " " +
          FixedText(drawn.height_m(), 4);
 }
@@ -62,10 +64,16 @@ std::string CellsJson(const MapQuality& quality) {
     usable.push_back(static_cast<std::uint8_t>(rounded >> 8));
   }
   const RectM extent = quality.grid.extent();
-  const nlohmann::ordered_json json{{"x_min", extent.x_min},           {"y_min", extent.y_min},
-                                    {"cell_m", quality.grid.cell_m()}, {"columns", quality.grid.columns()},
-                                    {"rows", quality.grid.rows()},     {"not_judged", 65535},
-                                    {"coverage", Base64(coverage)},    {"usable", Base64(usable)}};
+  const nlohmann::ordered_json json{{"x_of_0", quality.drawing_origin_m.x()},
+                                    {"y_of_0", quality.drawing_origin_m.y()},
+                                    {"x_min", extent.x_min},
+                                    {"y_min", extent.y_min},
+                                    {"cell_m", quality.grid.cell_m()},
+                                    {"columns", quality.grid.columns()},
+                                    {"rows", quality.grid.rows()},
+                                    {"not_judged", 65535},
+                                    {"coverage", Base64(coverage)},
+                                    {"usable", Base64(usable)}};
   return "<script type='application/json' id='cells'>" + json.dump() + "</script>\n";
 }
 
@@ -75,7 +83,7 @@ std::string MainMap(const ReportPage& page, const std::vector<PageLayer>& layers
   html << "<section id='map-section'><h2>The floor</h2>\n<p>Switch layers on and off. Drag to move; click the map, "
           "then the wheel zooms (or + and -, or two fingers). Point at a place for its coordinates.</p>\n"
        << Switches(layers) << "<div class='map-frame'><svg id='map' tabindex='0' role='application' aria-label='Mosaic "
-       << "of the floor with layers' viewBox='" << ViewBox(drawn)
+       << "of the floor with layers' viewBox='" << ViewBox(drawn, page.quality.drawing_origin_m)
        << "' style='aspect-ratio:" << FixedText(drawn.width_m() / drawn.height_m(), 4) << "'><use href='#mosaic'/>";
   for (const bool fills : {true, false}) {
     for (const PageLayer& layer : layers) {
@@ -102,7 +110,7 @@ std::string MainMap(const ReportPage& page, const std::vector<PageLayer>& layers
 }
 
 std::string Gallery(const ReportPage& page, const std::vector<PageLayer>& layers) {
-  const std::string view_box = ViewBox(DrawnRect(page.evidence));
+  const std::string view_box = ViewBox(DrawnRect(page.evidence), page.quality.drawing_origin_m);
   std::ostringstream html;
   html << "<section id='layers-section'><h2>Layer by layer</h2><p class='screen-only'>Click an image to see it large "
           "above.</p><div class='gallery'>\n";

@@ -38,8 +38,7 @@ KeypointCells CountKeypoints(const MapKeypoints& keypoints, const FloorGrid& gri
     sums->assign(grid.size(), 0.0F);
   }
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const Keypoint& keypoint = keypoints.keypoints[i];
-    const auto cell = grid.CellAt({keypoint.x_m, keypoint.y_m});
+    const auto cell = grid.CellAt(keypoints.PositionInMap(i));
     if (!cell) {
       continue;
     }
@@ -208,6 +207,7 @@ MapQuality MeasureQuality(const MapEvidence& evidence, const QualityOptions& opt
   options.Check();
   MapQuality quality;
   quality.view_m2 = ViewArea(evidence);
+  quality.drawing_origin_m = DrawingOrigin(evidence);
   quality.grid = MakeGrid(evidence, options, quality.view_m2);
   quality.coverage = CountFrames(evidence, quality.grid);
   for (auto* values : {&quality.usable_in_view, &quality.distinctiveness}) {

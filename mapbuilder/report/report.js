@@ -3,6 +3,7 @@
 "use strict";
 
 const map = document.getElementById("map");
+const cells = JSON.parse(document.getElementById("cells").textContent);
 const home = map.viewBox.baseVal;
 const whole = { x: home.x, y: home.y, width: home.width, height: home.height };
 const SMALLEST_SHARE = 0.01;
@@ -23,16 +24,18 @@ function zoom(factor, x = view.x + view.width / 2, y = view.y + view.height / 2)
   show({ x: x - (x - view.x) * share, y: y - (y - view.y) * share, width });
 }
 
-/// Map coordinates of the image (y down) under a pointer event.
+/// Where a pointer event is in the drawing: metres from (cells.x_of_0, cells.y_of_0) of the map, y down.
 function place(event) {
   const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(map.getScreenCTM().inverse());
   return { x: p.x, y: p.y };
 }
 
 function goTo(zone) {
-  const { x, y, size } = zone.dataset;
+  const { size } = zone.dataset;
+  const x = Number(zone.dataset.x) - cells.x_of_0;
+  const y = cells.y_of_0 - Number(zone.dataset.y);
   const width = Math.max(Number(size) * 4, whole.width * 0.15);
-  show({ x: Number(x) - width / 2, y: -Number(y) - width * whole.height / whole.width / 2, width });
+  show({ x: x - width / 2, y: y - width * whole.height / whole.width / 2, width });
 }
 
 // --- pointers: one pans, two pinch ---
@@ -126,16 +129,17 @@ for (const row of document.querySelectorAll("[data-zone-row]")) {
 
 // --- the place under the pointer ---
 
-const cells = JSON.parse(document.getElementById("cells").textContent);
 const decode = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 const coverage = decode(cells.coverage);
 const usable = new Uint16Array(decode(cells.usable).buffer);
 
 function readOut(event) {
-  const { x, y } = place(event);
-  let text = `x ${x.toFixed(3)} m, y ${(-y).toFixed(3)} m`;
+  const drawn = place(event);
+  const x = cells.x_of_0 + drawn.x;
+  const y = cells.y_of_0 - drawn.y;
+  let text = `x ${x.toFixed(3)} m, y ${y.toFixed(3)} m`;
   const column = Math.floor((x - cells.x_min) / cells.cell_m);
-  const row = Math.floor((-y - cells.y_min) / cells.cell_m);
+  const row = Math.floor((y - cells.y_min) / cells.cell_m);
   if (column >= 0 && column < cells.columns && row >= 0 && row < cells.rows) {
     const cell = row * cells.columns + column;
     const frames = coverage[cell] === 255 ? "255 or more" : coverage[cell];

@@ -7,7 +7,8 @@
 
 namespace floorloc {
 
-void SvgPath::Add(char command, const Eigen::Vector2d& point) {
+void SvgPath::Add(char command, const Eigen::Vector2d& point_in_map) {
+  const Eigen::Vector2d point = point_in_map - origin_m_;
   data_ += command + FixedText(point.x(), 3) + " " + FixedText(-point.y(), 3);
 }
 

@@ -9,9 +9,16 @@
 
 namespace floorloc {
 
+inline RectM RelativeTo(const Eigen::Vector2d& origin_m, const RectM& rect) {
+  return {rect.x_min - origin_m.x(), rect.x_max - origin_m.x(), rect.y_min - origin_m.y(), rect.y_max - origin_m.y()};
+}
+
 /// Path data in metres with y down, rounded to millimetres.
 class SvgPath {
  public:
+  /// origin_m: map frame; drawn at (0, 0), since browsers keep SVG's coordinates as float32.
+  explicit SvgPath(const Eigen::Vector2d& origin_m) : origin_m_(origin_m) {}
+
   void MoveTo(const Eigen::Vector2d& point) { Add('M', point); }
   void LineTo(const Eigen::Vector2d& point) { Add('L', point); }
   /// A point, drawn as a disc by round line caps.
@@ -28,6 +35,7 @@ class SvgPath {
  private:
   void Add(char command, const Eigen::Vector2d& point);
 
+  Eigen::Vector2d origin_m_;
   std::string data_;
 };
 

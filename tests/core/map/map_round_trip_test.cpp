@@ -230,5 +230,35 @@ TEST(ContentVersionTest, EveryChangeOfTheContentCounts) {
   }
 }
 
+TEST(KeypointOriginTest, IsNearTheFloorInWholeKilometres) {
+  EXPECT_EQ(KeypointOrigin({-3.0, 900.0, -40.0, 2.0}), Eigen::Vector2d(0.0, 0.0));
+  EXPECT_EQ(KeypointOrigin({691'200.0, 691'500.0, 5'336'700.0, 5'336'900.0}), Eigen::Vector2d(691e3, 5337e3));
+  EXPECT_EQ(KeypointOrigin({-7400.0, -7300.0, 400.0, 450.0}), Eigen::Vector2d(-7000.0, 0.0));
+}
+
+// Kept as float32 in the map frame they would be off by a quarter of a metre.
+TEST(KeypointOriginTest, PositionsAreExactFarFromTheMapFramesOrigin) {
+  const TemporaryFolder folder;
+  MapContent content = MakeContent();
+  const Eigen::Vector2d far(691'999.5, 5'336'789.25);
+  content.info.extent = {far.x() - 1.5, far.x() + 1.5, far.y() - 0.7, far.y() + 1.3};
+  content.keypoints.origin_m = far;
+  for (MapFrame& frame : content.frames) {
+    frame.map_from_base = Pose2(far.x(), far.y(), 0.0) * frame.map_from_base;
+  }
+  content.tiles.clear();
+  WriteMap(folder.path() / "hall.floormap", content);
+  const MapKeypoints read = MapDatabase(folder.path() / "hall.floormap").ReadMap().keypoints;
+  ASSERT_EQ(read.size(), content.keypoints.size());
+  EXPECT_NE(read.origin_m, far);
+  std::map<float, Eigen::Vector2d> written;
+  for (std::size_t i = 0; i < content.keypoints.size(); ++i) {
+    written[content.keypoints.keypoints[i].response] = content.keypoints.PositionInMap(i);
+  }
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_LT((read.PositionInMap(i) - written.at(read.keypoints[i].response)).norm(), 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace floorloc

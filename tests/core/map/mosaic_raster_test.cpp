@@ -215,6 +215,27 @@ TEST(MosaicRasterTest, WildRectanglesSeeNoFloor) {
   EXPECT_EQ(mosaic.calls(), 0);
 }
 
+TEST(MosaicRasterTest, IsTheSameFarFromTheOrigin) {
+  constexpr TileId kFar{0, 21'600'000, 166'750'000};  // 691 km east and 5336 km north, as in UTM
+  const RandomMosaic mosaic;
+  const MosaicRaster near = mosaic.Raster();
+  const MosaicTileSource moved = [source = mosaic.Source(), kFar](const TileId& id) {
+    return source({id.z, id.x - kFar.x, id.y - kFar.y});
+  };
+  const MosaicRaster far(moved, {kTilePx, kMaxZoom, kResolutionM}, ContrastOptions(), kPlenty);
+  const Eigen::Vector2d shift = kTileM * Eigen::Vector2d(kFar.x, kFar.y);
+  for (const double x : {-0.0405, -0.0005, 0.0125}) {
+    const RectM rect{x, x + 0.0402, -0.0208, 0.0151};
+    const RasterPatch a = near.Cut(rect);
+    const RasterPatch b =
+        far.Cut({rect.x_min + shift.x(), rect.x_max + shift.x(), rect.y_min + shift.y(), rect.y_max + shift.y()});
+    ASSERT_EQ(a.gray.size(), b.gray.size());
+    EXPECT_EQ(cv::norm(a.gray, b.gray, cv::NORM_INF), 0.0);
+    EXPECT_NEAR(b.x_left_m - shift.x(), a.x_left_m, 1e-8);
+    EXPECT_NEAR(b.y_top_m - shift.y(), a.y_top_m, 1e-8);
+  }
+}
+
 class MosaicRasterMemoryTest : public ::testing::Test {
  protected:
   static constexpr int kKept = 100;

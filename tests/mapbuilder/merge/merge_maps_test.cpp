@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/map/map_writer.h"
+#include "mapbuilder/finished_map/same_points.h"
 #include "mapbuilder/merge/join_keypoints.h"
 #include "mapbuilder/merge/map_deformation.h"
 #include "tests/synthetic/synthetic_floor.h"
@@ -93,6 +94,22 @@ TEST(JoinKeypointsTest, SharedPointsBecomeOne) {
   EXPECT_EQ(joined.last_survey[250], 2);
   EXPECT_EQ(joined.descriptors.rows, 300);
   EXPECT_EQ(first.keypoints.size(), 200U);
+}
+
+TEST(FindSamePointsTest, MapsMayCountFromDifferentOrigins) {
+  MapKeypoints first;
+  first.keypoints = {{0.25F, 0.5F, 0.3F, 0.02F, 1.0F}, {-0.75F, 0.125F, 1.3F, 0.02F, 1.0F}};
+  first.descriptors = cv::Mat(2, 32, CV_8U);
+  cv::RNG(1).fill(first.descriptors, cv::RNG::UNIFORM, 0, 256);
+  MapKeypoints second = first;
+  second.origin_m = {1000.0, -2000.0};
+  EXPECT_TRUE(FindSamePoints(first, second, 7e-4).empty());
+  first.origin_m = {0.0, -1000.0};
+  for (Keypoint& k : first.keypoints) {
+    k.x_m += 1000.0F;
+    k.y_m -= 1000.0F;
+  }
+  EXPECT_EQ(FindSamePoints(first, second, 7e-4).size(), 2U);
 }
 
 }  // namespace
