@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "core/localization/camera_errors.h"
 #include "core/registration/registration.h"
 
 namespace floorloc {
@@ -45,6 +47,7 @@ struct LocalizationResult {
   double rms_m = 0.0;    ///< residual of the inliers under the pose by keypoints
   double p_wrong = 1.0;  ///< probability that map_from_base is wrong
   bool used_prior = false;
+  std::optional<CameraEvidence> camera;      ///< where the frame was aligned to the mosaic
   std::vector<PoseHypothesis> alternatives;  ///< as in PoseDecision
   LocalizationTiming timing;
 };

@@ -148,6 +148,7 @@ struct Localizer::Impl {
     if (best.photo && Agrees(*best.photo)) {
       result->map_from_base = best.photo->map_from_base;
       result->covariance = best.photo->covariance;
+      result->camera = best.photo->camera;
       systematic_m = options.systematic_m;
     }
     // Errors that residuals do not show: those of the map shift and rotate the visible floor as a whole.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace floorloc {
@@ -79,24 +80,64 @@ Likelihood MakeLikelihood(const MountingProblem& problem, const MountingVector& 
   return likelihood;
 }
 
+// Gaussian prior of motion, mounting and calibration.
+struct Prior {
+  FullMatrix information = FullMatrix::Zero();
+  FullVector pull = FullVector::Zero();  // information * mean
+  double log_norm = 0.0;                 // logarithm of its value at 0, up to a constant
+};
+
+// calibration_px: standard deviation of each mode.
+Prior IndependentPrior(double level, double calibration_px) {
+  Prior prior;
+  prior.information.topLeftCorner<kMotions, kMotions>() = PriorInformation(level);
+  prior.information.diagonal().tail<kCalibrationModes>().setConstant(1.0 / (calibration_px * calibration_px));
+  prior.log_norm = -4.0 * std::log(level) - kCalibrationModes * std::log(calibration_px);
+  return prior;
+}
+
+constexpr int kMounted = 4 + kCalibrationModes;
+using MountedVector = Eigen::Matrix<double, kMounted, 1>;
+using MountedMatrix = Eigen::Matrix<double, kMounted, kMounted>;
+
+// Mounting and calibration (rows) by the camera's constant errors (columns).
+Eigen::Matrix<double, kMounted, kCameraErrors> MountedFromErrors() {
+  Eigen::Matrix<double, kMounted, kCameraErrors> select = Eigen::Matrix<double, kMounted, kCameraErrors>::Zero();
+  select(0, 0) = select(1, 1) = select(3, 2) = 1.0;
+  select.bottomRightCorner<kCalibrationModes, kCalibrationModes>().setIdentity();
+  return select;
+}
+
+Prior PriorOf(double level, const CameraPrior& camera) {
+  const auto select = MountedFromErrors();
+  MountedMatrix covariance = select * camera.covariance * select.transpose();
+  covariance.diagonal().head<4>().array() += level * level;
+  const Eigen::LLT<MountedMatrix> factor(covariance);
+  const MountedMatrix information = factor.solve(MountedMatrix::Identity());
+  const MountedVector mean = select * camera.mean;
+  Prior prior = IndependentPrior(level, 1.0);
+  prior.information.bottomRightCorner<kMounted, kMounted>() = information;
+  prior.pull.tail<kMounted>() = information * mean;
+  prior.log_norm = -factor.matrixLLT().diagonal().array().log().sum() - 0.5 * mean.dot(prior.pull.tail<kMounted>());
+  return prior;
+}
+
 struct Posterior {
+  double level;
   MountingVector mean;
   MountingMatrix covariance;
   double log_evidence;
 };
 
-// calibration_px: standard deviation of each mode.
-Posterior PosteriorAt(double level, double calibration_px, const Likelihood& likelihood) {
-  FullMatrix information = likelihood.information;
-  information.topLeftCorner<kMotions, kMotions>() += PriorInformation(level);
-  information.diagonal().tail<kCalibrationModes>().array() += 1.0 / (calibration_px * calibration_px);
-  const Eigen::LLT<FullMatrix> lambda(information);
-  const FullVector mean = lambda.solve(likelihood.pull);
+Posterior PosteriorAt(double level, const Prior& prior, const Likelihood& likelihood) {
+  const Eigen::LLT<FullMatrix> lambda(likelihood.information + prior.information);
+  const FullVector pull = likelihood.pull + prior.pull;
+  const FullVector mean = lambda.solve(pull);
   Posterior posterior;
+  posterior.level = level;
   posterior.mean = mean.head<kMotions>();
   posterior.covariance = lambda.solve(FullMatrix::Identity().leftCols<kMotions>()).topRows<kMotions>();
-  posterior.log_evidence = -4.0 * std::log(level) - kCalibrationModes * std::log(calibration_px) -
-                           lambda.matrixLLT().diagonal().array().log().sum() + 0.5 * likelihood.pull.dot(mean);
+  posterior.log_evidence = prior.log_norm - lambda.matrixLLT().diagonal().array().log().sum() + 0.5 * pull.dot(mean);
   return posterior;
 }
 
@@ -104,16 +145,42 @@ std::vector<Posterior> PosteriorsOf(const Likelihood& likelihood, double calibra
   std::vector<Posterior> posteriors;
   for (const double level : kLevels) {
     if (calibration_sigma_px <= 0.0) {
-      posteriors.push_back(PosteriorAt(level, kExactPx, likelihood));
+      posteriors.push_back(PosteriorAt(level, IndependentPrior(level, kExactPx), likelihood));
       continue;
     }
     for (const CalibrationLevel& calibration : kCalibrationLevels) {
       const double sigma_px = kModeSigmaPx * calibration.factor * calibration_sigma_px;
-      posteriors.push_back(PosteriorAt(level, sigma_px, likelihood));
+      posteriors.push_back(PosteriorAt(level, IndependentPrior(level, sigma_px), likelihood));
       posteriors.back().log_evidence += std::log(calibration.probability);
     }
   }
   return posteriors;
+}
+
+// Weighted by their evidence. unknowns: the estimate when they are not finite.
+MountingEstimate Average(std::vector<Posterior> posteriors, const MountingVector& unknowns) {
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Posterior& p : posteriors) {
+    highest = std::max(highest, p.log_evidence);
+  }
+  double sum = 0.0;
+  MountingEstimate estimate{MountingVector::Zero(), MountingMatrix::Zero(), 0.0};
+  for (Posterior& p : posteriors) {
+    p.log_evidence = std::exp(p.log_evidence - highest);
+    sum += p.log_evidence;
+    estimate.mean += p.log_evidence * p.mean;
+    estimate.vibration += p.log_evidence * p.level;
+  }
+  estimate.mean /= sum;
+  estimate.vibration /= sum;
+  for (const Posterior& p : posteriors) {
+    const MountingVector off = p.mean - estimate.mean;
+    estimate.covariance += p.log_evidence / sum * (p.covariance + off * off.transpose());
+  }
+  if (!estimate.mean.allFinite() || !estimate.covariance.allFinite()) {
+    return {unknowns, MountingMatrix::Identity(), kLevels.back()};
+  }
+  return estimate;
 }
 
 }  // namespace
@@ -127,27 +194,36 @@ MountingVector MountingStep(const MountingProblem& problem, const MountingVector
 
 MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
                                      double calibration_sigma_px) {
-  std::vector<Posterior> posteriors = PosteriorsOf(MakeLikelihood(problem, unknowns), calibration_sigma_px);
-  double highest = -std::numeric_limits<double>::infinity();
-  for (const Posterior& p : posteriors) {
-    highest = std::max(highest, p.log_evidence);
+  return Average(PosteriorsOf(MakeLikelihood(problem, unknowns), calibration_sigma_px), unknowns);
+}
+
+MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
+                                     const CameraPrior& camera) {
+  const Likelihood likelihood = MakeLikelihood(problem, unknowns);
+  std::vector<Posterior> posteriors;
+  for (const double level : kLevels) {
+    posteriors.push_back(PosteriorAt(level, PriorOf(level, camera), likelihood));
   }
-  double sum = 0.0;
-  MountingEstimate estimate{MountingVector::Zero(), MountingMatrix::Zero()};
-  for (Posterior& p : posteriors) {
-    p.log_evidence = std::exp(p.log_evidence - highest);
-    sum += p.log_evidence;
-    estimate.mean += p.log_evidence * p.mean;
+  return Average(std::move(posteriors), unknowns);
+}
+
+CameraEvidence EvidenceOfCamera(const MountingProblem& problem, const MountingVector& unknowns, double vibration,
+                                double mosaic_sigma_px) {
+  const Likelihood likelihood = MakeLikelihood(problem, unknowns);
+  // Motion, mounting and calibration of this frame are the camera's errors plus what changes from frame to frame.
+  Eigen::Matrix<double, kUnknowns, kCameraErrors> by_errors = Eigen::Matrix<double, kUnknowns, kCameraErrors>::Zero();
+  by_errors.bottomRows<kMounted>() = MountedFromErrors();
+  const FullMatrix changing =
+      likelihood.information + IndependentPrior(vibration, kModeSigmaPx * mosaic_sigma_px).information;
+  const Eigen::LLT<FullMatrix> factor(changing);
+  const Eigen::Matrix<double, kUnknowns, kCameraErrors> cross = likelihood.information * by_errors;
+  CameraEvidence evidence;
+  evidence.information = by_errors.transpose() * cross - cross.transpose() * factor.solve(cross);
+  evidence.pull = by_errors.transpose() * likelihood.pull - cross.transpose() * factor.solve(likelihood.pull);
+  if (!evidence.information.allFinite() || !evidence.pull.allFinite()) {
+    return {};
   }
-  estimate.mean /= sum;
-  for (const Posterior& p : posteriors) {
-    const MountingVector off = p.mean - estimate.mean;
-    estimate.covariance += p.log_evidence / sum * (p.covariance + off * off.transpose());
-  }
-  if (!estimate.mean.allFinite() || !estimate.covariance.allFinite()) {
-    return {unknowns, MountingMatrix::Identity()};
-  }
-  return estimate;
+  return evidence;
 }
 
 }  // namespace floorloc

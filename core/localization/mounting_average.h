@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/calibration_modes.h"
+#include "core/localization/camera_errors.h"
 
 namespace floorloc {
 
@@ -31,6 +32,7 @@ struct MountingProblem {
 struct MountingEstimate {
   MountingVector mean = MountingVector::Zero();
   MountingMatrix covariance = MountingMatrix::Identity();
+  double vibration = 0.0;  ///< its standard deviation: radians of each rotation, share of the camera's height
 };
 
 /// One Gauss-Newton step, the mounting regularized by its loosest prior.
@@ -44,5 +46,15 @@ MountingVector MountingStep(const MountingProblem& problem, const MountingVector
 /// corners of the region of interest, uncertain by a factor of two; 0: exact.
 MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
                                      double calibration_sigma_px = 0.0);
+
+/// The same with a camera whose constant errors are known: vibration is about them.
+MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
+                                     const CameraPrior& camera);
+
+/// What the frame tells of its camera's constant errors: its likelihood, marginalized over the motion, the vibration
+/// and errors of the mosaic, which look like calibration modes that change from place to place. mosaic_sigma_px: their
+/// standard deviation at the corners of the view.
+CameraEvidence EvidenceOfCamera(const MountingProblem& problem, const MountingVector& unknowns, double vibration,
+                                double mosaic_sigma_px);
 
 }  // namespace floorloc

@@ -291,7 +291,13 @@ class Fit {
     }
     const Eigen::Vector2d bent = MountingJacobian(frame_.camera_center(), frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
-    const MountingEstimate estimate = MarginalizeMounting(WithCalibration(problem_), unknowns_, CalibrationSigmaPx());
+    const MountingProblem problem = WithCalibration(problem_);
+    const MountingEstimate estimate = frame_.camera_prior()
+                                          ? MarginalizeMounting(problem, unknowns_, *frame_.camera_prior())
+                                          : MarginalizeMounting(problem, unknowns_, CalibrationSigmaPx());
+    fit.camera = EvidenceOfCamera(problem, unknowns_, estimate.vibration, options_.mosaic_sigma_px);
+    fit.camera.view_radius_m = frame_.radius_m();
+    fit.camera.camera = frame_.camera_key();
     // From the motion about the frame's centre to the pose of the base.
     const double yaw = start_.yaw() + estimate.mean(2);
     const Eigen::Vector2d arm = Pose2(0.0, 0.0, yaw) * frame_.center();
@@ -337,6 +343,7 @@ void PhotometricOptions::Check() const {
   RequireOption(min_cell_samples >= 1, "min_cell_samples must be positive");
   RequireOption(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
   RequireOption(max_correction_radii > 0, "max_correction_radii must be positive");
+  RequireOption(mosaic_sigma_px > 0, "mosaic_sigma_px must be positive");
   RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
 
@@ -351,6 +358,7 @@ double PhotometricFit::TrimmedCorrelation(double share) const {
 FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, const Rectifier& rectifier)
     : camera_center_(rectifier.camera().CameraCenter()),
       calibration_sigma_px_(rectifier.camera().camera.sigma_px),
+      camera_key_(CameraKey(rectifier.camera())),
       grid_(image.grid) {
   const GroundGrid& grid = image.grid;
   center_ = grid.BaseFromPixel(0.5 * (grid.width_px - 1), 0.5 * (grid.height_px - 1));

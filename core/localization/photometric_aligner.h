@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/mounting.h"
 #include "core/geometry/pose2.h"
+#include "core/localization/camera_errors.h"
 #include "core/map/mosaic_raster.h"
 #include "core/vision/image/ground_image.h"
 #include "core/vision/image/rectifier.h"
@@ -28,6 +30,10 @@ struct PhotometricOptions {
   /// the corners of the region of interest: a careful one leaves 0.2 to 1 px. `./run bench calibration` measures its
   /// effect.
   double calibration_sigma_px = 0.3;
+  /// Standard deviation of the mosaic's errors within a view, pixels at its corners: a place tells no more of a camera
+  /// than this. Neighbouring frames of good maps agree to 0.05 mm, and systematic errors are thrice as large
+  /// (LocalizerOptions::systematic_m): 0.2 px of 0.7 mm.
+  double mosaic_sigma_px = 0.2;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
@@ -38,6 +44,7 @@ struct PhotometricFit {
   Pose2 map_from_base;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y, yaw; additive, map frame; m^2, m rad, rad^2
   MountingError mounting;                                ///< deviation of the camera from its calibration
+  CameraEvidence camera;                                 ///< what the frame tells of its camera's constant errors
   double moved_m = 0.0;                                  ///< displacement of the image's centre by the fit
   std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0: not compared
   std::vector<int> cell_samples;                         ///< pixels compared per cell
@@ -77,6 +84,12 @@ class FrameSamples {
   }
   /// CameraModel::sigma_px of the camera; 0: unknown.
   double calibration_sigma_px() const { return calibration_sigma_px_; }
+  /// What is known of the camera's errors; empty, or of another calibration: nothing but calibration_sigma_px.
+  void SetCameraPrior(const std::optional<CameraPrior>& prior) {
+    camera_prior_ = prior && prior->camera == camera_key_ ? prior : std::nullopt;
+  }
+  const std::optional<CameraPrior>& camera_prior() const { return camera_prior_; }
+  std::size_t camera_key() const { return camera_key_; }
   /// Position of the camera in the base frame, metres.
   const Eigen::Vector3d& camera_center() const { return camera_center_; }
   /// Cell of a point of the base frame; -1 outside the image.
@@ -92,6 +105,8 @@ class FrameSamples {
   std::vector<CellDisplacement<kCalibrationModes>> cell_modes_;
   Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();
   double calibration_sigma_px_ = 0.0;
+  std::size_t camera_key_ = 0;
+  std::optional<CameraPrior> camera_prior_;
   GroundGrid grid_;
   Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;  // of the circle about the centre that holds all samples

@@ -47,15 +47,22 @@ void TrackerOptions::Check() const {
   filter.Check();
   prior.Check();
   next.Check();
+  camera.Check();
 }
 
 struct VehicleTracker::State {
-  State(const TrackerOptions& o, double resolution_m)
-      : options(o), fuser(MakePoseFuser(o.method, o.filter)), visual(VisualOptions(resolution_m)) {}
+  State(const TrackerOptions& o, double resolution_m_in)
+      : options(o),
+        resolution_m(resolution_m_in),
+        fuser(MakePoseFuser(o.method, o.filter)),
+        visual(VisualOptions(resolution_m_in)),
+        camera(o.camera) {}
 
   TrackerOptions options;
+  double resolution_m;
   std::unique_ptr<PoseFuser> fuser;
   PlanarOdometry visual;
+  CameraEstimator camera;
   std::optional<std::int64_t> last_frame_ns;
   std::optional<std::int64_t> odometry_until_ns;
 
@@ -86,6 +93,9 @@ struct VehicleTracker::State {
       return;
     }
     outcome->fix = fuser->AddFix({stamp_ns, found.map_from_base, found.covariance, found.p_wrong});
+    if (outcome->fix->accepted && found.camera) {
+      camera.Add(*found.camera, found.map_from_base, found.p_wrong);
+    }
   }
 };
 
@@ -109,6 +119,16 @@ MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
 }
 
 MessageOutcome VehicleTracker::AddImu(const ImuReading& reading) { return state_->fuser->AddImu(reading); }
+
+std::optional<CameraPrior> VehicleTracker::PriorOfCamera() const { return state_->camera.PriorOfNextFrame(); }
+
+CameraEstimate VehicleTracker::Camera() const { return state_->camera.Estimate(); }
+
+void VehicleTracker::Restart() {
+  auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
+  restarted->camera = std::move(state_->camera);
+  state_ = std::move(restarted);
+}
 
 void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose); }
 

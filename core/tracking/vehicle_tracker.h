@@ -10,6 +10,7 @@
 #include "core/localization/localization_result.h"
 #include "core/localization/pose_prior.h"
 #include "core/odometry/planar_odometry.h"
+#include "core/tracking/camera_estimator.h"
 
 namespace floorloc {
 
@@ -41,6 +42,7 @@ struct TrackerOptions {
   bool visual_odometry = true;  ///< use the motion between images
   PriorOptions prior;
   NextFrameOptions next;
+  CameraEstimatorOptions camera;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -76,6 +78,11 @@ class VehicleTracker {
 
   /// The prior for an image of this time; empty: the whole map should be searched.
   std::optional<PosePrior> Prior(std::int64_t stamp_ns) const;
+  /// What is known of the camera's errors, for the next image's alignment (FrameSamples::SetCameraPrior).
+  std::optional<CameraPrior> PriorOfCamera() const;
+  CameraEstimate Camera() const;
+  /// Forgets everything but the camera.
+  void Restart();
   /// Adds an image after its localization.
   FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
 

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <numbers>
 
 #include "core/io/text_file.h"
 #include "core/map/camera_correction.h"
@@ -64,6 +65,20 @@ void PrintCorrection(const MapInfo& info, const Survey& survey) {
   }
 }
 
+// Says how the camera differs from its calibration; nothing when fixes can't tell a difference.
+void PrintCameraEstimate(const FusedDrive& drive) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const CameraErrors& errors = drive.camera.errors.mean;
+  if (drive.camera.status != CameraStatus::kCorrected && drive.camera.status != CameraStatus::kImplausible) {
+    return;
+  }
+  std::printf(
+      "camera off its calibration by %.1f px: roll %+.2f, pitch %+.2f degrees, height %+.1f %%, by %d fixes; %s\n",
+      drive.camera_off_px, kDegrees * errors(0), kDegrees * errors(1), 100.0 * errors(2), drive.camera.fixes,
+      drive.camera.status == CameraStatus::kCorrected ? "corrected"
+                                                      : "too much to be corrected: calibrate or mount it anew");
+}
+
 // Prints the numbers of states, rejections and relocalizations.
 void PrintFusionSummary(const FusedDrive& drive) {
   std::map<std::string, int> states, rejections;
@@ -83,6 +98,7 @@ void PrintFusionSummary(const FusedDrive& drive) {
   for (const auto& [reason, count] : rejections) {
     std::printf("       %d fixes rejected: %s\n", count, reason.c_str());
   }
+  PrintCameraEstimate(drive);
 }
 
 template <typename Frames>

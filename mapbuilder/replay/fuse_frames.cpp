@@ -39,6 +39,8 @@ class Run {
       }
       progress.Advance();
     }
+    drive_.camera = tracker_.Camera();
+    drive_.camera_off_px = LargestDisplacementPx(rectifier_.camera(), drive_.camera.errors.mean);
     return std::move(drive_);
   }
 
@@ -86,9 +88,10 @@ class Run {
   FusedFrame SendFrame(const SurveyFrame& frame) {
     FusedFrame fused;
     fused.localized.frame = frame;
-    const FrameObservation observation =
+    FrameObservation observation =
         localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms));
     const std::optional<PosePrior> prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt;
+    observation.samples.SetCameraPrior(tracker_.PriorOfCamera());
     fused.localized.result = localizer_.LocalizeWithGlobalFallback(observation, prior);
     fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, fused.localized.result);
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);

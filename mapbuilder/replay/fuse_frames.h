@@ -33,6 +33,8 @@ struct FusedFrame {
 struct FusedDrive {
   std::vector<FusedFrame> frames;
   std::vector<FusedPose> poses;  ///< ordered by time: at the frames, or at every message
+  CameraEstimate camera;         ///< at the end
+  double camera_off_px = 0.0;    ///< LargestDisplacementPx of its errors
 };
 
 /// Throws InputError when gravity shows that the axes of imu.csv are not those of the base frame.

@@ -55,7 +55,7 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   FrameReport report;
   const LocalizeOutcome outcome = RunInPool(state.pool, [&] {
     const MapCamera camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
-    LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior});
+    LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior, slot.camera_prior});
     report = vehicle.session->FinishFrame(slot, localized.features, localized.result);
     return localized;
   });

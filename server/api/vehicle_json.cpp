@@ -58,6 +58,21 @@ nlohmann::json FormatFixCounts(const VehicleCounts& counts) {
   return {{"accepted", counts.accepted}, {"reanchored", counts.reanchored}, {"rejected", std::move(rejected)}};
 }
 
+// camera: as the errors are relative to.
+nlohmann::json FormatCameraEstimate(const CameraEstimate& estimate, const FloorCamera& camera) {
+  const CameraErrors& errors = estimate.errors.mean;
+  const CameraErrors sigmas = estimate.errors.covariance.diagonal().cwiseSqrt();
+  const auto mounting = [](const CameraErrors& e) {
+    return nlohmann::json{{"roll", e(0)}, {"pitch", e(1)}, {"height_share", e(2)}};
+  };
+  nlohmann::json json = mounting(errors);
+  json["sigma"] = mounting(sigmas);
+  json["status"] = ToString(estimate.status);
+  json["fixes"] = estimate.fixes;
+  json["off_px"] = LargestDisplacementPx(camera, errors);
+  return json;
+}
+
 }  // namespace
 
 VehicleRequest ParseVehicleRequest(const std::string& text) {
@@ -87,6 +102,7 @@ nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map) {
   json["floor"] = FormatFloor(vehicle.camera.camera.floor);
   json["correct_camera"] = vehicle.camera.correct;
   json["camera_correction"] = FormatCorrection(map != nullptr ? CorrectionOf(*map, vehicle.camera) : std::nullopt);
+  json["camera_estimate"] = FormatCameraEstimate(view.camera, vehicle.in_map.rectifier->camera());
   json["mask"] = vehicle.camera.mask.empty()
                      ? nlohmann::json()
                      : nlohmann::json{{"masked_share", vehicle.in_map.rectifier->masked_share()}};

@@ -56,6 +56,7 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   outcome.decode_ms = MillisecondsSince(start);
   const Localizer& localizer = *job.map->localizer;
   FrameObservation observation = localizer.Observe(*job.camera.rectifier, image);
+  observation.samples.SetCameraPrior(job.camera_prior);
   outcome.result = localizer.LocalizeWithGlobalFallback(observation, job.prior);
   outcome.features = std::move(observation.features);
   outcome.correction = job.camera.correction;

@@ -18,6 +18,7 @@ struct LocalizeJob {
   MapCamera camera;
   std::span<const std::uint8_t> bytes;
   std::optional<PosePrior> prior;
+  std::optional<CameraPrior> camera_prior = std::nullopt;  ///< what the vehicle's earlier fixes tell of its camera
 };
 
 struct LocalizeOutcome {

@@ -27,7 +27,6 @@ bool IsUsed(MessageOutcome message) {
 
 VehicleSession::VehicleSession(const TrackerOptions& options, double resolution_m, double timeout_s)
     : options_(options),
-      resolution_m_(resolution_m),
       timeout_s_(timeout_s),
       last_message_time_(Clock::now().time_since_epoch().count()),
       tracker_(options, resolution_m),
@@ -52,7 +51,7 @@ void VehicleSession::ClearStampsLocked() {
 }
 
 void VehicleSession::RestartLocked() {
-  tracker_ = VehicleTracker(options_, resolution_m_);
+  tracker_.Restart();
   ClearStampsLocked();
 }
 
@@ -63,12 +62,14 @@ void VehicleSession::RestartIfExpiredLocked() {
   last_message_time_ = Clock::now().time_since_epoch().count();
 }
 
-VehicleView VehicleSession::ViewLocked() const { return {tracker_.Estimate(), tracker_.Next(), counts_}; }
+VehicleView VehicleSession::ViewLocked() const {
+  return {tracker_.Estimate(), tracker_.Next(), counts_, tracker_.Camera()};
+}
 
 VehicleView VehicleSession::View() {
   const std::lock_guard lock(mutex_);
   if (Expired()) {
-    return {std::nullopt, {}, counts_};
+    return {std::nullopt, {}, counts_, tracker_.Camera()};
   }
   return ViewLocked();
 }
@@ -76,7 +77,7 @@ VehicleView VehicleSession::View() {
 // The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.
 void VehicleSession::StampPoseLocked(std::int64_t stamp_ns) {
   if (unstamped_pose_) {
-    tracker_ = VehicleTracker(options_, resolution_m_);
+    tracker_.Restart();
     unstamped_pose_->stamp_ns = stamp_ns;
     tracker_.SetPose(*unstamped_pose_);
     pose_set_ns_ = stamp_ns;
@@ -188,6 +189,7 @@ std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const
   }
   slot.epoch = epoch_;
   slot.prior = tracker_.Prior(stamp_ns);
+  slot.camera_prior = tracker_.PriorOfCamera();
   return slot;
 }
 

@@ -48,6 +48,7 @@ struct VehicleView {
   std::optional<FusedPose> fused;  ///< empty before the first fix
   NextFrame next;
   VehicleCounts counts;
+  CameraEstimate camera;
 
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
 };
@@ -66,6 +67,7 @@ struct FrameSlot {
   std::uint64_t epoch = 0;
   MessageOutcome message = MessageOutcome::kUsed;
   std::optional<PosePrior> prior;
+  std::optional<CameraPrior> camera_prior;
 };
 
 /// Outcome of an image.
@@ -118,7 +120,6 @@ class VehicleSession {
   std::optional<std::int64_t> PreviousLocked(std::int64_t stamp_ns) const;
 
   const TrackerOptions options_;
-  const double resolution_m_;
   const double timeout_s_;
   std::atomic<Clock::rep> last_message_time_;
   std::mutex frame_mutex_;  // held while an image is localized; locked before mutex_

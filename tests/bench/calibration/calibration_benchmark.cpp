@@ -19,6 +19,7 @@ struct Arguments {
   std::vector<std::string> recorded;  // a survey, then folders of frames
   std::vector<std::string> cases;
   int frames = 40;
+  bool learn = false;
   std::optional<double> calibration_sigma_px;
   std::optional<double> systematic_m;
   std::optional<double> unmodelled_px;
@@ -63,13 +64,14 @@ void Run(const Arguments& arguments) {
     std::filesystem::create_directories(arguments.state);
     build.out = std::filesystem::path(arguments.state) / "recorded.floormap";
     const std::vector<std::filesystem::path> groups(arguments.recorded.begin() + 1, arguments.recorded.end());
-    Print(arguments.recorded.front(), RunRecorded(arguments.recorded.front(), groups, {build, localizer}));
+    Print(arguments.recorded.front(),
+          RunRecorded(arguments.recorded.front(), groups, {build, localizer, arguments.learn}));
     return;
   }
   const CalibrationScene scene = MakeCalibrationScene(arguments.state, arguments.photograph, arguments.frames);
   for (const CalibrationCase& test : CalibrationCases()) {
     if (Wanted(arguments.cases, test.name)) {
-      Print(test.name, RunCase(scene, test, {build, localizer}));
+      Print(test.name, RunCase(scene, test, {build, localizer, arguments.learn}));
     }
   }
 }
@@ -87,6 +89,8 @@ int main(int argc, char** argv) {
   app.add_option("--systematic", arguments.systematic_m, "LocalizerOptions::systematic_m, metres");
   app.add_option("--case", arguments.cases, "Only these cases, by name");
   app.add_option("--frames", arguments.frames, "Frames per group")->capture_default_str();
+  app.add_flag("--learn", arguments.learn,
+               "Also as a vehicle that learns its camera: the rows above each group are of its second half");
   app.add_option("--calibration-sigma", arguments.calibration_sigma_px,
                  "What the localizer takes the calibration to be worth, pixels; 0: exact");
   app.add_option("--unmodelled", arguments.unmodelled_px, "What no unknown of the self-calibration describes, pixels");

@@ -27,6 +27,7 @@ std::vector<CalibrationCase> CalibrationCases() {
           OneCamera("0.3 px, 0.1 deg", usual),
           {"other camera, 0.5 px", {}, CalibrationError::Typical(0.5, 0.0)},
           {"other camera, 1 px", {}, CalibrationError::Typical(1.0, 0.0)},
+          {"bumped camera, 1 deg", usual, {.roll_rad = kDegree, .pitch_rad = -0.7 * kDegree, .height_m = 0.002}},
           {"other camera, 0.5 px, 0.2 deg", usual, CalibrationError::Typical(-0.5, -0.2 * kDegree)}};
 }
 

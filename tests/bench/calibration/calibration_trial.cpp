@@ -15,6 +15,7 @@
 #include "core/localization/localizer.h"
 #include "core/map/camera_correction.h"
 #include "core/map/map_database.h"
+#include "core/tracking/camera_estimator.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/export/export_mosaic.h"
@@ -141,6 +142,28 @@ Located LocateAll(const BenchFrames& frames, const Locate& locate) {
   return located;
 }
 
+// Every frame by what the fixes before it told of the camera, as a vehicle is localized. The first half is not scored.
+Located LocateLearning(const BenchFrames& frames, const Localizer& localizer, const Rectifier& rectifier) {
+  CameraEstimator camera;
+  Located located;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    FrameObservation observation = localizer.Observe(rectifier, frames.Decode(i));
+    observation.samples.SetCameraPrior(camera.PriorOfNextFrame());
+    const LocalizationResult found = localizer.Localize(observation, std::nullopt);
+    if (found.status != LocalizationStatus::kLocalized) {
+      continue;
+    }
+    if (found.camera) {
+      camera.Add(*found.camera, found.map_from_base, found.p_wrong);
+    }
+    if (2 * i >= frames.size()) {
+      located.poses.push_back({found.map_from_base, frames.truth_from_base[i]});
+      located.covariances.push_back(found.covariance);
+    }
+  }
+  return located;
+}
+
 Located LocateBySift(const BenchFrames& frames, const Baseline& baseline) {
   Located located = LocateAll(frames, [&](const cv::Mat& raw) -> std::optional<LocalizationResult> {
     const std::optional<Pose2> pose = baseline.Locate(frames.rectifier.Rectify(raw));
@@ -217,6 +240,10 @@ CalibrationResult RunRecorded(const fs::path& survey, const std::vector<fs::path
     const Rectifier rectifier(CorrectedOrGiven(localizer.map().info, frames.rectifier.camera()));
     const Located ours =
         LocateAll(frames, [&](const cv::Mat& raw) { return localizer.Localize(rectifier, raw, std::nullopt); });
+    if (trial.learn) {
+      result.rows.push_back(
+          {"learnt", ScoreOf(LocateLearning(frames, localizer, rectifier), count - count / 2, map), {}});
+    }
     result.rows.push_back(
         {group.filename().string(), ScoreOf(ours, count, map), ScoreOf(LocateBySift(frames, sift), count, map)});
   }

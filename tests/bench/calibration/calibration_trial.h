@@ -48,6 +48,7 @@ struct CalibrationResult {
 struct TrialOptions {
   BuildOptions build;  ///< surveys are filled in
   LocalizerOptions localizer;
+  bool learn = false;  ///< also localize as a vehicle that learns its camera; its row has the second half of a group
 };
 
 /// Builds the map of a recorded survey with ground truth and localizes the frames of recorded folders.

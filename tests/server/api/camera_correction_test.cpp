@@ -55,6 +55,7 @@ TEST_F(CameraCorrectionTest, AVehicleWithTheSurveysCameraGetsTheMaps) {
   const json registered = Json(client.Put("/v1/vehicles/a", body.dump()));
   ExpectCorrected(registered);
   EXPECT_EQ(registered["correct_camera"], true);
+  EXPECT_EQ(registered["camera_estimate"]["fixes"], 0);
   const json vehicle = Json(client.Get("/v1/vehicles/a"));
   ExpectCorrected(vehicle);
   EXPECT_EQ(vehicle["camera"], body["camera"]);
@@ -62,6 +63,9 @@ TEST_F(CameraCorrectionTest, AVehicleWithTheSurveysCameraGetsTheMaps) {
   const json frame = Json(client.Post("/v1/vehicles/a/frames?stamp=100", SharedMaps().KnownJpeg(), "image/jpeg"));
   ExpectCorrected(frame);
   EXPECT_LT(ErrorM(frame), 0.001);
+  const json estimate = Json(client.Get("/v1/vehicles/a"))["camera_estimate"];
+  EXPECT_EQ(estimate["status"], "learning");
+  EXPECT_EQ(estimate["fixes"], 0) << "this map has no mosaic to align to";
   const json localized =
       Json(client.Post(std::string(kLocalize) + "?vehicle=a", SharedMaps().KnownJpeg(), "image/jpeg"));
   ExpectCorrected(localized);
