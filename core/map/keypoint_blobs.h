@@ -30,8 +30,8 @@ struct KeypointTile {
 
 KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile);
 
-/// Appends a tile's keypoints, relative to keypoints->origin_m. row_bytes: bytes per descriptor. Returns false when a blob has the wrong length, a
-/// keypoint lies outside the tile or a number is not finite.
+/// Appends a tile's keypoints, relative to keypoints->origin_m. row_bytes: bytes per descriptor. Returns false when a
+/// blob has the wrong length, a keypoint lies outside the tile or a number is not finite.
 bool UnpackKeypoints(const KeypointBlobs& blobs, const KeypointTile& tile, std::size_t row_bytes,
                      MapKeypoints* keypoints);
 
