@@ -81,7 +81,7 @@ std::string ToJson(const BuildReport& report, bool with_times);
 
 /// Inverse of ToJson without times, except for the self-calibration. Fields that an older builder did not write keep
 /// their defaults. Throws MapError when the text is damaged.
-BuildReport ParseBuildReport(const std::string& json);
+BuildReport ParseBuildReport(const std::string& text);
 
 /// What to check before using the map, one sentence each: the report's warnings and those derived from its numbers.
 std::vector<std::string> AllWarnings(const BuildReport& report);

@@ -56,7 +56,7 @@ std::string FingerprintOf(const CLI::App& command) {
     if (name != "--resume" && name != "--threads" && name != "--json" && name != "--keep-frames" &&
         name != "--report") {
       for (const std::string& value : option->results()) {
-        fingerprint += name + "=" + value + StateOfFile(value) + "\n";
+        fingerprint.append(name).append("=").append(value).append(StateOfFile(value)).append("\n");
       }
     }
   }

@@ -60,7 +60,8 @@ bool StartsBlack(const cv::Mat& gray, const CornerGrid& grid, const Board& board
   int other_count = 0;
   for (int row = 0; row + 1 < board.rows; ++row) {
     for (int column = 0; column + 1 < board.columns; ++column) {
-      const auto i = static_cast<std::size_t>(row * board.columns + column);
+      const int corner = row * board.columns + column;
+      const auto i = static_cast<std::size_t>(corner);
       const auto below = i + static_cast<std::size_t>(board.columns);
       const double mean = MeanOfSquare(gray, 0.25 * (grid[i] + grid[i + 1] + grid[below] + grid[below + 1]));
       const bool is_same = (row + column) % 2 == 0;

@@ -21,9 +21,11 @@ double CoveredM2(const Eigen::Vector2d& point, double cell_m, const CoverageGrid
   constexpr int kSamples = 5;  // per side
   const Eigen::Vector2d corner = (point / cell_m).array().floor() * cell_m;
   int covered = 0;
-  for (int i = 0; i < kSamples * kSamples; ++i) {
-    const Eigen::Vector2d offset(i % kSamples + 0.5, i / kSamples + 0.5);
-    covered += coverage.CountAt(corner + offset * cell_m / kSamples) > 0 ? 1 : 0;
+  for (int row = 0; row < kSamples; ++row) {
+    for (int column = 0; column < kSamples; ++column) {
+      const Eigen::Vector2d offset(column + 0.5, row + 0.5);
+      covered += coverage.CountAt(corner + offset * cell_m / kSamples) > 0 ? 1 : 0;
+    }
   }
   return cell_m * cell_m * std::max(covered, 1) / (kSamples * kSamples);
 }

@@ -77,7 +77,7 @@ std::vector<Kind> Parse(const NameTable<Kind>& known, const std::vector<std::str
       std::for_each(known.begin(), known.end(), [&](const auto& entry) { add(entry.second); });
     } else {
       std::string list = "all";
-      std::for_each(known.begin(), known.end(), [&](const auto& entry) { list += ", " + entry.first; });
+      std::for_each(known.begin(), known.end(), [&](const auto& entry) { list.append(", ").append(entry.first); });
       throw std::invalid_argument("unknown " + what + " '" + name + "'; known are: " + list);
     }
   }

@@ -45,8 +45,9 @@ cv::Mat NeededNodes(int candidate, const NodeChoices& choices, const MosaicGrid&
   cv::Mat needed(footprint.size(), CV_8UC1);
   for (int row = 0; row < footprint.height; ++row) {
     for (int column = 0; column < footprint.width; ++column) {
-      const auto index = static_cast<std::size_t>((footprint.y + row) * grid.nodes() + footprint.x + column);
-      needed.at<std::uint8_t>(row, column) = choices[index].Of(candidate).candidate == candidate ? 255 : 0;
+      const int node = (footprint.y + row) * grid.nodes() + footprint.x + column;
+      needed.at<std::uint8_t>(row, column) =
+          choices[static_cast<std::size_t>(node)].Of(candidate).candidate == candidate ? 255 : 0;
     }
   }
   cv::dilate(needed, needed, cv::Mat::ones(3, 3, CV_8UC1));
@@ -79,8 +80,8 @@ FrameLayer::FrameLayer(const Source& source, const NodeChoices& choices, const M
       const cv::Vec2f raw = source.view.RawPixel(point);
       const cv::Vec2f px((raw[0] + 0.5F) / shrink - 0.5F, (raw[1] + 0.5F) / shrink - 0.5F);
       raw_px_.at<cv::Vec2f>(row, column) = px;
-      const auto index = static_cast<std::size_t>((nodes_.y + row) * grid.nodes() + nodes_.x + column);
-      const NodeChoice::Chosen share = choices[index].Of(source.candidate);
+      const int node = (nodes_.y + row) * grid.nodes() + nodes_.x + column;
+      const NodeChoice::Chosen share = choices[static_cast<std::size_t>(node)].Of(source.candidate);
       const cv::Vec3f gain = source.gain.At(source.view, point);
       const cv::Vec4f gain4(gain[0], gain[1], gain[2], 1.0F / 255.0F);
       factor_.at<cv::Vec4f>(row, column) = share.high_band_weight * gain4;

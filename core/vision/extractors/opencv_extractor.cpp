@@ -95,7 +95,7 @@ double NominalFactor(const ExtractorOptions& o, int level) {
 // of pixel centres. SIFT is off by a constant. Measured by matching images with themselves rotated by 180 degrees
 // (tests/core/vision).
 Eigen::Vector2d CorrectedPixel(const ExtractorOptions& o, const cv::Size& image_size, const cv::KeyPoint& k) {
-  const Eigen::Vector2d reported(k.pt.x, k.pt.y);
+  Eigen::Vector2d reported(k.pt.x, k.pt.y);
   if (o.type == ExtractorType::kSift) {
     return reported.array() - 0.25;
   }

@@ -60,12 +60,13 @@ struct DiscRow {
 
 std::array<DiscRow, 2 * kOrientationRadiusPx + 1> MakeDisc() {
   std::array<DiscRow, 2 * kOrientationRadiusPx + 1> disc{};
-  for (int y = -kOrientationRadiusPx; y <= kOrientationRadiusPx; ++y) {
-    for (int x = -kOrientationRadiusPx; x <= kOrientationRadiusPx; ++x) {
+  for (std::size_t row = 0; row < disc.size(); ++row) {
+    for (std::size_t column = 0; column < disc.size(); ++column) {
+      const int x = static_cast<int>(column) - kOrientationRadiusPx;
+      const int y = static_cast<int>(row) - kOrientationRadiusPx;
       if (x * x + y * y <= kOrientationRadiusPx * kOrientationRadiusPx) {
-        DiscRow& row = disc[static_cast<std::size_t>(y + kOrientationRadiusPx)];
-        row.one[static_cast<std::size_t>(x + kOrientationRadiusPx)] = 1;
-        row.x[static_cast<std::size_t>(x + kOrientationRadiusPx)] = static_cast<std::int16_t>(x);
+        disc[row].one[column] = 1;
+        disc[row].x[column] = static_cast<std::int16_t>(x);
       }
     }
   }
@@ -95,8 +96,15 @@ Moments MomentsAt(const std::uint8_t* top_left, std::size_t step, const DiscRow*
   return moments;
 }
 
+struct Turn {
+  float cosine;
+  float sine;
+};
+
 FLOORLOC_WIDE_VECTORS
-void TurnPattern(const PixelPair* pattern, float c, float s, int step, int* __restrict a, int* __restrict b) {
+void TurnPattern(const PixelPair* pattern, const Turn& turn, int step, int* __restrict a, int* __restrict b) {
+  const float c = turn.cosine;
+  const float s = turn.sine;
   for (int i = 0; i < kPairs; ++i) {
     const PixelPair& p = pattern[i];
     // Makes numbers positive, so that truncation rounds half up.
@@ -132,7 +140,7 @@ cv::Mat DescribeBrief(const cv::Mat& smooth, const std::vector<cv::KeyPoint>& ke
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const cv::KeyPoint& k = keypoints[i];
     const float angle = k.angle * std::numbers::pi_v<float> / 180.0F;
-    TurnPattern(pattern.data(), std::cos(angle), std::sin(angle), step, a.data(), b.data());
+    TurnPattern(pattern.data(), {std::cos(angle), std::sin(angle)}, step, a.data(), b.data());
     const std::int16_t* center = smooth.ptr<std::int16_t>(cvRound(k.pt.y)) + cvRound(k.pt.x);
     std::uint8_t* row = descriptors.ptr<std::uint8_t>(static_cast<int>(i));
     for (std::size_t byte = 0; byte < kBriefBytes; ++byte) {

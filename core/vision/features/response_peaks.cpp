@@ -31,7 +31,7 @@ struct Neighbourhood {
   int j;
 
   float at(int scale, int dj, int di) const {
-    return layers[static_cast<std::size_t>(scale + 1)].ptr<float>(j + dj)[i + di];
+    return layers[static_cast<std::size_t>(std::ptrdiff_t{scale} + 1)].ptr<float>(j + dj)[i + di];
   }
 };
 

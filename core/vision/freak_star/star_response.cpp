@@ -11,10 +11,16 @@ namespace {
 
 std::uint32_t* MutableRow(cv::Mat* sums, int y) { return reinterpret_cast<std::uint32_t*>(sums->ptr<int>(y + 2)) + 1; }
 
+struct TipRows {
+  const std::uint8_t* a;
+  const std::uint8_t* b;
+};
+
 // A triangle is the union of the two with the neighbours above its tip as tips, minus their intersection, plus the tip.
 FLOORLOC_WIDE_VECTORS void AddRow(const std::uint32_t* __restrict one_up, const std::uint32_t* __restrict two_up,
-                                  const std::uint8_t* __restrict tip_a, const std::uint8_t* __restrict tip_b,
-                                  std::uint32_t* __restrict sums, int count) {
+                                  const TipRows& tips, std::uint32_t* __restrict sums, int count) {
+  const std::uint8_t* __restrict tip_a = tips.a;
+  const std::uint8_t* __restrict tip_b = tips.b;
   for (std::ptrdiff_t x = 0; x < count; ++x) {
     sums[x] = one_up[x - 1] + one_up[x + 1] - two_up[x] + tip_a[x] + tip_b[x];
   }
@@ -55,10 +61,10 @@ struct Areas {
 };
 
 FLOORLOC_WIDE_VECTORS void RespondRow(const StarRows& inner, const StarRows& outer, const Areas& areas,
-                                      float* __restrict out, int first, int last) {
+                                      float* __restrict out, const cv::Range& columns) {
   const float per_inner = 1.0F / areas.inner;
   const float per_ring = 1.0F / areas.ring;
-  for (std::ptrdiff_t x = first; x <= last; ++x) {
+  for (std::ptrdiff_t x = columns.start; x < columns.end; ++x) {
     const float inside = Sum(inner, x);
     out[x] = (Sum(outer, x) - inside) * per_ring - inside * per_inner;
   }
@@ -75,13 +81,13 @@ TriangleSums::TriangleSums(const cv::Mat& gray)
     const std::uint8_t* const pixels = gray.ptr(y);
     const std::uint8_t* const above = y > 0 ? gray.ptr(y - 1) : black.ptr();
     std::uint32_t* const odd_row = MutableRow(&odd_, y);
-    AddRow(odd(y - 1), odd(y - 2), pixels, above, odd_row, width);
+    AddRow(odd(y - 1), odd(y - 2), {pixels, above}, odd_row, width);
     // The part inside the image of a triangle whose tip is beside it is a triangle with its tip at a higher pixel of
     // the edge.
     odd_row[-1] = odd(y - 1)[0];
     odd_row[width] = odd(y - 1)[width - 1];
     std::uint32_t* const even_row = MutableRow(&even_, y);
-    AddRow(even(y - 1), even(y - 2), pixels, pixels + 1, even_row, width - 1);
+    AddRow(even(y - 1), even(y - 2), {pixels, pixels + 1}, even_row, width - 1);
     even_row[-1] = odd_row[0];
     even_row[width - 1] = odd_row[width - 1];
   }
@@ -108,7 +114,7 @@ cv::Mat StarResponse(const IntegralImage& squares, const TriangleSums& triangles
   const Areas areas{scale.inner.area(), scale.outer.area() - scale.inner.area()};
   for (int y = margin; y < squares.height() - margin; ++y) {
     RespondRow(RowsOf(squares, triangles, scale.inner, y), RowsOf(squares, triangles, scale.outer, y), areas,
-               response.ptr<float>(y), margin, squares.width() - 1 - margin);
+               response.ptr<float>(y), {margin, squares.width() - margin});
   }
   return response;
 }

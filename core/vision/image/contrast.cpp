@@ -50,9 +50,18 @@ void AddDifference(const float* __restrict add, const float* __restrict subtract
   }
 }
 
+// Of a row's pixels, over their windows.
+struct WindowSums {
+  const float* levels;
+  const float* squares;
+  float per_pixel;  // one over the pixels of a window
+};
+
 FLOORLOC_WIDE_VECTORS
-void NormalizeRow(const float* __restrict in, const float* __restrict sum, const float* __restrict squares,
-                  float per_pixel, int width, std::uint8_t* __restrict out) {
+void NormalizeRow(const float* __restrict in, const WindowSums& sums, int width, std::uint8_t* __restrict out) {
+  const float* __restrict sum = sums.levels;
+  const float* __restrict squares = sums.squares;
+  const float per_pixel = sums.per_pixel;
   for (int u = 0; u < width; ++u) {
     const float mean = sum[u] * per_pixel;
     const float variance = std::max(squares[u] * per_pixel - mean * mean, kMinDeviation * kMinDeviation);
@@ -145,7 +154,7 @@ cv::Mat NormalizeContrast(const cv::Mat& gray, const cv::Mat& mask, const Contra
   }
   const float per_pixel = 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1));
   for (int v = 0; v < height; ++v) {
-    NormalizeRow(levels.ptr<float>(v), sum.data(), squares.data(), per_pixel, width, normalized.ptr<std::uint8_t>(v));
+    NormalizeRow(levels.ptr<float>(v), {sum.data(), squares.data(), per_pixel}, width, normalized.ptr<std::uint8_t>(v));
     const int entering_row = Mirror(v + radius + 1, height);
     const int leaving_row = Mirror(v - radius, height);
     AddDifference(row_sums.ptr<float>(entering_row), row_sums.ptr<float>(leaving_row), width, sum.data());

@@ -155,7 +155,7 @@ void GuidedMatcher::CollectRun(const Window& window, int begin, int end, std::ve
     std::size_t size = candidates->size();
     candidates->resize(size + static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
-      (*candidates)[size] = entries_.index[static_cast<std::size_t>(first + i)];
+      (*candidates)[size] = entries_.index[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)];
       size += static_cast<std::size_t>(accepted[static_cast<std::size_t>(i)]);
     }
     candidates->resize(size);

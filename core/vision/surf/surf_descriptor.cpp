@@ -29,7 +29,8 @@ using Weights = std::array<std::array<float, kCells>, kFields>;
 Weights MakeWeights() {
   Weights weights{};
   for (int field = 0; field < kFields; ++field) {
-    const float middle = (static_cast<float>(field) - 0.5F * (kFields - 1)) * (kCells / kFields);
+    constexpr int kCellsPerField = kCells / kFields;
+    const float middle = (static_cast<float>(field) - 0.5F * (kFields - 1)) * kCellsPerField;
     const float of_field = std::exp(-middle * middle / (2.0F * kWindowSigma * kWindowSigma));
     for (int i = 0; i < kCells; ++i) {
       const float u = static_cast<float>(i) - 0.5F * (kCells - 1) - middle;

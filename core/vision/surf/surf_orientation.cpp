@@ -30,7 +30,8 @@ Disc MakeDisc() {
   for (int y = 1 - kRadius; y < kRadius; ++y) {
     for (int x = 1 - kRadius; x < kRadius; ++x) {
       if (x * x + y * y < kRadius * kRadius) {
-        disc.node[n] = static_cast<std::size_t>((y + kRadius) * kNodes + x + kRadius);
+        const int node = (y + kRadius) * kNodes + x + kRadius;
+        disc.node[n] = static_cast<std::size_t>(node);
         disc.weight[n] = std::exp(-static_cast<float>(x * x + y * y) / (2.0F * kSigma * kSigma));
         ++n;
       }
