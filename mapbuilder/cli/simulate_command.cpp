@@ -39,6 +39,8 @@ struct Arguments {
   std::optional<double> odometry_rate, imu_rate, speed_variation;
   std::optional<double> blur_px, shadow, lamps, noise, rolling_shutter_s;
   std::optional<int> jpeg_quality;
+  std::string overlay;
+  double overlay_share = 0.05;
   bool json = false;
 };
 
@@ -72,6 +74,11 @@ ConditionLevels ChooseConditions(const Arguments& arguments) {
   levels.read_noise = arguments.noise.value_or(levels.read_noise);
   levels.readout_s = arguments.rolling_shutter_s.value_or(levels.readout_s);
   levels.jpeg_quality = arguments.jpeg_quality.value_or(levels.jpeg_quality);
+  levels.overlay = arguments.options.conditions.overlay;
+  if (!arguments.overlay.empty()) {
+    levels.overlay.kind = ParseOverlayKind(arguments.overlay);
+    levels.overlay.share = arguments.overlay_share;
+  }
   return levels;
 }
 
@@ -208,6 +215,24 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--jpeg-quality", a.jpeg_quality, "1 to 100, instead of the condition's");
 }
 
+void AddOverlayOptions(CLI::App& command, Arguments& a) {
+  OverlayOptions& overlay = a.options.conditions.overlay;
+  auto* kind = command
+                   .add_option("--overlay", a.overlay,
+                               "What stands still in every image: a textured part of the robot, the camera's time "
+                               "stamp,\na sticker, dirt on the glass, or the pattern of a lamp on the camera")
+                   ->check(CLI::IsMember(OverlayKindNames()));
+  command.add_option("--overlay-share", a.overlay_share, "Share of the image that it covers, 0 to 0.9")
+      ->needs(kind)
+      ->capture_default_str();
+  command.add_option("--overlay-sway", overlay.sway_px, "Standard deviation of its place, pixels, as a cable's")
+      ->needs(kind)
+      ->capture_default_str();
+  command.add_option("--overlay-seed", overlay.seed, "Another number, another look; not changed by --seed")
+      ->needs(kind)
+      ->capture_default_str();
+}
+
 void AddCalibrationOptions(CLI::App& command, Arguments& a) {
   command.add_option(
       "--radial-error", a.radial_error,
@@ -234,6 +259,7 @@ void AddSimulateCommand(CLI::App& app) {
   AddPathOptions(*command, *arguments);
   AddDriveOptions(*command, *arguments);
   AddImageOptions(*command, *arguments);
+  AddOverlayOptions(*command, *arguments);
   AddCalibrationOptions(*command, *arguments);
   command->add_option("--seed", arguments->options.seed, "Seed of everything but the floor")->capture_default_str();
   command->add_option("--threads", arguments->options.run.threads, "Number of threads; 0: one per core")

@@ -157,6 +157,9 @@ CameraRenderer::CameraRenderer(const FloorTexture& floor, const FloorCamera& cam
 
 cv::Mat CameraRenderer::Render(const Pose2& map_from_base, const RenderConditions& conditions) const {
   cv::Mat image = RenderFloor(map_from_base, conditions);
+  if (conditions.overlay) {
+    conditions.overlay->CoverScene(conditions.overlay_shift_px, &image);
+  }
   const cv::Mat light = RenderLight(map_from_base, conditions);
   for (int v = 0; v < image.rows; ++v) {
     auto* pixels = image.ptr<cv::Vec3f>(v);
@@ -172,6 +175,9 @@ cv::Mat CameraRenderer::Render(const Pose2& map_from_base, const RenderCondition
     cv::GaussianBlur(image, image, {}, conditions.defocus_px);
   }
   AddNoise(image, conditions);
+  if (conditions.overlay) {
+    conditions.overlay->BurnIn(conditions.time_s, &image);
+  }
   cv::Mat raw;
   image.convertTo(raw, CV_8UC3);
   return raw;

@@ -116,6 +116,7 @@ void ConditionLevels::Check() const {
   RequireOption(vibration_pitch_rad >= 0.0 && vibration_pitch_rad <= 0.1, "pitch vibration must be 0 to 0.1 rad");
   RequireOption(vibration_roll_rad >= 0.0 && vibration_roll_rad <= 0.1, "roll vibration must be 0 to 0.1 rad");
   RequireOption(vibration_height_m >= 0.0 && vibration_height_m <= 0.05, "height vibration must be 0 to 0.05 m");
+  overlay.Check();
 }
 
 ConditionSampler::ConditionSampler(const ConditionLevels& levels, const FloorTexture& floor, const FloorCamera& camera,
@@ -126,6 +127,10 @@ ConditionSampler::ConditionSampler(const ConditionLevels& levels, const FloorTex
       px_per_m_(1.0 / camera.floor.resolution_m),
       seed_(seed) {
   levels_.Check();
+  if (levels_.overlay.share > 0.0) {
+    overlay_ = std::make_shared<const CameraOverlay>(levels_.overlay,
+                                                     cv::Size(camera.camera.width_px, camera.camera.height_px));
+  }
 }
 
 RenderConditions ConditionSampler::Sample(std::uint64_t index, double time_s, const Eigen::Vector3d& twist) const {
@@ -154,6 +159,13 @@ RenderConditions ConditionSampler::Sample(std::uint64_t index, double time_s, co
   c.vibration = {rng.gaussian(levels_.vibration_pitch_rad), rng.gaussian(levels_.vibration_roll_rad),
                  rng.gaussian(levels_.vibration_height_m)};
   c.noise_seed = DeriveSeed(seed_, 1000000 + index);
+  c.time_s = time_s;
+  c.overlay = overlay_;
+  if (overlay_ && levels_.overlay.sway_px > 0.0) {
+    cv::RNG sway(DeriveSeed(seed_, 2000000 + index));
+    c.overlay_shift_px.x() = sway.gaussian(levels_.overlay.sway_px);
+    c.overlay_shift_px.y() = sway.gaussian(levels_.overlay.sway_px);
+  }
   return c;
 }
 

@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "mapbuilder/simulation/camera_overlay.h"
 #include "mapbuilder/simulation/floor_texture.h"
 #include "mapbuilder/simulation/simulated_camera.h"
 
@@ -47,6 +49,9 @@ struct RenderConditions {
   double shot_noise = 0.0;  ///< variance per grey value
   CameraVibration vibration;
   std::uint64_t noise_seed = 0;
+  std::shared_ptr<const CameraOverlay> overlay;  ///< of the image's size; none: nothing but floor is in view
+  Eigen::Vector2d overlay_shift_px = Eigen::Vector2d::Zero();
+  double time_s = 0.0;  ///< since the recording's start: what a time stamp in the image shows
 };
 
 /// Pose in the middle of a row's exposure; map_from_base is that of the image, which its middle row has.
@@ -74,6 +79,7 @@ struct ConditionLevels {
   double vibration_pitch_rad = 0.0;  ///< standard deviations
   double vibration_roll_rad = 0.0;
   double vibration_height_m = 0.0;
+  OverlayOptions overlay = {};
 
   /// Levels named "clean", "mild" or "hard"; throws std::invalid_argument for any other name.
   static ConditionLevels FromName(const std::string& name);
@@ -95,6 +101,7 @@ class ConditionSampler {
 
   ConditionLevels levels_;
   std::vector<Lamp> lamps_;
+  std::shared_ptr<const CameraOverlay> overlay_;
   Eigen::Vector2d view_center_m_;
   double px_per_m_;
   std::uint64_t seed_;

@@ -104,11 +104,17 @@ GrayRenderer::GrayRenderer(const FloorCamera& camera) : camera_(camera) {
 cv::Mat GrayRenderer::Render(const GrayFloor& floor, const Pose2& map_from_base, const RenderConditions& conditions,
                              int jpeg_quality) const {
   cv::Mat image = RenderFloor(floor, map_from_base, conditions);
+  if (conditions.overlay) {
+    conditions.overlay->CoverScene(conditions.overlay_shift_px, &image);
+  }
   image = image.mul(RenderLight(map_from_base, conditions)) + conditions.bias;
   if (conditions.defocus_px > 0.0) {
     cv::GaussianBlur(image, image, {}, conditions.defocus_px);
   }
   AddNoise(image, conditions);
+  if (conditions.overlay) {
+    conditions.overlay->BurnIn(conditions.time_s, &image);
+  }
   cv::Mat raw;
   image.convertTo(raw, CV_8UC1);
   return ThroughJpeg(raw, jpeg_quality);
