@@ -74,10 +74,10 @@ cv::Mat PartLook(const cv::Mat& region, std::uint64_t seed) {
   constexpr double kResolutionM = 0.0007;
   const cv::Rect bounds = cv::boundingRect(region);
   cv::Mat gray;
-  cv::cvtColor(PaintProceduralFloor("carpet", {bounds.size(), kResolutionM}, seed), gray, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(PaintProceduralFloor("concrete", {bounds.size(), kResolutionM}, seed), gray, cv::COLOR_BGR2GRAY);
   gray.convertTo(gray, CV_32FC1);
   cv::Mat look(region.size(), CV_32FC1, cv::Scalar::all(0.0));
-  cv::Mat(1.6 * (gray - cv::mean(gray)) + cv::Scalar::all(120.0)).copyTo(look(bounds));
+  cv::Mat(2.0 * (gray - cv::mean(gray)) + cv::Scalar::all(130.0)).copyTo(look(bounds));
   return look;
 }
 
