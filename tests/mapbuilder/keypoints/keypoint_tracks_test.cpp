@@ -46,7 +46,7 @@ TEST_P(KeypointTracksTest, EveryViewOfAPointIsInItsTrack) {
     EXPECT_TRUE(std::is_sorted(tracks[t].views.begin(), tracks[t].views.end()));
   }
   std::size_t keypoints = 0;
-  for (const std::size_t placed : {0, 2, 3}) {
+  for (const std::size_t placed : {0U, 2U, 3U}) {
     keypoints += frames[placed].features.keypoints.size();
   }
   EXPECT_EQ(views.size(), keypoints);
@@ -104,7 +104,10 @@ TEST(KeypointTracksTest, TheMostSimilarViewJoins) {
   const BuildFrame one = floor.Observe(pose, 0.0);
   BuildFrame duplicate = floor.Observe(pose, 0.0);
   duplicate.features.descriptors = duplicate.features.descriptors.clone();
-  duplicate.features.descriptors.at<std::uint64_t>(0, 0) ^= 0xFFFFF;  // 20 bits
+  auto* const bytes = duplicate.features.descriptors.ptr<std::uint8_t>(0);
+  for (const int i : {0, 1}) {
+    bytes[i] = static_cast<std::uint8_t>(~bytes[i]);  // 16 bits
+  }
   BuildFrame both = one;
   both.features.keypoints.push_back(duplicate.features.keypoints[0]);
   cv::vconcat(one.features.descriptors, duplicate.features.descriptors, both.features.descriptors);

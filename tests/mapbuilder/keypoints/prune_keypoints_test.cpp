@@ -87,7 +87,8 @@ TEST(PruneKeypointsTest, PartsOfCellsGetPartsOfTheBudget) {
   const CoverageGrid coverage({Pose2()}, {RectM{0.0, 0.12, 0.0, 0.1}});
   std::vector<Eigen::Vector2d> points;
   for (int i = 0; i < 1200; ++i) {
-    points.emplace_back(i % 40 * 0.003 + 0.001, i / 40 * 0.1 / 30.0 + 0.001);
+    const int row = i / 40;
+    points.emplace_back(i % 40 * 0.003 + 0.001, row * 0.1 / 30.0 + 0.001);
   }
   const auto chosen = ChooseEvenly(points, std::vector<double>(points.size(), 1.0), coverage, Budget(10000.0));
   const auto in_edge = std::count_if(chosen.begin(), chosen.end(),

@@ -29,7 +29,6 @@ using ::testing::Contains;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 constexpr double kMarkerM = 0.04;
 constexpr double kRimM = 0.01;
@@ -88,8 +87,9 @@ void WriteSurvey(const fs::path& folder) {
         << std::cos(0.5 * p.yaw()) << "\n";
   };
   for (int i = 0; i < 18; ++i) {
-    const double x = 0.25 + 0.14 * (i / 3);
-    const double y = 0.25 + 0.2 * (i / 3 % 2 == 0 ? i % 3 : 2 - i % 3);
+    const int strip = i / 3;
+    const double x = 0.25 + 0.14 * strip;
+    const double y = 0.25 + 0.2 * (strip % 2 == 0 ? i % 3 : 2 - i % 3);
     const Eigen::Vector2d center = camera.floor.roi.Center();
     const Pose2 pose = Pose2(x, y, 0.03 * i) * Pose2(-center.x(), -center.y(), 0.0);
     const std::string name = "images/" + std::to_string(100 + i) + ".png";

@@ -14,7 +14,6 @@ namespace floorloc {
 namespace {
 
 using testing_vision::AngleBetween;
-using testing_vision::Blob;
 using testing_vision::DrawBlobs;
 using testing_vision::InThreads;
 using testing_vision::MakeTexture;
