@@ -64,9 +64,11 @@ class PropagationStep {
 
  private:
   MotionModel ChooseModel() {
-    if (interval_.wheels) {
-      raw_ = record_.wheels.Between(interval_.from_ns, interval_.to_ns);
-      return FromWheels(raw_);
+    const TrackMotion said = record_.wheels.Between(interval_.from_ns, interval_.to_ns);
+    if (TrustsWheels()) {
+      raw_ = said;
+      odom_motion_ = said.motion;
+      return FromWheels(said);
     }
     MotionModel model = interval_.imu ? FromImu() : FromMotionPrior();
     if (interval_.vision) {
@@ -76,8 +78,11 @@ class PropagationStep {
       raw_.path_m = model.motion.translation().norm();
       raw_.turn_rad = std::abs(model.motion.yaw());
     }
+    odom_motion_ = interval_.wheels ? said.motion : raw_.motion;
     return model;
   }
+
+  bool TrustsWheels() const { return interval_.wheels && record_.trust_wheels; }
 
   Eigen::Matrix3d StandstillNoise() const {
     const OdometryNoise& o = options_.odometry;
@@ -148,7 +153,7 @@ class PropagationStep {
   }
 
   void CorrectByImu() {
-    if (interval_.imu && interval_.wheels) {
+    if (interval_.imu && TrustsWheels()) {
       CorrectByGyro();
       CorrectByAccelerometer();
     }
@@ -215,7 +220,7 @@ class PropagationStep {
     state_.covariance.diagonal() += noise;
     state_.covariance = 0.5 * (state_.covariance + state_.covariance.transpose()).eval();
     state_.map_from_base = state_.map_from_base * motion_;
-    state_.odom_from_base = state_.odom_from_base * raw_.motion;
+    state_.odom_from_base = state_.odom_from_base * odom_motion_;
     state_.path_m += raw_.path_m;
     state_.turn_rad += raw_.turn_rad;
     state_.stamp_ns = interval_.to_ns;
@@ -241,14 +246,19 @@ class PropagationStep {
       jacobian->block<2, 2>(kVelocity, kAccelerationBias) = to_end * imu_.velocity_by_bias;
       jacobian->block<2, 1>(kVelocity, kMotion + 2) = -Rotate90(state_.velocity_m_s);
       noise->segment<2>(kVelocity).setConstant(Square(options_.imu.accelerometer) * dt_);
-    } else if (interval_.wheels || interval_.vision) {
+    } else if (TrustsWheels() || interval_.vision) {
       state_.velocity_m_s = to_end * motion_.translation() / dt_;
       jacobian->block<2, 2>(kVelocity, kMotion) = Eigen::Matrix2d::Identity() / dt_;
       jacobian->block<2, 1>(kVelocity, kMotion + 2) = -Rotate90(state_.velocity_m_s);
       noise->segment<2>(kVelocity).setConstant(Square(0.5 * options_.motion_prior.acceleration_m_s2 * dt_));
     } else if (dt_ <= options_.motion_prior.coast_s) {
-      jacobian->block<2, 2>(kVelocity, kVelocity).setIdentity();
-      noise->segment<2>(kVelocity).setConstant(Square(options_.motion_prior.acceleration_m_s2 * dt_));
+      const double kept = std::exp(-dt_ / options_.motion_prior.forget_s);
+      state_.velocity_m_s *= kept;
+      jacobian->block<2, 2>(kVelocity, kVelocity) = kept * Eigen::Matrix2d::Identity();
+      // Accelerations are those of coast_s each, so that the noise does not depend on how an interval is cut.
+      noise->segment<2>(kVelocity).setConstant(Square(options_.motion_prior.acceleration_m_s2) *
+                                                   options_.motion_prior.coast_s * dt_ +
+                                               (1.0 - kept * kept) * Square(options_.motion_prior.speed_m_s));
     } else {
       state_.velocity_m_s.setZero();
       noise->segment<2>(kVelocity).setConstant(Square(options_.motion_prior.speed_m_s));
@@ -261,7 +271,8 @@ class PropagationStep {
   const double dt_;
   FilterState& state_;
   ImuMotion imu_;
-  TrackMotion raw_;            // as measured, for the odom frame
+  TrackMotion raw_;            // as measured by what is trusted
+  Pose2 odom_motion_;          // as wheels say, trusted or not, for the odom frame
   Pose2 motion_;               // as estimated
   bool contradicted_ = false;  // wheels and IMU contradict each other: slip, or a knock
   AugmentedCovariance covariance_ = AugmentedCovariance::Zero();

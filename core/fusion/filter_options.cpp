@@ -41,6 +41,34 @@ void KidnapOptions::Check() const {
                    {"kidnap.max_age_s", max_age_s}});
 }
 
+void OdometryMonitorOptions::Check() const {
+  RequirePositive({{"monitor.max_speed_m_s", max_speed_m_s},
+                   {"monitor.max_yaw_rate_rad_s", max_yaw_rate_rad_s},
+                   {"monitor.max_acceleration_m_s2", max_acceleration_m_s2},
+                   {"monitor.max_acceleration_rad_s2", max_acceleration_rad_s2},
+                   {"monitor.min_motion_m", min_motion_m},
+                   {"monitor.min_motion_rad", min_motion_rad},
+                   {"monitor.tolerance_m", tolerance_m},
+                   {"monitor.tolerance_rad", tolerance_rad},
+                   {"monitor.tolerance_scale", tolerance_scale},
+                   {"monitor.tolerance_yaw_scale", tolerance_yaw_scale},
+                   {"monitor.tolerance_rad_per_m", tolerance_rad_per_m},
+                   {"monitor.window_s", window_s},
+                   {"monitor.max_offset_s", max_offset_s},
+                   {"monitor.clock_sigma_m", clock_sigma_m},
+                   {"monitor.clock_sigma_rad", clock_sigma_rad},
+                   {"monitor.clock_sigma_share", clock_sigma_share},
+                   {"monitor.clock_interval_s", clock_interval_s},
+                   {"monitor.clock_min_gain", clock_min_gain},
+                   {"monitor.clock_max_misfit", clock_max_misfit},
+                   {"monitor.clock_max_left", clock_max_left}});
+  RequireOption(contradiction > 1.0, "monitor.contradiction must be more than 1");
+  RequireOption(fixes >= 3, "monitor.fixes must be at least 3");
+  RequireOption(named_intervals >= 2, "monitor.named_intervals must be at least 2");
+  RequireOption(intervals_to_trust >= 1, "monitor.intervals_to_trust must be at least 1");
+  RequireOption(clock_min_intervals >= 3, "monitor.clock_min_intervals must be at least 3");
+}
+
 void PoseFilterOptions::Check() const {
   RequireNotNegative({{"odometry.scale", odometry.scale},
                       {"odometry.yaw_scale", odometry.yaw_scale},
@@ -71,6 +99,7 @@ void PoseFilterOptions::Check() const {
                    {"motion_prior.speed_m_s", motion_prior.speed_m_s},
                    {"motion_prior.yaw_rate_rad_s", motion_prior.yaw_rate_rad_s},
                    {"motion_prior.coast_s", motion_prior.coast_s},
+                   {"motion_prior.forget_s", motion_prior.forget_s},
                    {"gates.max_distance_m", gates.max_distance_m},
                    {"gates.max_angle_rad", gates.max_angle_rad},
                    {"gates.sigmas", gates.sigmas},
@@ -82,6 +111,7 @@ void PoseFilterOptions::Check() const {
                    {"limits.lost_rad", limits.lost_rad},
                    {"history_s", history_s}});
   kidnap.Check();
+  monitor.Check();
   RequireOption(clock_jump_messages >= 1, "clock_jump_messages must be at least 1");
   RequireOption(max_messages >= 16, "max_messages must be at least 16");
 }

@@ -56,7 +56,8 @@ struct MotionPrior {
   double acceleration_m_s2 = 1.0;  ///< standard deviation of the acceleration
   double speed_m_s = 0.5;
   double yaw_rate_rad_s = 0.5;
-  double coast_s = 0.5;  ///< its velocity is assumed constant for this long
+  double coast_s = 0.5;   ///< its velocity is assumed constant for this long
+  double forget_s = 1.5;  ///< time constant with which a velocity that is not measured is forgotten
 };
 
 /// Which fixes are accepted.
@@ -83,6 +84,44 @@ struct KidnapOptions {
   void Check() const;
 };
 
+/// How wheel odometry is judged by the fixes. Defaults are for vehicles in halls; what each does to a faulty and to a
+/// right odometry is measured by `./run bench fusion --faults`.
+struct OdometryMonitorOptions {
+  bool enabled = true;  ///< false: wheels are believed whatever the fixes say
+  /// What a vehicle can do; a fix beyond it is wrong, or the vehicle was carried away. As PlanarOdometryOptions.
+  double max_speed_m_s = 3.0;
+  double max_yaw_rate_rad_s = 6.0;
+  /// What it does while there is no odometry yet; industrial trucks brake with 1 to 2 m/s^2 (ISO 3691-4).
+  double max_acceleration_m_s2 = 2.0;
+  double max_acceleration_rad_s2 = 4.0;
+  double min_motion_m = 0.15;  ///< by fixes or wheels, before a fix is compared with the one before
+  double min_motion_rad = 0.1;
+  /// Wheels that are off by less are right, and the filter learns what they are off by.
+  double tolerance_m = 0.01;
+  double tolerance_rad = 0.01;
+  double tolerance_scale = 0.10;      ///< of distances
+  double tolerance_yaw_scale = 0.05;  ///< of turns
+  double tolerance_rad_per_m = 0.05;
+  double contradiction = 2.5;  ///< times the tolerance: between once and this, an interval says nothing
+  int fixes = 4;               ///< of which no two agree through the wheels: rejected
+  int named_intervals = 2;     ///< that a known fault explains, and right wheels don't: rejected
+  int intervals_to_trust = 3;  ///< that the fault does not explain, and right wheels do: trusted again
+  double window_s = 30.0;      ///< what is older is forgotten
+  double max_offset_s = 0.5;   ///< between the clocks of wheels and images; more is not compensated
+  /// Residuals of right wheels with right stamps.
+  double clock_sigma_m = 0.002;
+  double clock_sigma_rad = 0.003;
+  double clock_sigma_share = 0.015;
+  double clock_interval_s = 0.6;  ///< between the fixes whose motion is compared
+  int clock_min_intervals = 6;    ///< between fixes, before the clocks are compared
+  double clock_min_gain = 25.0;   ///< of the squared residuals, before the offset is changed; as the Mahalanobis gate
+  double clock_max_misfit = 4.0;  ///< of an interval's squared residuals at the offset found; 3 is exact
+  double clock_max_left = 0.4;    ///< share of the squared residuals that the offset leaves
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
+};
+
 /// Classes of accuracy of a pose; standard deviations.
 struct FilterLimits {
   double localized_m = 0.01;
@@ -100,6 +139,7 @@ struct PoseFilterOptions {
   MotionPrior motion_prior;
   FixGates gates;
   KidnapOptions kidnap;
+  OdometryMonitorOptions monitor;
   FilterLimits limits;
   /// Where images or IMU contradict the wheels by more than this (Mahalanobis, squared), the wheels slip.
   double max_slip_mahalanobis_squared = 25.0;

@@ -13,6 +13,10 @@ namespace {
 // After a shorter path since the last fix the innovation hardly depends on the noise of the wheels.
 constexpr double kMinPathM = 0.005;
 
+// One innovation in 25 is smaller. Noise that was raised after a contradiction falls faster than it adapts.
+constexpr double kFarTooSmall = 0.3;
+constexpr int kFasterDown = 3;
+
 FixRejection FirstFailedGate(const FixOutcome& fix, double p_wrong, const FilterState& predicted,
                              const FixGates& gates) {
   const double position_sigma_m = LargestSigma(predicted.covariance.topLeftCorner<2, 2>());
@@ -57,9 +61,13 @@ FixOutcome GateFix(const PoseFix& fix, const FilterState& predicted, const FixGa
 }
 
 void AdaptWheelNoise(const PoseFix& fix, const NoiseAdaptation& adaptation, FilterState* predicted) {
-  if (predicted->path_m >= kMinPathM) {
-    predicted->wheel_noise_factor =
-        AdaptNoiseFactor(predicted->wheel_noise_factor, MahalanobisOf(fix, *predicted), adaptation);
+  if (predicted->path_m < kMinPathM) {
+    return;
+  }
+  const double mahalanobis_squared = MahalanobisOf(fix, *predicted);
+  const bool was_raised = predicted->wheel_noise_factor > 1.0 && mahalanobis_squared < kFarTooSmall;
+  for (int i = 0; i < (was_raised ? kFasterDown : 1); ++i) {
+    predicted->wheel_noise_factor = AdaptNoiseFactor(predicted->wheel_noise_factor, mahalanobis_squared, adaptation);
   }
 }
 

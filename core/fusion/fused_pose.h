@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/fusion/odometry_trust.h"
 #include "core/geometry/pose2.h"
 
 namespace floorloc {
@@ -13,7 +14,8 @@ namespace floorloc {
 enum class TrackingState {
   kLocalized,         ///< the last image agreed, and the pose is good to FilterLimits::localized_*
   kTrackingOdometry,  ///< propagated by odometry since the last fix
-  kLost,              ///< uncertain by more than FilterLimits::lost_*, or contradicted by several images that agree
+  /// Uncertain by more than FilterLimits::lost_*, or contradicted by several images, that agree or not.
+  kLost,
 };
 /// "localized", "tracking_odometry", "lost"
 const char* ToString(TrackingState state);
@@ -33,9 +35,10 @@ struct FusedPose {
   Pose2 map_from_odom;
   Pose2 odom_from_base;  ///< sum of the increments; identity at the first message
   TrackingState state = TrackingState::kLost;
-  bool contradicted = false;          ///< the last fix contradicts it
-  std::optional<SinceFix> since_fix;  ///< empty before the first fix
-  double wheel_noise_factor = 1.0;    ///< variance of the wheels' noise against what OdometryNoise says, as learnt
+  bool contradicted = false;              ///< the last fix contradicts it
+  std::optional<SinceFix> since_fix;      ///< empty before the first fix
+  std::optional<OdometryTrust> odometry;  ///< empty without wheel odometry
+  double wheel_noise_factor = 1.0;        ///< variance of the wheels' noise against what OdometryNoise says, as learnt
 };
 
 /// Why a fix was not used.

@@ -65,6 +65,13 @@ void MotionTrack::DropBefore(std::int64_t stamp_ns) {
 
 void MotionTrack::DropOldest() { increments_.pop_front(); }
 
+void MotionTrack::Shift(std::int64_t by_ns) {
+  for (MotionIncrement& increment : increments_) {
+    increment.from_ns += by_ns;
+    increment.to_ns += by_ns;
+  }
+}
+
 std::int64_t MotionTrack::CoveredUntil(std::int64_t from_ns, std::int64_t limit_ns) const {
   std::int64_t covered = from_ns;
   for (auto i = FirstEndingAfter(from_ns); i != increments_.end() && i->from_ns <= covered && covered < limit_ns; ++i) {

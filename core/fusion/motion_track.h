@@ -27,6 +27,8 @@ class MotionTrack {
   void DropBefore(std::int64_t stamp_ns);
   void DropOldest();
   void Clear() { increments_.clear(); }
+  /// Moves all increments in time.
+  void Shift(std::int64_t by_ns);
 
   bool empty() const { return increments_.empty(); }
   std::size_t size() const { return increments_.size(); }

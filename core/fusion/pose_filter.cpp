@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/fusion/fix_gate.h"
+#include "core/fusion/sensor_reset.h"
 #include "core/fusion/visual_correction.h"
 
 namespace floorloc {
@@ -27,25 +28,10 @@ const PoseFilterOptions& Checked(const PoseFilterOptions& options) {
   return options;
 }
 
-FilterState InitialState(std::int64_t stamp_ns, const PoseFilterOptions& options) {
-  using namespace error_row;  // NOLINT: rows are named all over this function
-  FilterState state;
-  state.stamp_ns = stamp_ns;
-  auto variance = state.covariance.diagonal();
-  variance.segment<2>(kVelocity).setConstant(Square(options.motion_prior.speed_m_s));
-  variance(kGyroBias) = Square(options.imu.gyro_bias);
-  variance.segment<2>(kAccelerationBias).setConstant(Square(options.imu.accelerometer_bias));
-  variance(kOdometryScale) = Square(options.odometry.scale);
-  variance(kOdometryYawScale) = Square(options.odometry.yaw_scale);
-  variance(kOdometryDrift) = Square(options.odometry.drift_rad_per_m);
-  variance(kVisionScale) = Square(options.vision.scale);
-  variance.segment<3>(kFixBias) = FixBiasVariance(options.shared_fix);
-  return state;
-}
-
 }  // namespace
 
-PoseFilter::PoseFilter(const PoseFilterOptions& options) : options_(Checked(options)), kidnap_(options.kidnap) {}
+PoseFilter::PoseFilter(const PoseFilterOptions& options)
+    : options_(Checked(options)), kidnap_(options.kidnap), monitor_(options.monitor), doubt_(options.monitor) {}
 
 bool PoseFilter::IsBeforeHistory(std::int64_t stamp_ns) const {
   return newest_ns_ && stamp_ns < *newest_ns_ - ToNs(options_.history_s);
@@ -88,9 +74,11 @@ void PoseFilter::Start(std::int64_t stamp_ns) {
 // Clock jump of the sender: keeps the estimate, restamped, and drops the history.
 void PoseFilter::RestartAt(std::int64_t stamp_ns) {
   FilterState state = StateAt(*newest_ns_);
-  record_ = {};
+  record_.Clear();
   checkpoints_.clear();
   kidnap_.Clear();
+  monitor_.Clear();
+  doubt_.Settle(std::nullopt);
   last_fix_ns_.reset();
   last_frame_agreed_ = false;
   newest_ns_ = stamp_ns;
@@ -125,13 +113,25 @@ MessageOutcome PoseFilter::AddTo(Track* track, const Message& message, std::int6
 }
 
 MessageOutcome PoseFilter::AddIncrement(MotionSource source, const MotionIncrement& increment) {
-  MotionTrack& track = source == MotionSource::kWheels ? record_.wheels : record_.vision;
-  const MessageOutcome outcome = AddTo(&track, increment, increment.from_ns, increment.to_ns);
+  const bool wheels = source == MotionSource::kWheels;
+  const MotionIncrement placed = wheels ? WithRightStamp(increment) : increment;
+  const MessageOutcome outcome =
+      AddTo(wheels ? &record_.wheels : &record_.vision, placed, placed.from_ns, placed.to_ns);
   const bool used = outcome == MessageOutcome::kUsed || outcome == MessageOutcome::kUsedLate;
-  if (used && source == MotionSource::kVision) {
+  if (wheels && (used || outcome == MessageOutcome::kClockJump)) {
+    monitor_.AddWheels(increment);
+  } else if (used) {
     AddVision(increment);
   }
   return outcome;
+}
+
+// The wheels' stamp by the clock of the images.
+MotionIncrement PoseFilter::WithRightStamp(const MotionIncrement& increment) const {
+  MotionIncrement placed = increment;
+  placed.from_ns -= monitor_.offset_ns();
+  placed.to_ns -= monitor_.offset_ns();
+  return placed;
 }
 
 // Corrects the state at the image's time and repropagates the states after it.
@@ -219,9 +219,14 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
     outcome.reason = FixRejection::kDuplicate;
     return outcome;
   }
+  const bool rejects_wheels = fix.p_wrong <= options_.gates.max_p_wrong && JudgeOdometry(fix);
   const FilterState predicted = StateAt(fix.stamp_ns);
   outcome = GateFix(fix, predicted, options_.gates);
   Advance(fix.stamp_ns);
+  doubt_.Note(fix, outcome);
+  if (rejects_wheels && has_pose_) {
+    return AnchorWithFreshSensors(fix, checkpoints_.front().state);  // from before the fault, if the history is
+  }
   if (outcome.reason != FixRejection::kWrongFixRisk && (!has_pose_ || IsLost(predicted))) {
     return Anchor(fix);
   }
@@ -229,6 +234,22 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
     Insert(fix, outcome);
   }
   return outcome.accepted ? Accept(fix, outcome) : Reject(fix, outcome);
+}
+
+// Returns true when the wheels are rejected from this fix on.
+bool PoseFilter::JudgeOdometry(const PoseFix& fix) {
+  if (!options_.monitor.enabled) {
+    return false;
+  }
+  const bool trusted = monitor_.Trusted();
+  const std::int64_t offset_ns = monitor_.offset_ns();
+  monitor_.AddFix(fix);
+  if (monitor_.offset_ns() != offset_ns) {
+    record_.wheels.Shift(offset_ns - monitor_.offset_ns());
+    RepropagateFrom(0);
+  }
+  record_.trust_wheels = record_.trust_wheels && monitor_.Trusted();  // trusted again when the pose is right
+  return trusted && !monitor_.Trusted();
 }
 
 // Inserts a fix at its time and repropagates the states after it.
@@ -244,6 +265,7 @@ void PoseFilter::Insert(const PoseFix& fix, const FixOutcome& outcome) {
 
 FixOutcome PoseFilter::Accept(const PoseFix& fix, const FixOutcome& outcome) {
   kidnap_.Clear();
+  record_.trust_wheels = monitor_.Trusted();
   last_fix_ns_ = std::max(last_fix_ns_.value_or(fix.stamp_ns), fix.stamp_ns);
   last_frame_agreed_ = true;
   return outcome;
@@ -264,8 +286,34 @@ FixOutcome PoseFilter::Reject(const PoseFix& fix, FixOutcome outcome) {
                           std::sqrt(moved.covariance(2, 2))};
   };
   const KidnapOptions& kidnap = options_.kidnap;
-  const int needed = outcome.reason == FixRejection::kMahalanobis ? kidnap.near_fixes : kidnap.fixes;
-  return kidnap_.AddContradiction(fix, motion) >= needed ? Anchor(fix) : outcome;
+  const bool near = outcome.reason == FixRejection::kMahalanobis;
+  const bool suspect = options_.monitor.enabled && doubt_.IsSuspect() && doubt_.Previous();
+  const FilterState learnt = doubt_.IsRestless() || suspect ? InitialState(fix.stamp_ns, options_) : sensors;
+  if (kidnap_.AddContradiction(fix, motion) >= (near ? kidnap.near_fixes : kidnap.fixes)) {
+    return options_.monitor.enabled && doubt_.IsRestless() ? AnchorWithFreshSensors(fix, learnt) : Anchor(fix);
+  }
+  // Without wheels the prediction is a guess: a fix that the vehicle can have reached is better.
+  const bool reached = !record_.trust_wheels && doubt_.IsReachable();
+  return (suspect && near) || reached ? AnchorWithFreshSensors(fix, learnt) : outcome;
+}
+
+// Resets the pose to the fix where motion sensors contradict the fixes: the velocity is that of the fixes, the biases
+// of the IMU are those of `imu`, and the wheels' noise is what the contradiction shows.
+FixOutcome PoseFilter::AnchorWithFreshSensors(const PoseFix& fix, const FilterState& imu) {
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): it may be of the history, which is dropped below
+  const FilterState imu_state = imu;
+  const FilterState initial = InitialState(fix.stamp_ns, options_);
+  const FilterState predicted = StateAt(fix.stamp_ns);
+  const double off_m = predicted.map_from_base.Between(fix.map_from_base).translation().norm();
+  const std::optional<PoseFix> previous = doubt_.Previous();
+  const FixOutcome outcome = Anchor(fix);
+  FilterState* state = &checkpoints_.front().state;
+  ForgetSensors(initial, imu_state, record_.trust_wheels ? predicted : initial, state);
+  if (previous) {
+    SetVelocity(*previous, fix, options_.motion_prior, state);
+  }
+  state->wheel_noise_factor = RaisedNoiseFactor(*state, off_m, predicted.path_m, options_);
+  return outcome;
 }
 
 // Resets the pose to the fix; sensor biases are kept.
@@ -280,6 +328,8 @@ FixOutcome PoseFilter::Anchor(const PoseFix& fix) {
   checkpoints_.clear();
   checkpoints_.push_back({state, {}, fix, true});
   kidnap_.Clear();
+  record_.trust_wheels = monitor_.Trusted();
+  doubt_.Settle(fix);
   has_pose_ = true;
   last_fix_ns_ = fix.stamp_ns;
   last_frame_agreed_ = true;
@@ -296,7 +346,8 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   Start(pose.stamp_ns);
   FilterState state = StateAt(std::max(pose.stamp_ns, checkpoints_.front().state.stamp_ns));
   if (IsBeforeHistory(pose.stamp_ns)) {
-    record_ = {};
+    record_.Clear();
+    monitor_.Clear();
     newest_ns_ = pose.stamp_ns;
   }
   state.stamp_ns = pose.stamp_ns;
@@ -305,6 +356,7 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   checkpoints_.clear();
   checkpoints_.push_back({state});
   kidnap_.Clear();
+  doubt_.Settle(std::nullopt);
   has_pose_ = true;
   last_fix_ns_.reset();
   last_frame_agreed_ = false;
@@ -345,11 +397,23 @@ bool PoseFilter::IsLost(const FilterState& state) const {
          std::sqrt(state.covariance(2, 2)) > options_.limits.lost_rad;
 }
 
+OdometryTrust PoseFilter::TrustIn(const FilterState& state) const {
+  OdometryTrust trust = monitor_.Trust();
+  if (trust.health != OdometryHealth::kRejected) {
+    trust.scale = 1.0 + state.odometry_bias.scale;
+    trust.yaw_scale = 1.0 + state.odometry_bias.yaw_scale;
+    trust.health = doubt_.IsSuspect() || doubt_.rejected_in_a_row() > 0 ? OdometryHealth::kSuspect : trust.health;
+  }
+  return trust;
+}
+
 FusedPose PoseFilter::ToFusedPose(const FilterState& state) const {
   FusedPose pose;
   pose.stamp_ns = state.stamp_ns;
   pose.map_from_base = state.map_from_base;
-  pose.covariance = state.MapCovariance();
+  const Eigen::Matrix3d doubt =
+      options_.monitor.enabled ? doubt_.CovarianceAt(state.stamp_ns) : Eigen::Matrix3d::Zero();
+  pose.covariance = state.MapCovariance() + doubt;
   pose.odom_from_base = state.odom_from_base;
   pose.map_from_odom = state.map_from_base * state.odom_from_base.Inverse();
   pose.wheel_noise_factor = state.wheel_noise_factor;
@@ -357,10 +421,14 @@ FusedPose PoseFilter::ToFusedPose(const FilterState& state) const {
   const bool fine = LargestSigma(pose.covariance.topLeftCorner<2, 2>()) <= limits.localized_m &&
                     std::sqrt(pose.covariance(2, 2)) <= limits.localized_rad;
   pose.contradicted = kidnap_.HasContradictions();
-  if (IsLost(state) || kidnap_.HasConsistentContradictions()) {
+  const bool refuted = options_.monitor.enabled && doubt_.rejected_in_a_row() >= options_.kidnap.fixes;
+  if (IsLost(state) || kidnap_.HasConsistentContradictions() || refuted) {
     pose.state = TrackingState::kLost;
   } else {
     pose.state = last_frame_agreed_ && fine ? TrackingState::kLocalized : TrackingState::kTrackingOdometry;
+  }
+  if (!record_.wheels.empty()) {
+    pose.odometry = TrustIn(state);
   }
   if (last_fix_ns_) {
     pose.since_fix = {1e-9 * static_cast<double>(state.stamp_ns - *last_fix_ns_), state.path_m, state.turn_rad};

@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "core/fusion/dead_reckoning.h"
+#include "core/fusion/doubt.h"
 #include "core/fusion/kidnap_detector.h"
+#include "core/fusion/odometry_monitor.h"
 #include "core/fusion/pose_fuser.h"
 
 namespace floorloc {
@@ -56,7 +58,11 @@ class PoseFilter : public PoseFuser {
   FilterState StateAt(std::int64_t stamp_ns) const;
   std::size_t LastCheckpointBefore(std::int64_t stamp_ns) const;
   bool IsLost(const FilterState& state) const;
+  MotionIncrement WithRightStamp(const MotionIncrement& increment) const;
+  bool JudgeOdometry(const PoseFix& fix);
+  FixOutcome AnchorWithFreshSensors(const PoseFix& fix, const FilterState& imu);
   FixOutcome Anchor(const PoseFix& fix);
+  OdometryTrust TrustIn(const FilterState& state) const;
   FixOutcome Accept(const PoseFix& fix, const FixOutcome& outcome);
   FixOutcome Reject(const PoseFix& fix, FixOutcome outcome);
   FusedPose ToFusedPose(const FilterState& state) const;
@@ -65,6 +71,8 @@ class PoseFilter : public PoseFuser {
   MotionRecord record_;
   std::deque<Checkpoint> checkpoints_;  // by time; empty before the first message
   KidnapDetector kidnap_;
+  OdometryMonitor monitor_;
+  Doubt doubt_;
   std::optional<std::int64_t> newest_ns_;
   std::optional<std::int64_t> last_fix_ns_;  // accepted
   bool has_pose_ = false;

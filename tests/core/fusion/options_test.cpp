@@ -17,6 +17,17 @@ TEST(FusionOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("kidnap.max_angle_rad", &KidnapOptions::max_angle_rad, {0.0})
       .Refuses("kidnap.sigmas", &KidnapOptions::sigmas, {-1.0})
       .Refuses("kidnap.max_age_s", &KidnapOptions::max_age_s, {0.0});
+  OptionTable<OdometryMonitorOptions>()
+      .Refuses("monitor.max_speed_m_s", &OdometryMonitorOptions::max_speed_m_s, {0.0})
+      .Refuses("monitor.max_yaw_rate_rad_s", &OdometryMonitorOptions::max_yaw_rate_rad_s, {0.0})
+      .Refuses("monitor.tolerance_scale", &OdometryMonitorOptions::tolerance_scale, {0.0})
+      .Refuses("monitor.contradiction", &OdometryMonitorOptions::contradiction, {1.0})
+      .Refuses("monitor.fixes", &OdometryMonitorOptions::fixes, {2})
+      .Refuses("monitor.named_intervals", &OdometryMonitorOptions::named_intervals, {1})
+      .Refuses("monitor.intervals_to_trust", &OdometryMonitorOptions::intervals_to_trust, {0})
+      .Refuses("monitor.max_offset_s", &OdometryMonitorOptions::max_offset_s, {0.0})
+      .Refuses("monitor.clock_min_intervals", &OdometryMonitorOptions::clock_min_intervals, {2})
+      .Refuses("monitor.clock_max_left", &OdometryMonitorOptions::clock_max_left, {0.0});
   OptionTable<PoseFilterOptions>()
       .Refuses("history_s", &PoseFilterOptions::history_s, {0.0})
       .Refuses("max_slip_mahalanobis_squared", &PoseFilterOptions::max_slip_mahalanobis_squared, {0.0})
@@ -28,6 +39,9 @@ TEST(FusionOptionsTest, WhatIsNestedIsCheckedToo) {
   PoseFilterOptions options;
   options.kidnap.fixes = 0;
   EXPECT_THAT(Diagnostic(options), testing::HasSubstr("kidnap.fixes"));
+  options = {};
+  options.monitor.fixes = 1;
+  EXPECT_THAT(Diagnostic(options), testing::HasSubstr("monitor.fixes"));
   EXPECT_THROW(JumpFilter({0.0, 0.1}), std::invalid_argument);
 }
 
