@@ -11,7 +11,9 @@
 
 #include "core/localization/localizer.h"
 #include "core/map/map_database.h"
+#include "tests/bench/fusion/fault_table.h"
 #include "tests/bench/fusion/fusion_table.h"
+#include "tests/bench/fusion/sensor_fault.h"
 
 namespace floorloc {
 namespace {
@@ -22,6 +24,7 @@ struct Arguments {
   fs::path map;
   std::vector<fs::path> drives;
   int repetitions = 5;
+  bool faults = false;
 };
 
 // Scores one drive under one scenario over several random seeds.
@@ -50,6 +53,33 @@ FusionRow RunScenario(const FusionScenario& scenario, const std::vector<FusionRe
   return row;
 }
 
+FaultRow RunFault(const SensorFault& fault, int keep_every, const std::vector<FusionRecording>& recordings,
+                  const std::vector<FusionVariant>& variants) {
+  constexpr double kImagesPerS = 5.0;  // of the drives
+  FaultRow row{fault.name, kImagesPerS / keep_every, {}};
+  for (const FusionVariant& variant : variants) {
+    FaultScore score;
+    for (const FusionRecording& recording : recordings) {
+      if (recording.kidnaps_ns.empty()) {
+        score.Add(ReplayFault(recording, MakeFaultyMessages(recording, fault, keep_every), variant));
+      }
+    }
+    row.scores.push_back(score);
+  }
+  return row;
+}
+
+void RunFaults(const std::vector<FusionRecording>& recordings) {
+  const std::vector<FusionVariant> variants = AllFaultVariants();
+  std::vector<FaultRow> rows;
+  for (const int keep_every : {1, 5, 25}) {
+    for (const SensorFault& fault : AllSensorFaults()) {
+      rows.push_back(RunFault(fault, keep_every, recordings, variants));
+    }
+  }
+  PrintFaultTable(std::cout, variants, rows);
+}
+
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   const MapDatabase database(arguments.map);
@@ -58,6 +88,10 @@ void Run(const Arguments& arguments) {
   std::vector<FusionRecording> recordings;
   for (const fs::path& drive : arguments.drives) {
     recordings.push_back(ReadFusionRecording(localizer, drive));
+  }
+  if (arguments.faults) {
+    RunFaults(recordings);
+    return;
   }
   const std::vector<FusionVariant> variants = AllFusionVariants();
   std::vector<FusionRow> rows;
@@ -82,6 +116,7 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", arguments.repetitions, "Times a scenario is replayed, with other luck")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  app.add_flag("--faults", arguments.faults, "Instead: what a vehicle is told while its odometry is faulty");
   CLI11_PARSE(app, argc, argv);
   try {
     floorloc::Run(arguments);

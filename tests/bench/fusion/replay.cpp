@@ -12,7 +12,7 @@ struct Deliver {
   const FusionVariant& variant;
 
   void operator()(const MotionMessage& motion) const {
-    if (motion.source == MotionSource::kWheels || variant.uses_visual_motion) {
+    if (motion.source == MotionSource::kWheels ? variant.uses_wheels : variant.uses_visual_motion) {
       fuser.AddIncrement(motion.source, motion.increment);
     }
   }
@@ -34,12 +34,16 @@ std::vector<FusionVariant> AllFusionVariants() {
           {"+ IMU", FusionMethod::kEkf, true, true}};
 }
 
+void DeliverMessage(const FusionMessage& message, const FusionVariant& variant, PoseFuser* fuser) {
+  std::visit(Deliver{*fuser, variant}, message.content);
+}
+
 std::vector<FusionSample> ReplayMessages(const std::vector<FusionMessage>& messages, const Trajectory& truth,
                                          const FusionVariant& variant) {
-  const std::unique_ptr<PoseFuser> fuser = MakePoseFuser(variant.method, PoseFilterOptions());
+  const std::unique_ptr<PoseFuser> fuser = MakePoseFuser(variant.method, variant.options);
   std::vector<FusionSample> samples;
   for (const FusionMessage& message : messages) {
-    std::visit(Deliver{*fuser, variant}, message.content);
+    DeliverMessage(message, variant, fuser.get());
     const auto* motion = std::get_if<MotionMessage>(&message.content);
     if (motion != nullptr && motion->source == MotionSource::kWheels) {
       const StampedPose3& pose = truth.at(samples.size() + 1);  // the first row is before the first motion

@@ -16,9 +16,14 @@ struct FusionVariant {
   FusionMethod method = FusionMethod::kEkf;
   bool uses_visual_motion = false;
   bool uses_imu = false;
+  PoseFilterOptions options = {};
+  bool uses_wheels = true;
 };
 
 std::vector<FusionVariant> AllFusionVariants();
+
+/// Passes a message to the fuser when the variant uses its sensor.
+void DeliverMessage(const FusionMessage& message, const FusionVariant& variant, PoseFuser* fuser);
 
 /// The fuser's estimate after a wheel increment, and the truth at that time.
 struct FusionSample {

@@ -133,6 +133,7 @@ std::vector<FusionScenario> AllFusionScenarios() {
       {.name = "wheels slip four times", .slips = 4},
       {.name = "80 % not localized, 8 s blind", .drop_rate = 0.8, .outage_s = 8.0},
       {.name = "10 % of the fixes wrong", .wrong_rate = 0.1},
+      {.name = "5 % wrong, in pairs by the same", .wrong_rate = 0.05, .wrong_run = 2},
       {.name = "10 % wrong, 4 in a row by the same", .wrong_rate = 0.1, .wrong_run = 4},
       {.name = "images 0.4 s late", .latency_s = 0.4},
       {.name = "kidnaps", .kidnapped = true},
