@@ -52,10 +52,11 @@ function fillList(element, items, emptyText) {
 
 function showVehicles(vehicles) {
   const now = Date.now() / 1000;
-  const items = vehicles.map(({ id, pose, status, last_fix: fix }) => {
+  const items = vehicles.map(({ id, pose, status, odometry, last_fix: fix }) => {
     const lastSeen = fix ? age(now - fix.received) : "no fix yet";
     const text = pose ? `${status.replaceAll("_", " ")}, ${lastSeen}` : lastSeen;
-    return listItem(id, text, pose ? status : fix?.status ?? "");
+    const alert = odometry?.health === "rejected" ? `. Odometry rejected: ${odometry.cure}` : "";
+    return listItem(id, text + alert, pose ? status : fix?.status ?? "");
   });
   fillList($("vehicles"), items, "No vehicle is registered.");
   const ids = vehicles.map(({ id }) => id);

@@ -163,7 +163,8 @@ std::optional<FusedPose> VehicleTracker::EstimateAt(std::int64_t stamp_ns) const
 // The distance until odometry alone is worse than "localized", and short enough to notice a kidnapping.
 NextFrame VehicleTracker::Next() const {
   const std::optional<FusedPose> now = Estimate();
-  if (!now || now->state != TrackingState::kLocalized) {
+  const bool without_wheels = now && now->odometry && now->odometry->health == OdometryHealth::kRejected;
+  if (!now || now->state != TrackingState::kLocalized || without_wheels) {
     return {};
   }
   const NextFrameOptions& o = state_->options.next;

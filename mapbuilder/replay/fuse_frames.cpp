@@ -123,6 +123,13 @@ nlohmann::ordered_json ToJson(const FusedPose& pose) {
     json["since_fix"] = {
         {"seconds", pose.since_fix->seconds}, {"metres", pose.since_fix->metres}, {"radians", pose.since_fix->radians}};
   }
+  if (const auto& trust = pose.odometry) {
+    json["odometry"] = {{"health", ToString(trust->health)},
+                        {"reason", ToString(trust->fault)},
+                        {"scale", trust->scale},
+                        {"yaw_scale", trust->yaw_scale},
+                        {"time_offset_s", trust->time_offset_s}};
+  }
   return json;
 }
 

@@ -25,6 +25,22 @@ std::vector<Gauge> VehicleGauges(const AppState& state) {
   return gauges;
 }
 
+std::vector<Gauge> OdometryGauges(const AppState& state) {
+  EnumCounts<OdometryHealth> counts;
+  for (const VehicleState& vehicle : state.vehicles.All()) {
+    const VehicleView view = vehicle.session->View();
+    if (view.fused && view.fused->odometry) {
+      ++counts[view.fused->odometry->health];
+    }
+  }
+  std::vector<Gauge> gauges;
+  for (const OdometryHealth health : counts.Values()) {
+    gauges.push_back({"floorloc_vehicles_by_odometry", "Vehicles with odometry, by how far the fixes confirm it.",
+                      static_cast<double>(counts[health]), std::string("health=\"") + ToString(health) + '"'});
+  }
+  return gauges;
+}
+
 std::vector<Gauge> ReadGauges(const AppState& state) {
   const auto total = static_cast<double>(state.catalog.All().size());
   const auto ready = static_cast<double>(state.catalog.CountReady());
@@ -36,8 +52,8 @@ std::vector<Gauge> ReadGauges(const AppState& state) {
       {"floorloc_connections", "Open connections.", static_cast<double>(state.count_connections())},
       {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
       {"floorloc_queue_depth", "Localizations that wait for a thread.", static_cast<double>(state.pool.QueueDepth())}};
-  for (Gauge& gauge : VehicleGauges(state)) {
-    gauges.push_back(std::move(gauge));
+  for (const std::vector<Gauge>& more : std::vector{VehicleGauges(state), OdometryGauges(state)}) {
+    gauges.insert(gauges.end(), more.begin(), more.end());
   }
   return gauges;
 }

@@ -101,6 +101,7 @@ Eigen::Matrix3d ReadCovariance(JsonObject& object) {
 void AddFused(const VehicleView& view, const MapLabel& map, nlohmann::json& answer) {
   answer["status"] = ToString(view.state());
   answer["since_fix"] = FormatSinceFix(view);
+  answer["odometry"] = FormatOdometryTrust(view);
   answer["next"] = {{"seconds", view.next.seconds}, {"metres", view.next.metres}};
   if (const auto& fused = view.fused) {
     answer["pose"] =
@@ -205,6 +206,16 @@ nlohmann::json FormatSinceFix(const VehicleView& view) {
   }
   const SinceFix& since = *view.fused->since_fix;
   return {{"seconds", since.seconds}, {"metres", since.metres}, {"radians", since.radians}};
+}
+
+nlohmann::json FormatOdometryTrust(const VehicleView& view) {
+  if (!view.fused || !view.fused->odometry) {
+    return nullptr;
+  }
+  const OdometryTrust& trust = *view.fused->odometry;
+  return {{"health", ToString(trust.health)}, {"reason", ToString(trust.fault)},
+          {"cure", CureOf(trust.fault)},      {"scale", trust.scale},
+          {"yaw_scale", trust.yaw_scale},     {"time_offset_s", trust.time_offset_s}};
 }
 
 std::string FormatFrameResponse(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome) {

@@ -38,6 +38,10 @@ InitialPoseRequest ParseInitialPoseJson(const std::string& text);
 /// {"seconds","metres","radians"}, or null before the first fix.
 nlohmann::json FormatSinceFix(const VehicleView& view);
 
+/// {"health","reason","cure","scale","yaw_scale","time_offset_s"}, or null without wheel odometry or before the first
+/// fix.
+nlohmann::json FormatOdometryTrust(const VehicleView& view);
+
 /// Name and content version of the map that a vehicle is localized in.
 struct MapLabel {
   std::string name;

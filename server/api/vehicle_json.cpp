@@ -36,6 +36,7 @@ nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view,
       {"id", state.vehicle->id},
       {"map", state.vehicle->map},
       {"status", ToString(view.state())},
+      {"odometry", FormatOdometryTrust(view)},
       {"pose", view.fused ? FormatPose(label, view.fused->map_from_base, view.fused->covariance) : nlohmann::json()},
       {"last_fix", state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json()}};
 }

@@ -78,6 +78,29 @@ TEST_F(TrackingTest, ADriveIsLocalizedAndThenPropagatedByOdometry) {
   EXPECT_EQ(status, "tracking_odometry");
 }
 
+TEST_F(TrackingTest, ReversedOdometryIsNamedAndOutvoted) {
+  json answer;
+  Pose2 before;
+  for (int i = 0; i < 5; ++i) {
+    const Pose2 truth = SharedMaps().floor().BaseForView(0.35 + 0.16 * (i % 3), 0.45, 0.0);
+    const Pose2 moved = before.Between(truth);
+    before = truth;
+    const Pose2 said(-moved.x(), -moved.y(), moved.yaw());
+    const std::string odometry = i == 0 ? "" : "&odometry=" + StepText(said);
+    answer = Json(PostFrame("?stamp=" + std::to_string(10 + i) + odometry, Jpeg(truth)));
+    ExpectAt(answer["fix"]["pose"], truth, 0.003);
+  }
+  EXPECT_EQ(answer["odometry"]["health"], "rejected") << answer;
+  EXPECT_EQ(answer["odometry"]["reason"], "reversed");
+  EXPECT_EQ(answer["next"]["seconds"], 0.0) << "without wheels only images know the pose";
+  EXPECT_THAT(answer["odometry"]["cure"].get<std::string>(), HasSubstr("change the sign"));
+  EXPECT_EQ(answer["status"], "localized");
+  ExpectAt(answer["pose"], before, 0.005);
+  EXPECT_EQ(Vehicle()["odometry"]["reason"], "reversed");
+  const std::string metrics = client_.Get("/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("floorloc_vehicles_by_odometry{health=\"rejected\"} 1"));
+}
+
 TEST_F(TrackingTest, MapFromOdomAndOdomFromBaseMakeThePose) {
   PostFrame("?stamp=1", Jpeg(start_));
   const json answer = Odometry(2.0, Pose2(0.05, 0.01, 0.02));
@@ -92,6 +115,7 @@ TEST_F(TrackingTest, BeforeTheFirstFixThereIsNoPose) {
   EXPECT_EQ(answer["status"], "lost");
   EXPECT_FALSE(answer.contains("pose"));
   EXPECT_TRUE(answer["since_fix"].is_null());
+  EXPECT_TRUE(answer["odometry"].is_null());
   const auto& camera = SharedMaps().floor().camera().camera;
   const cv::Mat grey(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(128));
   const json blind = Json(PostFrame("?stamp=2", EncodeImage(grey, ".jpg")));
