@@ -37,6 +37,7 @@ struct Arguments {
   double odometry_drift = 1.0;
   double imu_errors = 1.0;
   std::optional<double> odometry_rate, imu_rate, speed_variation;
+  std::optional<double> height_variation;
   std::optional<double> blur_px, shadow, lamps, noise, rolling_shutter_s;
   std::optional<int> jpeg_quality;
   std::string overlay;
@@ -73,6 +74,7 @@ ConditionLevels ChooseConditions(const Arguments& arguments) {
   levels.lamps = arguments.lamps.value_or(levels.lamps);
   levels.read_noise = arguments.noise.value_or(levels.read_noise);
   levels.readout_s = arguments.rolling_shutter_s.value_or(levels.readout_s);
+  levels.height_share = arguments.height_variation.value_or(levels.height_share);
   levels.jpeg_quality = arguments.jpeg_quality.value_or(levels.jpeg_quality);
   levels.overlay = arguments.options.conditions.overlay;
   if (!arguments.overlay.empty()) {
@@ -212,6 +214,8 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--noise", a.noise, "Sensor noise, grey values, instead of the condition's");
   command.add_option("--rolling-shutter", a.rolling_shutter_s,
                      "Seconds in which the rows are exposed one after the other (0); 0: global shutter");
+  command.add_option("--height-variation", a.height_variation,
+                     "Share by which single images are taken higher or lower, 0 to 0.5 (0)");
   command.add_option("--jpeg-quality", a.jpeg_quality, "1 to 100, instead of the condition's");
 }
 

@@ -117,6 +117,7 @@ void ConditionLevels::Check() const {
   RequireOption(vibration_roll_rad >= 0.0 && vibration_roll_rad <= 0.1, "roll vibration must be 0 to 0.1 rad");
   RequireOption(vibration_height_m >= 0.0 && vibration_height_m <= 0.05, "height vibration must be 0 to 0.05 m");
   overlay.Check();
+  RequireOption(height_share >= 0.0 && height_share <= 0.5, "height variation must be 0 to 0.5");
 }
 
 ConditionSampler::ConditionSampler(const ConditionLevels& levels, const FloorTexture& floor, const FloorCamera& camera,
@@ -125,6 +126,7 @@ ConditionSampler::ConditionSampler(const ConditionLevels& levels, const FloorTex
       lamps_(PlaceLamps(levels.lamps, floor, camera.floor.roi.Center(), seed)),
       view_center_m_(camera.floor.roi.Center()),
       px_per_m_(1.0 / camera.floor.resolution_m),
+      height_m_(camera.CameraCenter().z()),
       seed_(seed) {
   levels_.Check();
   if (levels_.overlay.share > 0.0) {
@@ -158,6 +160,9 @@ RenderConditions ConditionSampler::Sample(std::uint64_t index, double time_s, co
   c.shot_noise = levels_.shot_noise;
   c.vibration = {rng.gaussian(levels_.vibration_pitch_rad), rng.gaussian(levels_.vibration_roll_rad),
                  rng.gaussian(levels_.vibration_height_m)};
+  if (levels_.height_share > 0.0) {
+    c.vibration.height_m += height_m_ * rng.uniform(-levels_.height_share, levels_.height_share);
+  }
   c.noise_seed = DeriveSeed(seed_, 1000000 + index);
   c.time_s = time_s;
   c.overlay = overlay_;

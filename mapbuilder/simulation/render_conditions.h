@@ -80,6 +80,7 @@ struct ConditionLevels {
   double vibration_roll_rad = 0.0;
   double vibration_height_m = 0.0;
   OverlayOptions overlay = {};
+  double height_share = 0.0;  ///< largest deviation of a frame's height, up and down, as a share of the camera's
 
   /// Levels named "clean", "mild" or "hard"; throws std::invalid_argument for any other name.
   static ConditionLevels FromName(const std::string& name);
@@ -104,6 +105,7 @@ class ConditionSampler {
   std::shared_ptr<const CameraOverlay> overlay_;
   Eigen::Vector2d view_center_m_;
   double px_per_m_;
+  double height_m_;
   std::uint64_t seed_;
 };
 
