@@ -118,6 +118,22 @@ class FrameNames {
       known_.insert(frame.filename);
     }
   }
+  // The frame of this path or, as photogrammetry programs write it, of this name in its folder.
+  std::string Find(const std::string& name) const {
+    if (known_.contains(name)) {
+      return name;
+    }
+    std::string found;
+    for (const std::string& filename : known_) {
+      if (fs::path(filename).filename() == fs::path(name).filename()) {
+        if (!found.empty()) {
+          return name;  // of two folders
+        }
+        found = filename;
+      }
+    }
+    return found.empty() ? name : found;
+  }
   // row: counted from 0 below the header line.
   void Require(const std::string& filename, std::size_t row, const fs::path& file, const std::string& text) const {
     if (!known_.contains(filename)) {
@@ -137,6 +153,32 @@ std::vector<ControlPoint> ReadControlPoints(const fs::path& file, const FrameNam
     names.Require(points[i].filename, i, file, text);
   }
   return points;
+}
+
+std::vector<ControlPoint> ReadGcpList(const fs::path& file, const FrameNames& names) {
+  const std::string text = ReadTextFile(file);
+  std::vector<ControlPoint> points = ParseGcpList(text, file);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].filename = names.Find(points[i].filename);
+    names.Require(points[i].filename, i, file, text);
+  }
+  return points;
+}
+
+// Of control_points.csv, or of OpenDroneMap's gcp_list.txt.
+void ReadAnyControlPoints(Survey* survey) {
+  const fs::path own = survey->folder / "control_points.csv";
+  const fs::path odm = survey->folder / "gcp_list.txt";
+  if (Exists(own) && Exists(odm)) {
+    throw InputError(odm, "stands beside control_points.csv; keep one of the two, so that no point counts twice");
+  }
+  if (Exists(own)) {
+    survey->control_points = ReadControlPoints(own, FrameNames(*survey));
+    survey->control_point_file = own;
+  } else if (Exists(odm)) {
+    survey->control_points = ReadGcpList(odm, FrameNames(*survey));
+    survey->control_point_file = odm;
+  }
 }
 
 std::vector<KnownDistance> ReadKnownDistances(const fs::path& file, const FrameNames& names) {
@@ -177,9 +219,7 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames
   if (const fs::path file = folder / "imu.csv"; Exists(file)) {
     survey.imu = ParseImuCsv(ReadTextFile(file), file);
   }
-  if (const fs::path file = folder / "control_points.csv"; Exists(file)) {
-    survey.control_points = ReadControlPoints(file, FrameNames(survey));
-  }
+  ReadAnyControlPoints(&survey);
   if (const fs::path file = folder / "known_distances.csv"; Exists(file)) {
     survey.known_distances = ReadKnownDistances(file, FrameNames(survey));
   }

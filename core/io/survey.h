@@ -25,12 +25,14 @@ struct ImuSample {
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
 };
 
-/// One row of control_points.csv: a raw pixel of a frame and its surveyed position in the map.
+/// One row of control_points.csv or gcp_list.txt: a raw pixel of a frame and its surveyed position in the map.
 struct ControlPoint {
   std::string filename;
   Eigen::Vector2d raw_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d point_in_map_m = Eigen::Vector2d::Zero();
   bool of_marker = false;  ///< no row of the file: a detected marker's
+  /// Standard deviation of each coordinate of the position; empty: the file does not say.
+  std::optional<double> sigma_m = {};
 };
 
 /// One row of known_distances.csv: raw pixels in two frames (or one) and the measured distance of their floor points.
@@ -73,6 +75,7 @@ struct Survey {
   Trajectory ground_truth;    ///< map_from_base; empty when the folder has none
   std::vector<ImuSample> imu;
   std::vector<ControlPoint> control_points;
+  std::filesystem::path control_point_file;  ///< that they were read from; empty: none
   std::vector<KnownDistance> known_distances;
   cv::Mat mask;  ///< mask.png: CV_8UC1 of the camera's size, 0 where images show no floor (the robot's body); or empty
 
@@ -104,7 +107,12 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
                                         BadFramePolicy bad_frames = BadFramePolicy::kThrow);
 std::vector<ImuSample> ParseImuCsv(const std::string& text, const std::filesystem::path& source);
 std::string FormatImuCsv(const std::vector<ImuSample>& samples);
+/// "filename,u,v,x,y" or "filename,u,v,x,y,sigma": metres in the map frame; a sigma may be empty.
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source);
+/// OpenDroneMap's gcp_list.txt: a line with the projection (a plane one: UTM, EPSG:..., +proj=...), then rows of
+/// "geo_x geo_y geo_z im_x im_y image_name [gcp_name] [extra fields]". Heights are not used; the map's axes are the
+/// projection's. Image names are those of the file; ReadSurvey finds the frames.
+std::vector<ControlPoint> ParseGcpList(const std::string& text, const std::filesystem::path& source);
 std::vector<KnownDistance> ParseKnownDistancesCsv(const std::string& text, const std::filesystem::path& source);
 /// "id,x,y,yaw": metres and radians in the map frame; yaw may be empty. Ids must be unique.
 std::vector<KnownMarker> ParseMarkersCsv(const std::string& text, const std::filesystem::path& source);

@@ -186,13 +186,22 @@ std::string FormatImuCsv(const std::vector<ImuSample>& samples) {
 }
 
 std::vector<ControlPoint> ParseControlPointsCsv(const std::string& text, const std::filesystem::path& source) {
-  const std::string columns = "filename,u,v,x,y";
+  const std::vector<TextLine> lines = ContentLines(text);
+  const bool with_sigma = !lines.empty() && SplitFields(lines.front().text, ',').size() == 6;
+  const std::string columns = with_sigma ? "filename,u,v,x,y,sigma" : "filename,u,v,x,y";
   std::vector<ControlPoint> points;
   for (const TextLine& line : RowsBelowHeader(text, columns, source)) {
     const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
     const std::string filename = FilenameOf(fields[0], line.number, source);
-    const auto n = Numbers<4>(std::span(fields).subspan(1), line.number, source);
-    points.push_back({filename, {n[0], n[1]}, {n[2], n[3]}});
+    const auto n = Numbers<4>(std::span(fields).subspan(1, 4), line.number, source);
+    ControlPoint point{filename, {n[0], n[1]}, {n[2], n[3]}};
+    if (with_sigma && !fields[5].empty()) {
+      point.sigma_m = Numbers<1>(std::span(fields).subspan(5), line.number, source)[0];
+      if (!(*point.sigma_m > 0.0)) {
+        throw InputError(source, line.number, "the sigma is not positive; write metres, or leave it empty");
+      }
+    }
+    points.push_back(std::move(point));
   }
   return points;
 }

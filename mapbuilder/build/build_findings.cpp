@@ -114,7 +114,8 @@ std::vector<ControlPointError> CompareControlPoints(const PlacedSurvey& placed) 
       if (frame != frame_of[s].end() && placed.map_from_base[frame->second]) {
         const Eigen::Vector2d observed_m =
             *placed.map_from_base[frame->second] * survey.camera.FloorFromRawPixel(point.raw_px);
-        errors.push_back({point.filename, point.point_in_map_m, observed_m});
+        errors.push_back(
+            {point.filename, point.point_in_map_m, observed_m, point.sigma_m.value_or(ControlPointError().sigma_m)});
       }
     }
   }

@@ -59,6 +59,14 @@ std::vector<LoadedSurvey> LoadSurveysFor(const BuildOptions& options, const Base
 }
 
 // Frames of a survey with their features, and how many of them were restored from the journal of an earlier run.
+void FillInSigmas(double sigma_m, std::vector<LoadedSurvey>* surveys) {
+  for (LoadedSurvey& loaded : *surveys) {
+    for (ControlPoint& point : loaded.survey.control_points) {
+      point.sigma_m = point.sigma_m.value_or(sigma_m);
+    }
+  }
+}
+
 struct ExtractedFrames {
   FrameSet set;
   int restored = 0;
@@ -181,6 +189,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   if (options.hold_out) {
     report.held_out = LocalizeHeldOut(floor.Placed(), options.held_out);
     clock.Finish("held-out");
+  FillInSigmas(requested.control_point_sigma_m, &surveys);
   }
 
   const MosaicLayout layout = WriteFramesAndMosaic(floor, options.mosaic, &writer, &report);

@@ -27,6 +27,7 @@ struct BuildOptions {
   Trajectory poses;              ///< map_from_base from another system; may be empty
   MarkerOptions markers;
   OdometryStepOptions odometry_steps;
+  double control_point_sigma_m = 1e-3;  ///< of control points whose file does not say it
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
   KeypointFusionOptions fusion;

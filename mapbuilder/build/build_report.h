@@ -34,6 +34,7 @@ struct ControlPointError {
   Eigen::Vector2d surveyed_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d observed_m = Eigen::Vector2d::Zero();  ///< according to the frame's pose
 };
+  double sigma_m = 1e-3;                                 ///< of the surveyed coordinates, as given
 
 /// Vignetting: how brightness falls off towards the corners of a survey's images.
 struct FlatField {

@@ -50,16 +50,14 @@ HeldOutFrame HeldOutFrom(const Json& json) {
 }
 
 Json ToJson(const ControlPointError& point) {
-  return {{"filename", point.filename},
-          {"x", point.surveyed_m.x()},
-          {"y", point.surveyed_m.y()},
-          {"seen_x", point.observed_m.x()},
-          {"seen_y", point.observed_m.y()}};
+  return {{"filename", point.filename},     {"x", point.surveyed_m.x()},      {"y", point.surveyed_m.y()},
+          {"seen_x", point.observed_m.x()}, {"seen_y", point.observed_m.y()}, {"sigma", point.sigma_m}};
 }
 
 ControlPointError ControlPointFrom(const Json& json) {
   return {json.at("filename"), Eigen::Vector2d(json.at("x").get<double>(), json.at("y").get<double>()),
-          Eigen::Vector2d(json.at("seen_x").get<double>(), json.at("seen_y").get<double>())};
+          Eigen::Vector2d(json.at("seen_x").get<double>(), json.at("seen_y").get<double>()),
+          json.value("sigma", ControlPointError().sigma_m)};
 }
 
 Json ToJson(const FlatField& field) { return {{"columns", field.columns}, {"rows", field.rows}, {"gain", field.gain}}; }

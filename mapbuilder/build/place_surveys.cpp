@@ -95,8 +95,8 @@ void RemoveContradictedPoints(PlacedSurveys* placed) {
     char off[96];
     std::snprintf(off, sizeof(off), "(%.3f, %.3f) is %.2f m off", point.point_in_map_m.x(), point.point_in_map_m.y(),
                   out.misfit_m);
-    placed->warnings.push_back((survey.folder / "control_points.csv").string() + ": the point of " + point.filename +
-                               " at " + off + " against the others, and not used; check its name, pixel and position");
+    placed->warnings.push_back(survey.control_point_file.string() + ": the point of " + point.filename + " at " + off +
+                               " against the others, and not used; check its name, pixel and position");
     survey.control_points.erase(survey.control_points.begin() + out.point);
   }
 }

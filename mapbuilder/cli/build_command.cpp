@@ -170,6 +170,11 @@ void AddBuildCommand(CLI::App& app) {
           "--poses, height, focal")
       ->delimiter(',')
       ->check(CLI::IsMember({"auto", "none", "mounting", "height", "focal", "distortion"}));
+  command
+      ->add_option("--control-sigma", a->options.control_point_sigma_m,
+                   "Standard deviation of control points whose file has no sigma, metres: tape measures 0.01")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   AddMarkerOptions(*command, a->options.markers);
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,

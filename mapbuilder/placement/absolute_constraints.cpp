@@ -17,6 +17,9 @@
 namespace floorloc {
 namespace {
 
+// Points also agree within this many of their standard deviations.
+constexpr double kAgreeSigmas = 3.0;
+
 // A point of a frame: where the graph has it (source) and where the map has it (target).
 struct PointOfFrame {
   int frame = 0;
@@ -58,6 +61,7 @@ std::vector<SurveyPoint> CollectControlPoints(const std::vector<BuildFrame>& fra
       factor.point_in_base_m = survey.camera.FloorFromRawPixel(point.raw_px);
       factor.point_in_map_m = point.point_in_map_m;
       points.push_back({static_cast<int>(s), static_cast<int>(i), factor});
+      factor.sigma_m = point.sigma_m.value_or(factor.sigma_m);
     }
   }
   return points;
@@ -114,11 +118,14 @@ ControlPointFindings CheckControlPoints(const std::vector<SurveyPoint>& points,
                                         const PoseGraph& graph) {
   ControlPointFindings findings;
   for (const auto& [key, group] : GroupPoints(points, surveys, graph)) {
-    const KnownPointFit fit = FitKnownPoints(group.known, options);
+    KnownPointOptions tolerant = options;
+    for (const SurveyPoint& point : group.points) {
+      tolerant.agree_m = std::max(tolerant.agree_m, kAgreeSigmas * point.factor.sigma_m);
+    }
+    const KnownPointFit fit = FitKnownPoints(group.known, tolerant);
     if (fit.status != KnownPointFit::Status::kFits) {
       const std::string what = "its " + std::to_string(group.known.size()) + " points";
-      throw InputError(surveys[static_cast<std::size_t>(key.first)].survey.folder / "control_points.csv",
-                       Refusal(fit, what));
+      throw InputError(surveys[static_cast<std::size_t>(key.first)].survey.control_point_file, Refusal(fit, what));
     }
     for (const std::size_t i : fit.disagreeing) {
       findings.left_out.push_back({group.points[i].survey, group.points[i].point, fit.misfit_m[i]});

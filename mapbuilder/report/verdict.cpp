@@ -104,14 +104,16 @@ void AssessFloor(const MapQuality& quality, VerdictReasons* reasons) {
 
 void AssessControlPoints(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons) {
   const double rms_m = ControlPointRms(build.control_points);
-  if (rms_m <= options.doubtful_control_point_m) {
+  const double given_m = options.max_control_point_sigmas * ControlPointSigma(build.control_points);
+  if (rms_m <= std::max(options.doubtful_control_point_m, given_m)) {
     return;
   }
   const std::string scale = FixedText(build.control_point_scale, 3);
-  reasons->Add(rms_m > options.max_control_point_m,
+  reasons->Add(rms_m > std::max(options.max_control_point_m, 2.0 * given_m),
                "The map misses its control points by " + LengthText(rms_m) + " RMS; " +
                    (build.control_point_scale == 1.0
-                        ? "check their coordinates and pixels."
+                        ? "check their coordinates and pixels, or say what "
+                          "they are worth (column sigma, or --control-sigma)."
                         : "they are " + scale + " times as far apart as the images say: correct the scale of " +
                               "floor.yaml, or build with --self-calibrate height."));
 }
@@ -185,6 +187,14 @@ HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames) {
   return score;
 }
 
+double ControlPointSigma(const std::vector<ControlPointError>& points) {
+  double squares = 0.0;
+  for (const ControlPointError& point : points) {
+    squares += point.sigma_m * point.sigma_m;
+  }
+  return points.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(points.size()));
+}
+
 double ControlPointRms(const std::vector<ControlPointError>& points) {
   double sum = 0.0;
   for (const ControlPointError& point : points) {
@@ -198,6 +208,7 @@ void VerdictOptions::Check() const {
   RequireOption(doubtful_control_point_m >= 0.0, "doubtful_control_point_m must not be negative");
   RequireOption(max_control_point_m >= doubtful_control_point_m,
                 "max_control_point_m must be at least doubtful_control_point_m");
+  RequireOption(max_control_point_sigmas >= 0.0, "max_control_point_sigmas must not be negative");
   RequireOption(max_drift_share >= 0.0, "max_drift_share must not be negative");
   RequireOption(max_drift_rad_per_m >= 0.0, "max_drift_rad_per_m must not be negative");
 }

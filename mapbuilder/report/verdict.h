@@ -21,6 +21,9 @@ struct VerdictOptions {
   /// mm.
   double doubtful_control_point_m = 0.005;
   double max_control_point_m = 0.02;
+  /// Neither is below what the points are worth: their misfit is larger than this many of their standard deviations, or
+  /// twice as many, in less than 5 % of all surveys with four points or more (chi-square).
+  double max_control_point_sigmas = 2.0;
   /// Drift of odometry over the distance travelled beyond which it is no evidence for the map but a doubt. Wheels that
   /// nobody calibrated err by 2 % and less than a degree per metre on UMBmark's 16 m (Borenstein & Feng 1996).
   double max_drift_share = 0.04;
@@ -54,6 +57,8 @@ HeldOutScore ScoreHeldOut(const std::vector<HeldOutFrame>& frames);
 
 /// RMS error in metres; 0 without points.
 double ControlPointRms(const std::vector<ControlPointError>& points);
+/// RMS of the standard deviations of their coordinates, as given; 0: there are none.
+double ControlPointSigma(const std::vector<ControlPointError>& points);
 
 Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const VerdictOptions& options = {});
 

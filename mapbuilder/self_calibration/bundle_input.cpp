@@ -71,7 +71,8 @@ void AddAbsoluteConstraints(const BundleInput& input, Bundle* bundle) {
     };
     for (const ControlPoint& point : input.set.surveys[s].survey.control_points) {
       if (const auto observation = observe(point.filename, point.raw_px)) {
-        bundle->control_points.push_back({*observation, point.point_in_map_m, ControlPointFactor().sigma_m});
+        bundle->control_points.push_back(
+            {*observation, point.point_in_map_m, point.sigma_m.value_or(ControlPointFactor().sigma_m)});
       }
     }
     for (const KnownDistance& distance : input.set.surveys[s].survey.known_distances) {

@@ -81,6 +81,26 @@ TEST(ControlPointsCsv, ReadsRows) {
   EXPECT_EQ(points[1].point_in_map_m, Eigen::Vector2d(7, 8));
 }
 
+TEST(ControlPointsCsv, ReadsWhatThePointsAreWorth) {
+  const auto points = ParseControlPointsCsv("filename,u,v,x,y,sigma\na.jpg,1,2,3,4,0.02\nb.jpg,5,6,7,8,\n", "c.csv");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[0].sigma_m, 0.02);
+  EXPECT_EQ(points[1].sigma_m, std::nullopt);
+}
+
+TEST(GcpList, ReadsRowsOfOpenDroneMap) {
+  const auto points = ParseGcpList(
+      "WGS84 UTM 32N\n# a comment\n691000.25 5336000.5 512.3 1024.5 768 DSC_1.JPG gcp1 extra\n"
+      "691001\t5336002\tNaN\t1\t2\tDSC_2.JPG\n",
+      "gcp_list.txt");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[0].filename, "DSC_1.JPG");
+  EXPECT_EQ(points[0].raw_px, Eigen::Vector2d(1024.5, 768.0));
+  EXPECT_EQ(points[0].point_in_map_m, Eigen::Vector2d(691000.25, 5336000.5));
+  EXPECT_EQ(points[1].raw_px, Eigen::Vector2d(1.0, 2.0));
+  EXPECT_TRUE(ParseGcpList("EPSG:32632\n", "gcp_list.txt").empty());
+}
+
 struct BrokenCsv {
   const char* name;
   const char* text;
@@ -150,8 +170,28 @@ const BrokenCsv kBrokenControlPoints[] = {
     {"Word", "filename,u,v,x,y\na.jpg,1,2,3,far\n", "control_points.csv:2: ", "'far' is not a finite number"},
     {"EmptyField", "filename,u,v,x,y\na.jpg,,2,3,4\n", "control_points.csv:2: ", "'' is not a finite number"},
     {"LeadsOut", "filename,u,v,x,y\n../a.jpg,1,2,3,4\n", "control_points.csv:2: ", "is not inside the folder"},
+    {"SixthColumn", "filename,u,v,x,y,z\na.jpg,1,2,3,4,0\n", "control_points.csv:1: ", "filename,u,v,x,y,sigma"},
+    {"NoSigma", "filename,u,v,x,y,sigma\na.jpg,1,2,3,4\n", "control_points.csv:2: ", "has 5 fields instead of 6"},
+    {"ZeroSigma", "filename,u,v,x,y,sigma\na.jpg,1,2,3,4,0\n", "control_points.csv:2: ", "sigma is not positive"},
 };
 INSTANTIATE_TEST_SUITE_P(Inputs, BrokenControlPointsCsv, ::testing::ValuesIn(kBrokenControlPoints),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+class BrokenGcpList : public ::testing::TestWithParam<BrokenCsv> {};
+
+TEST_P(BrokenGcpList, NamesFileLineAndReason) {
+  EXPECT_THAT(ErrorOf([] { ParseGcpList(GetParam().text, "gcp_list.txt"); }),
+              AllOf(StartsWith(GetParam().where), HasSubstr(GetParam().reason)));
+}
+
+const BrokenCsv kBrokenGcps[] = {
+    {"NoProjection", "1 2 3 4 5 a.jpg\n", "gcp_list.txt:1: ", "must name the projection"},
+    {"Degrees", "EPSG:4326\n11.5 48.1 3 4 5 a.jpg\n", "gcp_list.txt:1: ", "longitude and latitude"},
+    {"DegreesOfProj", "+proj=longlat +datum=WGS84\n", "gcp_list.txt:1: ", "longitude and latitude"},
+    {"FiveFields", "WGS84 UTM 32N\n1 2 3 4 5\n", "gcp_list.txt:2: ", "has 5 fields"},
+    {"Word", "WGS84 UTM 32N\n1 2 3 left 5 a.jpg\n", "gcp_list.txt:2: ", "'left' is not a number"},
+};
+INSTANTIATE_TEST_SUITE_P(Inputs, BrokenGcpList, ::testing::ValuesIn(kBrokenGcps),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(MarkersCsv, ReadsRows) {
@@ -269,6 +309,20 @@ TEST_F(SurveyFolder, RefusesControlPointsOfUnknownImages) {
   Write("control_points.csv", "filename,u,v,x,y\n# corner\nimages/a.png,1,2,3,4\nimages/z.png,1,2,3,4\n");
   EXPECT_THAT(Error(),
               AllOf(HasSubstr("control_points.csv:4: "), HasSubstr("images/z.png is not a frame of the survey")));
+}
+
+TEST_F(SurveyFolder, GcpListsNameImagesWithoutTheirFolder) {
+  Write("gcp_list.txt", "WGS84 UTM 32N\n5 6 0 1 2 a.png\n7 8 0 3 4 images/b.jpg\n");
+  const Survey survey = Read();
+  ASSERT_EQ(survey.control_points.size(), 2U);
+  EXPECT_EQ(survey.control_points[0].filename, "images/a.png");
+  EXPECT_EQ(survey.control_points[1].filename, "images/b.jpg");
+  EXPECT_EQ(survey.control_point_file.filename(), "gcp_list.txt");
+  Write("control_points.csv", "filename,u,v,x,y\nimages/a.png,1,2,5,6\n");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("gcp_list.txt: "), HasSubstr("keep one of the two")));
+  Remove("control_points.csv");
+  Write("gcp_list.txt", "WGS84 UTM 32N\n5 6 0 1 2 z.png\n");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("gcp_list.txt:2: "), HasSubstr("z.png is not a frame")));
 }
 
 TEST_F(SurveyFolder, TablesOfWindowsNameTheSameImages) {

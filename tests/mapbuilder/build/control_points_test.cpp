@@ -107,6 +107,33 @@ TEST_F(ControlPointsTest, OneThatDisagreesIsNamedAndLeftOut) {
   EXPECT_LT(LargestErrorM(), 0.004);
 }
 
+TEST_F(ControlPointsTest, ThoseThatAreWorthLessPullLess) {
+  WriteTargets(
+      [](std::size_t i, const Eigen::Vector2d& p) { return Eigen::Vector2d(p.x() + (i >= 2 ? 0.018 : 0.0), p.y()); });
+  BuildMap(options_);
+  EXPECT_GT(LargestErrorM(), 0.006);
+  const fs::path file = survey_ / "control_points.csv";
+  std::istringstream lines(ReadTextFile(file));
+  std::string with_sigma;
+  std::size_t row = 0;
+  for (std::string line; std::getline(lines, line); ++row) {
+    with_sigma += line + (row == 0 ? ",sigma\n" : row > 2 ? ",0.02\n" : ",\n");
+  }
+  WriteFileAtomically(file, with_sigma);
+  const BuildReport report = BuildMap(options_);
+  EXPECT_THAT(report.control_points, ::testing::SizeIs(6)) << "18 mm are within their worth";
+  EXPECT_EQ(report.control_points.back().sigma_m, 0.02);
+  EXPECT_LT(LargestErrorM(), 0.004);
+}
+
+TEST_F(ControlPointsTest, AllOfLittleWorthNeedNotAgreeToTwoCentimetres) {
+  WriteTargets([](std::size_t i, const Eigen::Vector2d& p) {
+    return Eigen::Vector2d(p.x() + (i % 2 == 0 ? 0.03 : -0.03), p.y() + (i % 3 == 0 ? 0.02 : -0.02));
+  });
+  options_.control_point_sigma_m = 0.03;
+  EXPECT_EQ(BuildMap(options_).control_points.size(), 6U);
+}
+
 TEST_F(ControlPointsTest, CoordinatesBeyondAnyOnEarthAreRefused) {
   WriteTargets([](std::size_t, const Eigen::Vector2d& p) { return Eigen::Vector2d(p.x() + 32.691e6, p.y()); });
   EXPECT_THAT(Error(), AllOf(HasSubstr("32691 km"), HasSubstr("subtract (32691000, 0)"), HasSubstr("control points")));

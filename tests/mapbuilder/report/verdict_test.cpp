@@ -161,6 +161,18 @@ TEST(VerdictTest, ControlPointsThatAreMissedAreNamed) {
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("1.2 cm RMS")));
 }
 
+TEST(VerdictTest, ControlPointsMayMissByWhatTheyAreWorth) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.03, 1.0}, 0.001}};
+  EXPECT_FALSE(VerdictOf(evidence).Usable());
+  evidence.build.control_points[0].sigma_m = 0.02;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kTrust);
+  evidence.build.control_points[0].observed_m.x() = 1.05;
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kInspect);
+  EXPECT_THAT(verdict.reasons, Contains(HasSubstr("--control-sigma")));
+}
+
 TEST(VerdictTest, AMapThatMissesItsControlPointsIsNotUsable) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.control_points = {{"a.jpg", {1.0, 1.0}, {1.75, 1.0}}};
