@@ -87,6 +87,22 @@ FloorCamera FloorCamera::AtResolution(double resolution_m) const {
   return camera_at;
 }
 
+FloorCamera FloorCamera::AtHeight(double ratio) const {
+  Require(ratio > 0.0 && std::isfinite(ratio), "the ratio of heights must be a positive number");
+  FloorCamera camera_at = *this;
+  if (ratio == 1.0) {
+    return camera_at;
+  }
+  const Eigen::Vector2d below = CameraCenter().head<2>();
+  Eigen::Matrix3d scaling = Eigen::Vector3d(ratio, ratio, 1.0).asDiagonal();
+  scaling.topRightCorner<2, 1>() = (1.0 - ratio) * below;
+  camera_at.floor.base_from_pixel = scaling * floor.base_from_pixel;
+  const auto scaled = [&](int axis, double metres) { return below[axis] + ratio * (metres - below[axis]); };
+  camera_at.floor.roi = {scaled(0, floor.roi.x_min), scaled(0, floor.roi.x_max), scaled(1, floor.roi.y_min),
+                         scaled(1, floor.roi.y_max)};
+  return camera_at;
+}
+
 Eigen::Vector3d FloorCamera::CameraCenter() const {
   Eigen::Matrix3d intrinsics;
   intrinsics << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;

@@ -46,6 +46,10 @@ struct FloorCamera {
   /// The same camera with another resolution: keypoints of a map only match images at the map's resolution.
   FloorCamera AtResolution(double resolution_m) const;
 
+  /// The same camera at another height over the floor, a multiple of its own: floor and region of interest scale about
+  /// the point below it. Throws std::invalid_argument unless the ratio is positive.
+  FloorCamera AtHeight(double ratio) const;
+
   /// Position of the camera in the base frame, metres, by decomposition of the homography (Zhang 2000); z is its
   /// height.
   Eigen::Vector3d CameraCenter() const;

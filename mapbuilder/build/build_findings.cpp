@@ -67,6 +67,11 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
   AddDropped(survey, placement.drop_reason, &report->dropped);
   report->frames_used = report->frames - static_cast<int>(report->dropped.size());
   report->self_calibration = calibrated.calibration;
+  if (placed.height_factor) {
+    report->heights.lowest *= *placed.height_factor;
+    report->heights.highest *= *placed.height_factor;
+    report->heights.scale_by = "control points and known distances";
+  }
   report->control_points = CompareControlPoints(survey);
   report->control_point_scale = placement.control_points.scale;
   AddLinks(placement, report);
@@ -113,7 +118,8 @@ std::vector<ControlPointError> CompareControlPoints(const PlacedSurvey& placed) 
       const auto frame = frame_of[s].find(point.filename);
       if (frame != frame_of[s].end() && placed.map_from_base[frame->second]) {
         const Eigen::Vector2d observed_m =
-            *placed.map_from_base[frame->second] * survey.camera.FloorFromRawPixel(point.raw_px);
+            *placed.map_from_base[frame->second] *
+            CameraOf(placed.frames[frame->second], placed.surveys).FloorFromRawPixel(point.raw_px);
         errors.push_back(
             {point.filename, point.point_in_map_m, observed_m, point.sigma_m.value_or(ControlPointError().sigma_m)});
       }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 
+#include "core/io/input_error.h"
 #include "core/map/camera_correction.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/build_journal.h"
@@ -58,7 +59,6 @@ std::vector<LoadedSurvey> LoadSurveysFor(const BuildOptions& options, const Base
   return surveys;
 }
 
-// Frames of a survey with their features, and how many of them were restored from the journal of an earlier run.
 void FillInSigmas(double sigma_m, std::vector<LoadedSurvey>* surveys) {
   for (LoadedSurvey& loaded : *surveys) {
     for (ControlPoint& point : loaded.survey.control_points) {
@@ -67,6 +67,7 @@ void FillInSigmas(double sigma_m, std::vector<LoadedSurvey>* surveys) {
   }
 }
 
+// Frames of a survey with their features, and how many of them were restored from the journal of an earlier run.
 struct ExtractedFrames {
   FrameSet set;
   int restored = 0;
@@ -86,6 +87,31 @@ std::vector<std::string> CheckAndMendOdometry(const BuildOptions& options, Frame
   const std::vector<std::string> left_out = MendOdometry(registration, options.odometry_steps, set);
   warnings.insert(warnings.end(), left_out.begin(), left_out.end());
   return warnings;
+}
+
+// What placement builds on, besides the frames.
+struct BuildSoFar {
+  const BaseMap* base;  // nullptr: none
+  BuildJournal* journal;
+  const FrameHeights& heights;
+};
+
+// One camera over one height is what maps are extended by.
+FrameHeights FindHeightsUnlessExtending(const BuildOptions& options, const BaseMap* base, FrameSet* set) {
+  const HeightSources sources{options.extractor, options.placement.registration, options.poses};
+  return base == nullptr ? FindHeights(options.heights, sources, set) : FrameHeights();
+}
+
+// Uneven heights are the cause of what placement sees as missing overlap or a repeating floor.
+PlacedSurveys PlaceOrNameHeights(FrameSet set, const BuildOptions& options, const BuildSoFar& so_far) {
+  try {
+    return PlaceSurveys(std::move(set), options, so_far.base, so_far.journal);
+  } catch (const InputError& error) {
+    if (so_far.heights.spread > 0.0 && !so_far.heights.free) {
+      throw InputError(HeightWarning(so_far.heights) + " (" + error.what() + ")");
+    }
+    throw;
+  }
 }
 
 // Placed frames and the floor that they cover.
@@ -163,6 +189,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   StageClock clock(&report);
   const std::unique_ptr<BaseMap> base = OpenBaseMap(requested.extend);
   std::vector<LoadedSurvey> surveys = LoadSurveysFor(requested, base.get());
+  FillInSigmas(requested.control_point_sigma_m, &surveys);
   const BuildOptions options = WithSharedOptions(requested, surveys, base.get());
   MapWriter writer(options.out);  // first, so that an unwritable output fails before the work is done
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.run.progress.stream);
@@ -170,10 +197,11 @@ BuildReport BuildMap(const BuildOptions& requested) {
   ExtractedFrames extracted = ExtractFrames(std::move(surveys), options, &journal);
   report.resumed_frames = extracted.restored;
   ScreenedFrames screened = ScreenFrames(std::move(extracted.set), options.placement.registration);
+  report.heights = FindHeightsUnlessExtending(options, base.get(), &screened.kept);
   AddScreening(screened, CheckAndMendOdometry(options, &screened.kept), &report);
   clock.Finish("features");
 
-  PlacedSurveys placed = PlaceSurveys(std::move(screened.kept), options, base.get(), &journal);
+  PlacedSurveys placed = PlaceOrNameHeights(std::move(screened.kept), options, {base.get(), &journal, report.heights});
   const SurveyedFloor floor(SelfCalibrate(std::move(placed.set), std::move(placed.placement), options.self_calibration),
                             base.get());
   report.kept_all = options.placement.keep_all;
@@ -189,7 +217,6 @@ BuildReport BuildMap(const BuildOptions& requested) {
   if (options.hold_out) {
     report.held_out = LocalizeHeldOut(floor.Placed(), options.held_out);
     clock.Finish("held-out");
-  FillInSigmas(requested.control_point_sigma_m, &surveys);
   }
 
   const MosaicLayout layout = WriteFramesAndMosaic(floor, options.mosaic, &writer, &report);

@@ -7,10 +7,11 @@ namespace floorloc {
 
 void BuildOptions::Check() const {
   extractor.Check();
+  RequireOption(control_point_sigma_m > 0.0, "control_point_sigma_m must be positive");
   markers.Check();
+  heights.Check();
   odometry_steps.Check();
   placement.Check();
-  RequireOption(control_point_sigma_m > 0.0, "control_point_sigma_m must be positive");
   self_calibration.Check();
   fusion.Check();
   held_out.Check();

@@ -10,6 +10,7 @@
 #include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/build/held_out.h"
 #include "mapbuilder/finished_map/base_map.h"
+#include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
 #include "mapbuilder/markers/markers.h"
 #include "mapbuilder/mosaic/mosaic.h"
@@ -25,9 +26,10 @@ struct BuildOptions {
   std::filesystem::path extend;  ///< map to which the surveys are added, in its frame; may equal `out`; empty: none
   ExtractorOptions extractor;    ///< not used with `extend`: the map's own
   Trajectory poses;              ///< map_from_base from another system; may be empty
-  MarkerOptions markers;
-  OdometryStepOptions odometry_steps;
   double control_point_sigma_m = 1e-3;  ///< of control points whose file does not say it
+  MarkerOptions markers;
+  FrameHeightOptions heights;  ///< not used with `extend`, whose map has one height
+  OdometryStepOptions odometry_steps;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
   KeypointFusionOptions fusion;

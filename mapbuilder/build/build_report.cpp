@@ -50,6 +50,9 @@ std::string LinksText(const BuildReport& r) {
 
 std::vector<std::string> AllWarnings(const BuildReport& r) {
   std::vector<std::string> warnings = r.warnings;
+  if (const std::string uneven = HeightWarning(r.heights); !uneven.empty()) {
+    warnings.push_back(uneven);
+  }
   if (r.part_sizes.size() > 1) {
     std::string gap = Format("The images form %zu parts that do not connect (", r.part_sizes.size());
     for (std::size_t i = 0; i < r.part_sizes.size(); ++i) {
@@ -57,7 +60,8 @@ std::vector<std::string> AllWarnings(const BuildReport& r) {
     }
     gap +=
         r.kept_all ? " frames); all are kept, but their relative poses are uncertain" : " frames); the largest is kept";
-    warnings.push_back(gap + "; survey the floor between them" + (r.kept_all ? "" : ", or keep all with --keep-all"));
+    warnings.push_back(gap + "; survey the floor between them" + (r.kept_all ? "" : ", or keep all with --keep-all") +
+                       ", or where images do overlap, try --max-keypoints 3000");
   }
   if (10 * r.unmatched_pairs > r.overlapping_pairs) {
     warnings.push_back(
@@ -89,6 +93,10 @@ std::string ToText(const BuildReport& r) {
   if (r.drift_m > 0.0) {
     text << Format("  drift        odometry drifted by up to %.1f cm and %.1f degrees; corrected\n", 1e2 * r.drift_m,
                    r.drift_rad * 180.0 / std::numbers::pi);
+  }
+  if (r.heights.free) {
+    text << Format("  heights      %.2f to %.2f of the calibrated one; scale by %s\n", r.heights.lowest,
+                   r.heights.highest, r.heights.scale_by.c_str());
   }
   text << ToText(r.self_calibration)
        << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())

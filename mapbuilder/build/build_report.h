@@ -10,6 +10,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
+#include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/markers/markers.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 #include "mapbuilder/survey/dropped_frame.h"
@@ -33,8 +34,8 @@ struct ControlPointError {
   std::string filename;
   Eigen::Vector2d surveyed_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d observed_m = Eigen::Vector2d::Zero();  ///< according to the frame's pose
-};
   double sigma_m = 1e-3;                                 ///< of the surveyed coordinates, as given
+};
 
 /// Vignetting: how brightness falls off towards the corners of a survey's images.
 struct FlatField {
@@ -59,6 +60,7 @@ struct BuildReport {
   double link_rms_sigma = 0.0;
   double drift_m = 0.0;
   double drift_rad = 0.0;
+  FrameHeights heights;
   SelfCalibration self_calibration;
   double area_m2 = 0.0;
   RectM extent;

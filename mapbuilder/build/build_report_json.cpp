@@ -86,6 +86,28 @@ MarkerFit MarkerFrom(const Json& json) {
           error_m.is_null() ? 0.0 : error_m.get<double>()};
 }
 
+Json ToJson(const FrameHeights& heights) {
+  Json json{{"free", heights.free}, {"spread", heights.spread}};
+  if (heights.free) {
+    json.update({{"asked", heights.asked},
+                 {"lowest", heights.lowest},
+                 {"highest", heights.highest},
+                 {"scale_by", heights.scale_by}});
+  }
+  return json;
+}
+
+FrameHeights HeightsFrom(const Json& json) {
+  FrameHeights heights;
+  heights.free = json.at("free");
+  heights.spread = json.at("spread");
+  heights.asked = json.value("asked", heights.asked);
+  heights.lowest = json.value("lowest", heights.lowest);
+  heights.highest = json.value("highest", heights.highest);
+  heights.scale_by = json.value("scale_by", heights.scale_by);
+  return heights;
+}
+
 template <typename T>
 Json ListJson(const std::vector<T>& items) {
   Json json = Json::array();
@@ -137,6 +159,9 @@ void ReadNumbers(const Json& json, BuildReport* report) {
   report->area_m2 = json.value("area_m2", report->area_m2);
   report->keypoints = json.value("keypoints", report->keypoints);
   report->mean_observations = json.value("mean_observations", report->mean_observations);
+  if (json.contains("heights")) {
+    report->heights = HeightsFrom(json.at("heights"));
+  }
   if (json.contains("extent")) {
     const Json& extent = json.at("extent");
     report->extent = {extent.at("x_min"), extent.at("x_max"), extent.at("y_min"), extent.at("y_max")};
@@ -162,6 +187,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"link_rms_sigma", report.link_rms_sigma},
       {"drift_m", report.drift_m},
       {"drift_rad", report.drift_rad},
+      {"heights", ToJson(report.heights)},
       {"self_calibration", Json::parse(floorloc::ToJson(report.self_calibration))},
       {"area_m2", report.area_m2},
       {"extent", {{"x_min", extent.x_min}, {"x_max", extent.x_max}, {"y_min", extent.y_min}, {"y_max", extent.y_max}}},

@@ -56,7 +56,10 @@ HeldOutFrame LocalizeHeldOutFrame(const Localizer& localizer, const PlacedSurvey
   const LoadedSurvey& loaded = placed.surveys[static_cast<std::size_t>(sought.survey)];
   const CameraModel& camera = loaded.survey.camera.camera;
   const cv::Mat raw = ReadGrayImage(loaded.survey.ImagePath(sought.info), camera.width_px, camera.height_px);
-  const LocalizationResult found = localizer.Localize(*loaded.rectifier, raw, std::nullopt);
+  const std::shared_ptr<const Rectifier> rectifier =
+      sought.height_ratio == 1.0 ? loaded.rectifier
+                                 : std::make_shared<Rectifier>(CameraOf(sought, placed.surveys), loaded.survey.mask);
+  const LocalizationResult found = localizer.Localize(*rectifier, raw, std::nullopt);
   HeldOutFrame result{sought.info.filename, *placed.map_from_base[i], ToString(found.status), ToString(found.reason)};
   result.keypoints = found.keypoints;
   result.inliers = found.inliers;

@@ -7,6 +7,7 @@
 
 #include "core/io/input_error.h"
 #include "mapbuilder/extend/extend_map.h"
+#include "mapbuilder/heights/height_scale.h"
 #include "mapbuilder/placement/placement_journal.h"
 
 namespace floorloc {
@@ -69,6 +70,28 @@ Placement PlaceFramesOnce(const FrameSet& set, const BuildOptions& options, Buil
   return placement;
 }
 
+// Images tell ratios of heights only: the frames are placed once without the known lengths, to be scaled by them.
+void ScaleHeightsByKnownLengths(const BuildOptions& options, PlacedSurveys* placed) {
+  const auto known = [](const LoadedSurvey& loaded) {
+    return loaded.survey.control_points.size() > 1 || !loaded.survey.known_distances.empty();
+  };
+  FrameSet& set = placed->set;
+  const bool own_heights = std::any_of(set.frames.begin(), set.frames.end(),
+                                       [](const BuildFrame& frame) { return frame.height_ratio != 1.0; });
+  if (!own_heights || std::none_of(set.surveys.begin(), set.surveys.end(), known)) {
+    return;
+  }
+  std::vector<LoadedSurvey> without = set.surveys;
+  for (LoadedSurvey& loaded : without) {
+    loaded.survey.control_points.clear();
+  }
+  const Placement placement = PlaceFrames(set.frames, without, options.placement);
+  if (const auto factor = ScaleByKnownLengths(set, placement.map_from_base)) {
+    MultiplyHeights(*factor, &set);
+    placed->height_factor = *factor;
+  }
+}
+
 // Places the frames again without any marker that contradicts the others.
 PlacedSurveys PlaceWithMarkers(PlacedSurveys placed, const BuildOptions& options, BuildJournal* journal) {
   MarkerSurvey& markers = *placed.markers;
@@ -117,6 +140,7 @@ PlacedSurveys PlaceSurveys(FrameSet set, const BuildOptions& options, const Base
     placed.warnings = base->LayersLeftBehind();
     placed.set = AlignToMap(*base, fixes, std::move(placed.set));
   }
+  ScaleHeightsByKnownLengths(options, &placed);
   if (placed.markers) {
     placed = PlaceWithMarkers(std::move(placed), options, journal);
   } else {

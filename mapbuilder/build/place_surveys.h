@@ -14,8 +14,10 @@ namespace floorloc {
 struct PlacedSurveys {
   FrameSet set;
   Placement placement;
-  std::optional<MarkerSurvey> markers;     ///< empty: none were searched for
-  std::string base_file = {};              ///< name of the base map; empty: none
+  std::optional<MarkerSurvey> markers;  ///< empty: none were searched for
+  std::string base_file = {};           ///< name of the base map; empty: none
+  /// By which known lengths changed the height of every frame; empty: there were none, or all frames have one height.
+  std::optional<double> height_factor = {};
   int found_in_base = 0;                   ///< frames that were localized in the base map
   std::vector<std::string> warnings = {};  ///< about base map and control points, one sentence each
 };

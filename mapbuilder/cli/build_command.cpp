@@ -24,6 +24,7 @@ struct Arguments {
   std::string features = "auto";
   std::string poses_file;
   std::vector<std::string> self_calibrate{"auto"};
+  std::string free_height = "auto";
   std::vector<double> poses_sigma;
   std::filesystem::path report;
   bool no_held_out = false;
@@ -97,6 +98,7 @@ void Run(Arguments& a) {
     a.options.extractor.type = ParseExtractorType(a.features);
   }
   ParseCameraUnknowns(a.self_calibrate, &a.options.self_calibration);
+  a.options.heights.mode = ParseFreeHeight(a.free_height);
   if (!a.poses_file.empty()) {
     a.options.poses = ReadTrajectory(a.poses_file);
     CheckPlanar(a.options.poses, a.poses_file);
@@ -170,6 +172,12 @@ void AddBuildCommand(CLI::App& app) {
           "--poses, height, focal")
       ->delimiter(',')
       ->check(CLI::IsMember({"auto", "none", "mounting", "height", "focal", "distortion"}));
+  CLI::Option* free_height =
+      command
+          ->add_flag("--free-height{on}", a->free_height,
+                     "Each frame has its own height: handheld, mast, kite. Without it where frames differ by more\n"
+                     "than 3 %; --free-height=off: one height for all")
+          ->check(CLI::IsMember({"auto", "on", "off"}));
   command
       ->add_option("--control-sigma", a->options.control_point_sigma_m,
                    "Standard deviation of control points whose file has no sigma, metres: tape measures 0.01")
@@ -192,7 +200,8 @@ void AddBuildCommand(CLI::App& app) {
       ->excludes("--max-keypoints")
       ->excludes("--resolution")
       ->excludes("--poses")
-      ->excludes("--self-calibrate");
+      ->excludes("--self-calibrate")
+      ->excludes(free_height);
   command->add_flag("--resume", a->options.resume, "Resume a killed build of this map");
   command->add_flag("--json", a->json, "Print the report as JSON");
   command->callback([a, command] {

@@ -94,7 +94,7 @@ std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames
     const CameraModel& camera = survey.camera.camera;
     try {
       const cv::Mat raw = ReadGrayImage(survey.ImagePath(frames[index].info), camera.width_px, camera.height_px);
-      per_frame[index] = DetectIn(raw, survey.camera, dictionary);
+      per_frame[index] = DetectIn(raw, CameraOf(frames[index], surveys), dictionary);
     } catch (const InputError&) {
       // The stage before this one has reported it.
     }

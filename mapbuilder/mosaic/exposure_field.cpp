@@ -79,7 +79,7 @@ ExposureField::ExposureField(const MosaicInput& input, const FrameIndex& index, 
 
 FrameView ExposureField::ViewOf(int frame) const {
   const auto i = static_cast<std::size_t>(frame);
-  return {surveys_[SurveyOf(frame)], *input_.map_from_base[i], input_.frames[i].mounting_error};
+  return {surveys_[SurveyOf(frame)], *input_.map_from_base[i], input_.frames[i]};
 }
 
 std::optional<ExposureField::ColorSample> ExposureField::SampleFrame(int frame, const FrameView& view,

@@ -24,12 +24,18 @@ cv::Mat DepthOf(const cv::Mat& mask) {
 SurveyView::SurveyView(const LoadedSurvey& survey, cv::Mat gain)
     : rectifier(survey.rectifier), depth(DepthOf(survey.rectifier->mask())), flat_gain(std::move(gain)) {}
 
-FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base, const MountingError& error)
+FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base, const BuildFrame& frame)
     : survey_(&survey),
       map_from_base_(Eigen::Translation2d(map_from_base.translation()) * Eigen::Rotation2Dd(map_from_base.yaw())),
-      base_from_map_(map_from_base_.inverse()),
-      camera_center_(survey.rectifier->camera().CameraCenter()),
-      mounting_error_(error.rotation_rad.x(), error.rotation_rad.y(), error.rotation_rad.z(), error.height_share) {}
+      camera_center_(survey.rectifier->camera().CameraCenter()) {
+  if (frame.height_ratio != 1.0) {
+    const Eigen::Vector2d below = camera_center_.head<2>();
+    map_from_base_ = map_from_base_ * Eigen::Translation2d(below) * Eigen::Scaling(frame.height_ratio) *
+                     Eigen::Translation2d(-below);
+  }
+  base_from_map_ = map_from_base_.inverse();
+  mounting_error_ << frame.mounting_error.rotation_rad, frame.mounting_error.height_share;
+}
 
 cv::Rect FrameView::Footprint(const MosaicGrid& grid) const {
   const RectM& roi = survey_->rectifier->camera().floor.roi;

@@ -24,7 +24,8 @@ struct SurveyView {
 /// Geometry of a placed frame for resampling into the mosaic.
 class FrameView {
  public:
-  FrameView(const SurveyView& survey, const Pose2& map_from_base, const MountingError& mounting_error);
+  /// Points in the base frame are those of the calibrated camera, also where the frame's own height differs.
+  FrameView(const SurveyView& survey, const Pose2& map_from_base, const BuildFrame& frame);
 
   Eigen::Vector2d BaseFromMap(const Eigen::Vector2d& p) const { return base_from_map_ * p; }
   Eigen::Vector2d MapFromBase(const Eigen::Vector2d& p) const { return map_from_base_ * p; }
@@ -43,8 +44,8 @@ class FrameView {
   float SampleRectified(const cv::Mat& image, const Eigen::Vector2d& point_in_map, float outside) const;
 
   const SurveyView* survey_;
-  Eigen::Isometry2d map_from_base_;
-  Eigen::Isometry2d base_from_map_;
+  Eigen::Affine2d map_from_base_;  // with the scale of the frame's own height
+  Eigen::Affine2d base_from_map_;
   Eigen::Vector3d camera_center_;   // base frame, metres
   Eigen::Vector4d mounting_error_;  // rotation, height share
 };

@@ -22,14 +22,6 @@ constexpr float kMinShare = 0.02F;
 // Depth inside their view at which new images fully replace the background.
 constexpr float kBackgroundFadePx = 32.0F;
 
-std::vector<RectM> FloorsInBase(const MosaicInput& input) {
-  std::vector<RectM> floors;
-  for (const BuildFrame& frame : input.frames) {
-    floors.push_back(input.surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
-  }
-  return floors;
-}
-
 std::vector<SurveyView> ViewsOf(const MosaicInput& input) {
   std::vector<SurveyView> views;
   for (std::size_t s = 0; s < input.surveys.size(); ++s) {
@@ -98,7 +90,7 @@ BlockBlender::BlockBlender(const MosaicInput& input, double resolution_m, int th
       threads_(threads),
       shrink_(ShrinkFor(input, resolution_m)),
       batch_(BatchFor(input, shrink_)),
-      index_(input.map_from_base, FloorsInBase(input)),
+      index_(input.map_from_base, FloorsInBase(input.frames, input.surveys)),
       surveys_(ViewsOf(input)),
       exposure_field_(input, index_, surveys_),
       images_([this](int frame) { return Load(frame); }, kKeptBytes) {}
@@ -130,7 +122,7 @@ NodeChoices BlockBlender::AddFrames(const MosaicGrid& grid, const std::vector<in
   for (const int frame : frames) {
     const auto i = static_cast<std::size_t>(frame);
     views.emplace_back(surveys_[static_cast<std::size_t>(input_.frames[i].survey)], *input_.map_from_base[i],
-                       input_.frames[i].mounting_error);
+                       input_.frames[i]);
   }
   NodeChoices choices = ChooseFrames(grid, views);
   const std::vector<int> chosen = ChosenCandidates(choices, views.size());

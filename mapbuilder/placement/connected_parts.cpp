@@ -125,7 +125,9 @@ Placement PlaceConnectedParts(const std::vector<BuildFrame>& frames, const std::
   if (frames.size() > 1 && parts.size.at(parts.largest) == 1) {
     throw InputError(
         "no two frames of the survey show the same floor; survey with at least a third of each image "
-        "overlapping the next, and check camera.yaml and floor.yaml");
+        "overlapping the next, and check camera.yaml and floor.yaml; where the images do overlap, try --free-height "
+        "(uneven heights), --max-keypoints 3000 (little in common), or a calibration_sigma in camera.yaml that is "
+        "true");
   }
   // Odometry says where unconnected parts are.
   const std::vector<Pose2> poses =

@@ -19,6 +19,7 @@ struct Link {
   double agreement = 0.0;
   /// Agreement of the second-best significant pose, 0: none. Self-similar floors have one.
   double rival_agreement = 0.0;
+  double scale = 1.0;  ///< the second's height over the first's, by the inliers alone
 };
 
 }  // namespace floorloc

@@ -42,6 +42,26 @@ double MaxSimilarDistance(const Features& features, const PairRegistrationOption
   return options.max_similar_norm * cv::norm(features.descriptors.row(0), cv::NORM_L2);
 }
 
+// Scale of a similarity through the inliers, whose residuals are small: of the second moments about the means.
+double ScaleOf(const std::vector<OrientedMatch>& matches, const RegistrationResult& result) {
+  const auto count = static_cast<double>(result.inliers.size());
+  Eigen::Vector2d source = Eigen::Vector2d::Zero();
+  for (const int i : result.inliers) {
+    source += matches[static_cast<std::size_t>(i)].source_m / count;
+  }
+  const Eigen::Vector2d target = MeanTarget(matches, result.inliers);
+  const Pose2 turn(0.0, 0.0, result.target_from_source.yaw());
+  double along = 0.0;
+  double spread = 0.0;
+  for (const int i : result.inliers) {
+    const OrientedMatch& match = matches[static_cast<std::size_t>(i)];
+    const Eigen::Vector2d turned = turn * Eigen::Vector2d(match.source_m - source);
+    along += turned.dot(match.target_m - target);
+    spread += turned.squaredNorm();
+  }
+  return spread > 0.0 && along > 0.0 ? along / spread : 1.0;
+}
+
 Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, const RegistrationResult& result,
               const PairRegistrationOptions& options) {
   Link link;
@@ -54,6 +74,7 @@ Link MakeLink(const FramePair& pair, const std::vector<OrientedMatch>& matches, 
                                                {options.systematic_m, options.systematic_rad});
   link.inliers = static_cast<int>(result.inliers.size());
   link.rms_m = result.rms_m;
+  link.scale = ScaleOf(matches, result);
   return link;
 }
 

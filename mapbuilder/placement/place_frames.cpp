@@ -33,9 +33,7 @@ class Placer {
   Placer(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys,
          const PlacementOptions& options)
       : frames_(frames), surveys_(surveys), options_(options), count_(static_cast<int>(frames.size())) {
-    for (const BuildFrame& frame : frames) {
-      floors_.push_back(surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
-    }
+    floors_ = FloorsInBase(frames, surveys);
     graph_.map_from_base.assign(frames.size(), Pose2());
     for (std::size_t i = 0; i < frames.size(); ++i) {
       graph_.map_from_base[i] = frames[i].odom_from_base.value_or(Pose2());

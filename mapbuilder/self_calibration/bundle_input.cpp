@@ -43,7 +43,7 @@ void AddTracks(const BundleInput& input, const TrackChoice& choice, Bundle* bund
       const BuildFrame& from = input.set.frames[static_cast<std::size_t>(frame)];
       ++used[static_cast<std::size_t>(frame)];
       observed.observations.push_back(input.builders[static_cast<std::size_t>(from.survey)].Make(
-          frame, from.features.keypoints[static_cast<std::size_t>(keypoint)].Position()));
+          frame, from.features.keypoints[static_cast<std::size_t>(keypoint)].Position(), from.height_ratio));
     }
     bundle->tracks.push_back(std::move(observed));
   }
@@ -67,7 +67,9 @@ void AddAbsoluteConstraints(const BundleInput& input, Bundle* bundle) {
       if (frame == by_name.end()) {
         return std::nullopt;
       }
-      return input.builders[s].Make(frame->second, input.builders[s].camera().FloorFromRawPixel(raw_px));
+      const double height_ratio = frames[static_cast<std::size_t>(frame->second)].height_ratio;
+      const FloorCamera camera = input.builders[s].camera().AtHeight(height_ratio);
+      return input.builders[s].Make(frame->second, camera.FloorFromRawPixel(raw_px), height_ratio);
     };
     for (const ControlPoint& point : input.set.surveys[s].survey.control_points) {
       if (const auto observation = observe(point.filename, point.raw_px)) {

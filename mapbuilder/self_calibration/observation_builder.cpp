@@ -44,12 +44,14 @@ DerivativeGrid::Jacobian DerivativeGrid::At(const Eigen::Vector2d& point_in_base
 ObservationBuilder::ObservationBuilder(const FloorCamera& camera)
     : camera_(camera), derivative_(camera), center_(camera.CameraCenter()) {}
 
-Observation ObservationBuilder::Make(int frame, const Eigen::Vector2d& point_in_base) const {
+Observation ObservationBuilder::Make(int frame, const Eigen::Vector2d& point_in_base, double height_ratio) const {
   Observation observation;
   observation.frame = frame;
   observation.point_in_base_m = point_in_base;
-  observation.by_camera = derivative_.At(point_in_base);
-  const Eigen::Matrix<double, 2, 4> mounting = MountingJacobian(center_, point_in_base);
+  const Eigen::Vector2d below = center_.head<2>();
+  observation.by_camera = height_ratio * derivative_.At(below + (point_in_base - below) / height_ratio);
+  const Eigen::Vector3d center(center_.x(), center_.y(), height_ratio * center_.z());
+  const Eigen::Matrix<double, 2, 4> mounting = MountingJacobian(center, point_in_base);
   observation.by_tilt << mounting.col(0), mounting.col(1), mounting.col(3);
   return observation;
 }

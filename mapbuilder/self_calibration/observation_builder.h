@@ -36,7 +36,8 @@ class ObservationBuilder {
  public:
   explicit ObservationBuilder(const FloorCamera& camera);
 
-  Observation Make(int frame, const Eigen::Vector2d& point_in_base) const;
+  /// point_in_base: metres, as the camera at the frame's own height has it, a multiple of the calibrated one.
+  Observation Make(int frame, const Eigen::Vector2d& point_in_base, double height_ratio) const;
   const FloorCamera& camera() const { return camera_; }
 
  private:

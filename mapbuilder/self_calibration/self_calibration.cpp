@@ -185,7 +185,9 @@ Bundle Calibrator::MakeBundle(const Round& round) {
   for (const CalibratedCamera& camera : result_.cameras) {
     bundle.earlier_change.push_back(camera.change);
   }
-  bundle.prior = {priors_, options_.tilt_rad, options_.tilt_height};
+  const bool own_heights =
+      std::any_of(frames_.begin(), frames_.end(), [](const BuildFrame& frame) { return frame.height_ratio != 1.0; });
+  bundle.prior = {priors_, options_.tilt_rad, own_heights ? options_.own_height : options_.tilt_height};
   for (CameraPriors& priors : bundle.prior.cameras) {
     // Instead of less weight for the observations, whose loss is robust at their own scatter.
     std::transform(priors.begin(), priors.end(), priors.begin(), [&](double sigma) { return sigma / inflation_; });
@@ -217,8 +219,9 @@ double Calibrator::Apply(const Bundle& bundle, const BundleSummary& summary) {
       frames_[i].mounting_error = {{tilt.x(), tilt.y(), 0.0}, tilt.z()};
     }
     const auto survey = static_cast<std::size_t>(frames_[i].survey);
-    const FloorCamera& before = surveys_[survey].survey.camera;
-    const FloorCamera after = Adjusted(before, bundle.cameras[survey]);
+    const FloorCamera before = CameraOf(frames_[i], surveys_);
+    const FloorCamera after =
+        Adjusted(surveys_[survey].survey.camera, bundle.cameras[survey]).AtHeight(frames_[i].height_ratio);
     for (Keypoint& keypoint : frames_[i].features.keypoints) {
       const Eigen::Vector2d p = after.FloorFromRawPixel(before.RawPixelFromFloor(keypoint.Position()));
       keypoint.x_m = static_cast<float>(p.x());
@@ -262,7 +265,7 @@ void Calibrator::Finish(const BundleSummary& last) {
     surveys_[s].rectifier = std::make_shared<Rectifier>(camera, surveys_[s].survey.mask);
   }
   for (BuildFrame& frame : frames_) {
-    CorrectForMounting(surveys_[static_cast<std::size_t>(frame.survey)].survey.camera.CameraCenter(), &frame);
+    CorrectForMounting(CameraOf(frame, surveys_).CameraCenter(), &frame);
   }
 }
 
@@ -271,10 +274,6 @@ void Calibrator::RemeasureLinks() {
   constexpr double kRadiusM = 0.01;
   constexpr double kYawRadiusRad = 0.02;
   std::vector<FramePair> pairs;
-  std::vector<RectM> floors;
-  for (const BuildFrame& frame : frames_) {
-    floors.push_back(surveys_[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
-  }
   for (const Link& link : placement_.links) {
     const auto& first = placement_.map_from_base[static_cast<std::size_t>(link.first)];
     const auto& second = placement_.map_from_base[static_cast<std::size_t>(link.second)];
@@ -282,7 +281,7 @@ void Calibrator::RemeasureLinks() {
       pairs.push_back({link.first, link.second, first->Between(*second), kRadiusM, kYawRadiusRad});
     }
   }
-  placement_.links = RegisterPairs(frames_, floors, pairs, options_.registration);
+  placement_.links = RegisterPairs(frames_, set_.FloorsInBase(), pairs, options_.registration);
   const LinkStatistics statistics = MeasureLinks(placement_.links, placement_.map_from_base);
   placement_.rms_m = statistics.rms_m;
   placement_.rms_sigma = statistics.rms_sigma;

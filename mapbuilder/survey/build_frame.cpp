@@ -3,13 +3,19 @@
 
 namespace floorloc {
 
-std::vector<RectM> FrameSet::FloorsInBase() const {
+FloorCamera CameraOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys) {
+  return surveys[static_cast<std::size_t>(frame.survey)].survey.camera.AtHeight(frame.height_ratio);
+}
+
+std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys) {
   std::vector<RectM> floors;
   floors.reserve(frames.size());
   for (const BuildFrame& frame : frames) {
-    floors.push_back(surveys[static_cast<std::size_t>(frame.survey)].survey.camera.floor.roi);
+    floors.push_back(CameraOf(frame, surveys).floor.roi);
   }
   return floors;
 }
+
+std::vector<RectM> FrameSet::FloorsInBase() const { return floorloc::FloorsInBase(frames, surveys); }
 
 }  // namespace floorloc

@@ -38,6 +38,9 @@ struct BuildFrame {
   cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified image; 0: invalid
   ImageQuality quality;
   std::string unreadable;  ///< reason if the image can't be used; else empty
+  /// The camera's height while the image was taken over that of its survey's calibration; `features` are corrected for
+  /// it.
+  double height_ratio = 1.0;
   /// Of the camera while the image was taken, by self-calibration; `features` are corrected for it.
   MountingError mounting_error;
   std::optional<Pose2> odom_from_base;     ///< if the survey has odometry at the frame's stamp
@@ -53,6 +56,12 @@ struct FrameSet {
   /// The region of interest of every frame, base frame.
   std::vector<RectM> FloorsInBase() const;
 };
+
+/// The survey's camera at the height that it had over the frame.
+FloorCamera CameraOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys);
+
+/// The region of interest of every frame, base frame.
+std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys);
 
 /// Side of a cell of BuildFrame::brightness, pixels of the rectified image.
 constexpr int kBrightnessCellPx = 24;

@@ -212,5 +212,21 @@ TEST(RectM, MeasuresAndContains) {
   EXPECT_FALSE(r.Contains({2, 4.01}));
 }
 
+TEST(FloorCamera, AtAnotherHeightSeesTheFloorScaledAboutThePointBelowIt) {
+  const FloorCamera camera = Mount({"Forward", {0.12, 0.05, 0.35}, 0.1, 0.9}, MakeCamera());
+  const FloorCamera higher = camera.AtHeight(1.3);
+  const Eigen::Vector3d center = camera.CameraCenter();
+  EXPECT_LT((higher.CameraCenter() - Eigen::Vector3d(center.x(), center.y(), 1.3 * center.z())).norm(), 1e-9);
+  const Eigen::Vector2d below = center.head<2>();
+  for (const Eigen::Vector2d& px : {Eigen::Vector2d(320.0, 240.0), Eigen::Vector2d(50.0, 400.0)}) {
+    const Eigen::Vector2d expected = below + 1.3 * (camera.FloorFromRawPixel(px) - below);
+    EXPECT_LT((higher.FloorFromRawPixel(px) - expected).norm(), 1e-9);
+  }
+  EXPECT_NEAR(higher.floor.roi.width_m(), 1.3 * camera.floor.roi.width_m(), 1e-12);
+  EXPECT_EQ(camera.AtHeight(1.0).floor.base_from_pixel, camera.floor.base_from_pixel) << "bit for bit";
+  EXPECT_THROW(camera.AtHeight(0.0), std::invalid_argument);
+  EXPECT_THROW(camera.AtHeight(kNan), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace floorloc
