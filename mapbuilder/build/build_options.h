@@ -25,6 +25,7 @@ struct BuildOptions {
   std::filesystem::path out;
   std::filesystem::path extend;  ///< map to which the surveys are added, in its frame; may equal `out`; empty: none
   ExtractorOptions extractor;    ///< not used with `extend`: the map's own
+  int max_keypoints = 0;         ///< per image, for extractor.max_keypoints; 0: KeypointsFor the first camera
   Trajectory poses;              ///< map_from_base from another system; may be empty
   double control_point_sigma_m = 1e-3;  ///< of control points whose file does not say it
   MarkerOptions markers;
@@ -46,6 +47,15 @@ struct BuildOptions {
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
 };
+
+/// Keypoints per image that suit a camera: 700 up to 0.3 million pixels of floor, then with the square root of their
+/// number, up to 3,000. What two frames that overlap by a third share must pick out a pose, at any resolution; and
+/// every query has as many.
+int KeypointsFor(const FloorCamera& camera);
+
+/// Inlier radius of pairs of frames, as given for a usual calibration (0.3 px at the corners), for what this one is
+/// worth: three standard deviations of the difference of two images' errors are added in quadrature.
+double InlierRadiusFor(double radius_m, const FloorCamera& camera);
 
 /// Fills in what the stages share: threads, seed, progress, resolution of the surveys and, with a base map (nullptr:
 /// none), its extractor and mosaic options.

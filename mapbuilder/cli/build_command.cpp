@@ -157,7 +157,9 @@ void AddBuildCommand(CLI::App& app) {
                    "'./run bench extractors' does so on your floor")
       ->check(CLI::IsMember(ExtractorNames()))
       ->capture_default_str();
-  command->add_option("--max-keypoints", a->options.extractor.max_keypoints, "Keypoints per image")
+  command
+      ->add_option("--max-keypoints", a->options.max_keypoints,
+                   "Keypoints per image; 0: 700 for 640x480, more for larger images")
       ->capture_default_str();
   command->add_option("--poses", a->poses_file, "map_from_base poses of another system (TUM), taken as priors");
   command->add_option("--poses-sigma", a->poses_sigma, "Their standard deviation: metres,radians")
