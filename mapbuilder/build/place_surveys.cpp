@@ -88,6 +88,9 @@ void ScaleHeightsByKnownLengths(const BuildOptions& options, PlacedSurveys* plac
   const Placement placement = PlaceFrames(set.frames, without, options.placement);
   if (const auto factor = ScaleByKnownLengths(set, placement.map_from_base)) {
     MultiplyHeights(*factor, &set);
+    if (placed->markers) {
+      placed->markers->MultiplyHeights(*factor, set);
+    }
     placed->height_factor = *factor;
   }
 }

@@ -213,6 +213,16 @@ FrameSet MarkerSurvey::MaskDetected(FrameSet set) const {
   return set;
 }
 
+void MarkerSurvey::MultiplyHeights(double factor, const FrameSet& set) {
+  for (MarkerDetection& detection : detections_) {
+    const BuildFrame& frame = set.frames[static_cast<std::size_t>(detection.frame)];
+    const Eigen::Vector2d below = CameraOf(frame, set.surveys).CameraCenter().head<2>();
+    for (Eigen::Vector2d& corner : detection.corners_m) {
+      corner = below + factor * (corner - below);
+    }
+  }
+}
+
 FrameSet MarkerSurvey::AddControlPoints(FrameSet set) const {
   for (std::size_t s = 0; s < set.surveys.size(); ++s) {
     set.surveys[s].survey.control_points.resize(survey_control_points_[s]);

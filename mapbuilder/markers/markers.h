@@ -50,6 +50,9 @@ class MarkerSurvey {
   /// the frames again.
   bool ExcludeContradicting(const std::vector<BuildFrame>& frames, const Placement& placement);
 
+  /// Moves the detections to where cameras at so many times their height see them.
+  void MultiplyHeights(double factor, const FrameSet& set);
+
   /// Removes keypoints on all markers in the map, also in frames that show a marker only partly.
   FrameSet MaskInMap(const Placement& placement, FrameSet set) const;
 
