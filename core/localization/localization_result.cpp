@@ -29,6 +29,8 @@ const char* ToString(NotLocalizedReason reason) {
       return "not_significant";
     case NotLocalizedReason::kContradictsPrior:
       return "contradicts_prior";
+    case NotLocalizedReason::kViewDisagrees:
+      return "view_disagrees";
   }
   return "unknown";
 }

@@ -23,8 +23,10 @@ enum class NotLocalizedReason {
   kTooFewInliers,
   kNotSignificant,
   kContradictsPrior,  ///< the frame fits better outside the prior
+  kViewDisagrees,     ///< keypoints match in one part of the view, the rest of it does not agree with the map
 };
-/// "", "too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant", "contradicts_prior"
+/// "", "too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant", "contradicts_prior",
+/// "view_disagrees"
 const char* ToString(NotLocalizedReason reason);
 
 /// Milliseconds of wall time.
@@ -46,6 +48,9 @@ struct LocalizationResult {
   int inliers = 0;
   double rms_m = 0.0;    ///< residual of the inliers under the pose by keypoints
   double p_wrong = 1.0;  ///< probability that map_from_base is wrong
+  /// Share of the view's cells that agree with the mosaic under map_from_base, of those that can be compared with it;
+  /// none: the frame was not compared with a mosaic.
+  std::optional<double> support_area;
   bool used_prior = false;
   std::optional<CameraEvidence> camera;      ///< where the frame was aligned to the mosaic
   std::vector<PoseHypothesis> alternatives;  ///< as in PoseDecision

@@ -31,6 +31,8 @@ NotLocalizedReason ReasonOf(RegistrationStatus status) {
       return NotLocalizedReason::kTooFewInliers;
     case RegistrationStatus::kNotSignificant:
       return NotLocalizedReason::kNotSignificant;
+    case RegistrationStatus::kViewDisagrees:
+      return NotLocalizedReason::kViewDisagrees;
     case RegistrationStatus::kRegistered:
     case RegistrationStatus::kAmbiguous:
       return NotLocalizedReason::kNone;
@@ -84,7 +86,8 @@ struct Localizer::Impl {
     result->timing.register_ms += stage.LapMs();
   }
 
-  // The best pose is aligned to the mosaic; so are its rivals when the keypoints alone do not decide.
+  // The best pose is aligned to the mosaic; so are its rivals when the keypoints alone do not decide or the view does
+  // not agree.
   PoseDecision Decide(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
     const PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
     PoseDecision decision = DecidePose(*poses, evidence, options.registration, options.decision);
@@ -92,17 +95,31 @@ struct Localizer::Impl {
       return decision;
     }
     const PhotometricAligner aligner(*raster, options.photometric);
-    const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
-    const auto align = [&](VerifiedPose* pose) {
-      pose->photo = aligner.Align(frame.samples, map_from_origin * pose->candidate.target_from_source);
-      pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
-    };
     if (decision.p_wrong <= options.decision.clear_p_wrong) {
-      align(&(*poses)[static_cast<std::size_t>(decision.best)]);
-      return decision;
+      VerifiedPose& best = (*poses)[static_cast<std::size_t>(decision.best)];
+      Align(aligner, frame.samples, &best);
+      const double p_local = best.view ? best.view->LocalProbability() : 0.0;
+      if (p_local <= options.decision.clear_p_wrong) {
+        decision.p_wrong = std::max(decision.p_wrong, p_local);
+        return decision;
+      }
     }
-    std::for_each(poses->begin(), poses->end(), [&](VerifiedPose& pose) { align(&pose); });
+    std::for_each(poses->begin(), poses->end(), [&](VerifiedPose& pose) {
+      if (!pose.photo) {
+        Align(aligner, frame.samples, &pose);
+      }
+    });
     return DecidePose(*poses, evidence, options.registration, options.decision);
+  }
+
+  void Align(const PhotometricAligner& aligner, const FrameSamples& samples, VerifiedPose* pose) const {
+    const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
+    pose->photo = aligner.Align(samples, map_from_origin * pose->candidate.target_from_source);
+    pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
+    std::vector<float> cells = pose->photo->ComparedCells();
+    if (!cells.empty()) {
+      pose->view = MeasureViewSupport(std::move(cells), {options.decision.cell_sigma, options.decision.local_share});
+    }
   }
 
   static std::vector<int> CellsOf(const FrameObservation& frame) {
@@ -131,6 +148,9 @@ struct Localizer::Impl {
       return;
     }
     FillPose(best, frame.samples.center(), result);
+    if (best.view) {
+      result->support_area = best.view->area;
+    }
     // The camera's place in the robot: no image shows its error, which is the same in all frames.
     result->covariance.topLeftCorner<2, 2>().diagonal().array() += frame.offset_sigma_m * frame.offset_sigma_m;
   }

@@ -321,16 +321,6 @@ class Fit {
   MountingProblem problem_;
 };
 
-std::vector<float> ComparedCells(const PhotometricFit& fit) {
-  std::vector<float> cells;
-  for (std::size_t c = 0; c < fit.cell_correlation.size(); ++c) {
-    if (fit.cell_samples[c] > 0) {
-      cells.push_back(fit.cell_correlation[c]);
-    }
-  }
-  return cells;
-}
-
 // Mean of the first `share` of the values.
 double MeanOf(const std::vector<float>& values, double share) {
   const auto count = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
@@ -347,10 +337,20 @@ void PhotometricOptions::Check() const {
   RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
 
-double PhotometricFit::MeanCorrelation() const { return MeanOf(ComparedCells(*this), 1.0); }
+std::vector<float> PhotometricFit::ComparedCells() const {
+  std::vector<float> cells;
+  for (std::size_t c = 0; c < cell_correlation.size(); ++c) {
+    if (cell_samples[c] > 0) {
+      cells.push_back(cell_correlation[c]);
+    }
+  }
+  return cells;
+}
+
+double PhotometricFit::MeanCorrelation() const { return MeanOf(ComparedCells(), 1.0); }
 
 double PhotometricFit::TrimmedCorrelation(double share) const {
-  std::vector<float> cells = ComparedCells(*this);
+  std::vector<float> cells = ComparedCells();
   std::sort(cells.begin(), cells.end());
   return MeanOf(cells, share);
 }

@@ -49,6 +49,8 @@ struct PhotometricFit {
   std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0: not compared
   std::vector<int> cell_samples;                         ///< pixels compared per cell
 
+  /// Correlations of the compared cells.
+  std::vector<float> ComparedCells() const;
   /// Mean over the compared cells; 0 when there are none.
   double MeanCorrelation() const;
   /// Mean over the lowest `share` of the compared cells: a few lines that cross the whole floor do not raise it.

@@ -107,6 +107,17 @@ double FisherP(std::span<const double> p_values) {
   return std::exp(-x) * sum;
 }
 
+// Odds of the second of two poses by their views: a place whose view agrees is right rather than one that agrees in a
+// part of the view. Among confirmed views more agreement does not count again.
+double OddsByView(const VerifiedPose& first, const VerifiedPose& second, const DecisionOptions& options) {
+  if (!first.view || !second.view) {
+    return 1.0;
+  }
+  const double confirmed = -std::log10(options.clear_p_wrong);
+  const auto evidence = [&](const ViewSupport& view) { return std::clamp(view.log10_odds, -confirmed, confirmed); };
+  return std::pow(10.0, evidence(*second.view) - evidence(*first.view));
+}
+
 // Odds that the second of two poses is right rather than the first. An inconclusive test does not weaken a conclusive
 // one; a contradicting one does.
 double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
@@ -123,7 +134,8 @@ double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const
     for_first.push_back(UpperTail(lead));
     for_second.push_back(UpperTail(-lead));
   }
-  return FisherP(for_first) * second.prior_weight / (FisherP(for_second) * first.prior_weight);
+  return FisherP(for_first) * second.prior_weight * OddsByView(first, second, options) /
+         (FisherP(for_second) * first.prior_weight);
 }
 
 // log10 of the probability that the frame agrees as well with the mosaic under a wrong pose.
@@ -183,8 +195,9 @@ void DecisionOptions::Check() const {
   RequireOption(trimmed_share > 0 && trimmed_share <= 1, "trimmed_share must be above 0 and at most 1");
   RequireOption(max_correlation > 0 && max_correlation < 1, "max_correlation must be between 0 and 1");
   RequireOption(distinctive_share > 0 && distinctive_share <= 1, "distinctive_share must be above 0 and at most 1");
+  RequireOption(local_share >= 0 && local_share < 1, "local_share must be at least 0 and below 1");
   RequireOption(look_alike_taken >= 0 && look_alike_taken <= 1, "look_alike_taken must be 0 to 1");
-  RequireOption(clear_p_wrong >= 0 && clear_p_wrong <= 1, "clear_p_wrong must be 0 to 1");
+  RequireOption(clear_p_wrong > 0 && clear_p_wrong <= 1, "clear_p_wrong must be above 0 and at most 1");
 }
 
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
@@ -203,6 +216,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
   }
   const VerifiedPose& best = poses[contest.best];
   contest.p_chance = std::min(1.0, std::pow(10.0, Log10Chance(best, evidence, options)));
+  contest.p_local = best.view ? best.view->LocalProbability() : 0.0;
   if (evidence.floor_repeats) {
     contest.p_missed = ChanceOfMissingTheRightPose(best.candidate.inliers.size(), options);
   }

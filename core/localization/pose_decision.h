@@ -27,6 +27,10 @@ struct DecisionOptions {
   double distinctive_share = 0.2;
   /// Probability that a similar place is accepted when the right pose is not among the candidates (b82405e).
   double look_alike_taken = 0.05;
+  /// Largest share of the view in which something else than the floor may match: a part of the robot, dirt, a sticker,
+  /// seen by survey and vehicle alike. `./run bench honesty --overlay` has parts of up to 30 %, which touch 35 % of the
+  /// cells. A right pose must agree with more of the view.
+  double local_share = 0.35;
   /// Above this p_wrong the keypoints alone do not decide: all poses are aligned to the mosaic (13d8f43).
   double clear_p_wrong = 1e-6;
 
@@ -45,7 +49,9 @@ struct PoseEvidence {
 /// it; on a floor that is not self-similar, agreement of the whole frame with the mosaic may replace the latter. Poses
 /// are compared in pairs, keypoint by keypoint and cell by cell of the frame: on self-similar floors most keypoints fit
 /// several places, and only the difference of fit discriminates. Where both poses were aligned to the mosaic, only
-/// cells that show surveyed floor under both count: beyond the map's edge nothing can be compared.
+/// cells that show surveyed floor under both count: beyond the map's edge nothing can be compared. A pose is a
+/// statement about the whole view: one whose view agrees with the mosaic in one part only is not chosen, whatever that
+/// part holds.
 PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEvidence& evidence,
                         const RegistrationOptions& registration, const DecisionOptions& options);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/localization/photometric_aligner.h"
+#include "core/localization/view_support.h"
 #include "core/map/floor_map.h"
 #include "core/registration/registration.h"
 #include "core/vision/features/features.h"
@@ -21,6 +22,7 @@ struct VerifiedPose {
   double support_log10_nfa = 0.0;         ///< log10 of the number of false alarms, by the supporting keypoints
   std::vector<float> distance;            ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
   std::optional<PhotometricFit> photo;    ///< where the frame was aligned to the mosaic
+  std::optional<ViewSupport> view;        ///< where the mosaic shows floor under the frame
   bool outside_prior = false;             ///< outside the prior: a rival only
   double prior_weight = 1.0;              ///< prior probability of the pose, relative to the others
 };

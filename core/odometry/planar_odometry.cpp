@@ -40,6 +40,7 @@ TrackingLoss ToTrackingLoss(RegistrationStatus status) {
     case RegistrationStatus::kTooFewInliers:
       return TrackingLoss::kTooFewInliers;
     case RegistrationStatus::kNotSignificant:
+    case RegistrationStatus::kViewDisagrees:
       return TrackingLoss::kNotSignificant;
   }
   return TrackingLoss::kNone;

@@ -36,9 +36,12 @@ PoseDecision ChoosePose(const PoseContest& contest, const RegistrationOptions& o
       }
     }
   }
-  decision.p_wrong = std::clamp(contest.p_chance + contest.p_missed + p_rival, options.min_p_wrong, 1.0);
+  decision.p_wrong =
+      std::clamp(contest.p_chance + contest.p_local + contest.p_missed + p_rival, options.min_p_wrong, 1.0);
   if (contest.p_chance > options.max_p_wrong) {
     decision.status = RegistrationStatus::kNotSignificant;
+  } else if (contest.p_local > options.max_p_wrong) {
+    decision.status = RegistrationStatus::kViewDisagrees;
   } else if (decision.p_wrong > options.max_p_wrong) {
     decision.status = RegistrationStatus::kAmbiguous;
     decision.alternatives.insert(decision.alternatives.begin(), weighed[contest.best]);

@@ -14,6 +14,7 @@ struct PoseContest {
   std::vector<PoseHypothesis> hypotheses;
   std::size_t best = 0;   ///< index of the most probable one
   double p_chance = 1.0;  ///< probability of a pose as good as the best one by chance alone
+  double p_local = 0.0;   ///< probability that the best one holds for a part of the view only, which is not floor
   double p_missed = 0.0;  ///< probability that the right pose is not among the hypotheses
 };
 

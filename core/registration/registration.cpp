@@ -99,6 +99,8 @@ const char* ToString(RegistrationStatus status) {
       return "too_few_inliers";
     case RegistrationStatus::kNotSignificant:
       return "not_significant";
+    case RegistrationStatus::kViewDisagrees:
+      return "view_disagrees";
   }
   return "unknown";
 }

@@ -46,7 +46,14 @@ struct RegistrationOptions {
   RegistrationOptions ScaledTo(double resolution_m) const;
 };
 
-enum class RegistrationStatus { kRegistered, kAmbiguous, kTooFewMatches, kTooFewInliers, kNotSignificant };
+enum class RegistrationStatus {
+  kRegistered,
+  kAmbiguous,
+  kTooFewMatches,
+  kTooFewInliers,
+  kNotSignificant,
+  kViewDisagrees,  ///< a part of the view matches, the rest of it does not
+};
 
 const char* ToString(RegistrationStatus status);
 

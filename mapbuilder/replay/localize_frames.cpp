@@ -167,6 +167,7 @@ std::string ToJsonLine(const LocalizedFrame& localized) {
   json["inliers"] = r.inliers;
   json["rms_m"] = r.rms_m;
   json["p_wrong"] = r.p_wrong;
+  json["support_area"] = r.support_area ? nlohmann::ordered_json(*r.support_area) : nlohmann::ordered_json();
   json["alternatives"] = nlohmann::ordered_json::array();
   for (const PoseHypothesis& a : r.alternatives) {
     const Pose2& pose = a.target_from_source;

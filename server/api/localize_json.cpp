@@ -148,8 +148,12 @@ nlohmann::json FormatFixPose(const FixRecord& record) {
 
 nlohmann::json FormatFix(const FixRecord& record) {
   const LocalizationResult& r = record.result;
-  return {{"keypoints", r.keypoints}, {"matches", r.matches}, {"inliers", r.inliers},
-          {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong}, {"search", record.search}};
+  nlohmann::json fix = {{"keypoints", r.keypoints}, {"matches", r.matches}, {"inliers", r.inliers},
+                        {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong}, {"search", record.search}};
+  if (r.support_area) {
+    fix["support_area"] = *r.support_area;
+  }
+  return fix;
 }
 
 nlohmann::json FormatAlternatives(const FixRecord& record) {

@@ -52,6 +52,7 @@ std::vector<BadValue> BadDecisionValues() {
           {"trimmed_share", [](auto* o) { o->decision.trimmed_share = 1.1; }},
           {"max_correlation", [](auto* o) { o->decision.max_correlation = 1.0; }},
           {"distinctive_share", [](auto* o) { o->decision.distinctive_share = 0.0; }},
+          {"local_share", [](auto* o) { o->decision.local_share = 1.0; }},
           {"look_alike_taken", [](auto* o) { o->decision.look_alike_taken = -0.1; }},
           {"clear_p_wrong", [](auto* o) { o->decision.clear_p_wrong = 2.0; }},
           {"min_p_wrong", [](auto* o) { o->registration.min_p_wrong = 1.0; }},

@@ -307,6 +307,31 @@ TEST_F(PoseDecisionTest, APlaceOutsideThePriorMustBeClearlyBetter) {
   ExpectAccepted(Decide({inside, WithNearerKeypoints(outside, 20.0F)}), 1);
 }
 
+TEST_F(PoseDecisionTest, AViewThatAgreesInOnePartOnlyIsNoFix) {
+  VerifiedPose part = MakePose(0.0);
+  part.view = ViewSupport{0.13, -2.5};
+  const PoseDecision decision = Decide({part}, false);
+  EXPECT_EQ(decision.status, RegistrationStatus::kViewDisagrees);
+  EXPECT_GT(decision.p_wrong, 0.99);
+  part.view = ViewSupport{0.9, 50.0};
+  ExpectAccepted(Decide({part}, false), 0);
+}
+
+TEST_F(PoseDecisionTest, TheRestOfTheViewDecidesBetweenAPartAndTheFloor) {
+  const VerifiedPose floor = WithImage(MakePose(0.0), 0.5F);
+  VerifiedPose part = floor;
+  part.candidate.target_from_source = Pose2(1.0, 0.0, 0.0);
+  for (std::size_t i = 0; i < kKeypoints / 2; ++i) {
+    part.distance[i] -= 10.0F;
+  }
+  ExpectAccepted(Decide({floor, part}, false), 1);
+  VerifiedPose seen = floor;
+  seen.view = ViewSupport{0.7, 40.0};
+  part.view = ViewSupport{0.3, -6.0};
+  ExpectAccepted(Decide({seen, part}, false), 0);
+  ExpectAccepted(Decide({part, seen}, false), 1);
+}
+
 TEST_F(PoseDecisionTest, WithoutVotesOrImageScoresNothingIsDistinctive) {
   EXPECT_EQ(Decide({WithoutVotes(MakePose(0.0))}).status, RegistrationStatus::kNotSignificant);
 }

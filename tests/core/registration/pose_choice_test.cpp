@@ -113,6 +113,16 @@ TEST(PoseChoiceTest, ChanceAndAMissedPoseAddToTheRisk) {
   EXPECT_EQ(Choose(contest).status, RegistrationStatus::kNotSignificant);
 }
 
+TEST(PoseChoiceTest, APoseOfAPartOfTheViewIsNotAccepted) {
+  PoseContest contest = Contest({1.0, 1e-5});
+  contest.p_local = 5e-5;
+  EXPECT_EQ(Choose(contest).status, RegistrationStatus::kRegistered);
+  EXPECT_NEAR(Choose(contest).p_wrong, 6e-5, 1e-9);
+  contest.p_local = 0.99;
+  EXPECT_EQ(Choose(contest).status, RegistrationStatus::kViewDisagrees);
+  EXPECT_GT(Choose(contest).p_wrong, 0.98);
+}
+
 TEST(PoseChoiceTest, NoModelIsSurerOfItself) {
   EXPECT_EQ(Choose(Contest({1.0})).p_wrong, RegistrationOptions().min_p_wrong);
 }
