@@ -2,10 +2,15 @@
 // Calibration of the localizer's confidence: wrong fixes, covariance and p_wrong over many simulated frames.
 // `./run bench honesty` starts it; it resumes where it was stopped.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
@@ -30,6 +35,9 @@ struct Arguments {
   std::string state;
   std::string photograph;
   int threads = 0;
+  std::string overlay;
+  double overlay_share = 0.13;
+  std::vector<std::string> floors;
   bool restart = false;
   bool rebuild = false;
 };
@@ -45,8 +53,42 @@ struct Bench {
   fs::path Results(std::size_t floor) const { return fs::path(arguments.state) / (floors[floor].name + ".jsonl"); }
 };
 
-Bench Prepare(const Arguments& arguments) {
-  Bench bench{arguments, FloorCases(arguments.photograph), ConditionCases(), {}};
+// The same overlay in view of the survey and of the vehicles.
+void AddOverlay(const OverlayOptions& overlay, Bench* bench) {
+  const CameraModel camera = BenchCamera().camera;
+  const auto shown = std::make_shared<const CameraOverlay>(overlay, cv::Size(camera.width_px, camera.height_px));
+  for (FloorCase& floor : bench->floors) {
+    floor.overlay = overlay;
+  }
+  for (ConditionCase& condition : bench->conditions) {
+    condition.overlay = shown;
+  }
+  bench->arguments.state +=
+      "-" + std::string(ToString(overlay.kind)) + "-" + std::to_string(std::lround(100.0 * overlay.share));
+}
+
+void ChooseFloors(const std::vector<std::string>& names, Bench* bench) {
+  if (names.empty()) {
+    return;
+  }
+  std::erase_if(bench->floors, [&](const FloorCase& floor) {
+    return std::find(names.begin(), names.end(), floor.name) == names.end();
+  });
+  if (bench->floors.size() != names.size() || names.size() < 2) {
+    throw std::invalid_argument("--floors needs two or more of concrete, carpet, wood, photo, tiles, more-tiles");
+  }
+}
+
+Bench Prepare(const Arguments& given) {
+  Bench bench{given, FloorCases(given.photograph), ConditionCases(), {}};
+  ChooseFloors(given.floors, &bench);
+  if (!given.overlay.empty()) {
+    OverlayOptions overlay;
+    overlay.kind = ParseOverlayKind(given.overlay);
+    overlay.share = given.overlay_share;
+    AddOverlay(overlay, &bench);
+  }
+  const Arguments& arguments = bench.arguments;
   if (arguments.rebuild) {
     ClearStateFolder(arguments.state, "honesty_benchmark");
   } else {
@@ -125,7 +167,7 @@ void Run(const Arguments& arguments) {
     records[bench.floors[i].name] = RunFloor(bench, i);
   }
   const HonestyReport report = Summarize(records);
-  const fs::path folder(arguments.state);
+  const fs::path folder(bench.arguments.state);
   WriteFileAtomically(folder / "honesty.json", ToJson(report));
   WriteFileAtomically(folder / "reliability.svg", DrawReliability(report));
   PrintReport(std::cout, report);
@@ -144,6 +186,13 @@ int main(int argc, char** argv) {
   app.add_option("--state", arguments.state, "Folder of maps and results")->required();
   app.add_option("--photograph", arguments.photograph, "Image of a floor to make one of")->required();
   app.add_option("--threads", arguments.threads, "Number of threads; 0: one per core")->capture_default_str();
+  app.add_option("--overlay", arguments.overlay,
+                 "In view of survey and vehicle: part, text, logo, dirt or lamp; maps and results are kept apart")
+      ->check(CLI::IsMember(floorloc::OverlayKindNames()));
+  app.add_option("--overlay-share", arguments.overlay_share, "Share of the image that it covers")
+      ->capture_default_str();
+  app.add_option("--floors", arguments.floors, "Two or more of the floors, NAME,NAME,...; all by default")
+      ->delimiter(',');
   app.add_flag("--restart", arguments.restart, "Forget the results; after a change of the localizer");
   app.add_flag("--rebuild", arguments.rebuild, "Forget the maps too; after a change of features or builder");
   CLI11_PARSE(app, argc, argv);

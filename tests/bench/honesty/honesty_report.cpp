@@ -26,6 +26,15 @@ void AddFix(const std::string& floor, const FrameRecord& record, const FixRecord
   }
 }
 
+void AddSupport(const FixRecord& fix, std::vector<std::pair<int, int>>* bins) {
+  constexpr int kBins = 10;
+  bins->resize(kBins);
+  auto& [poses, wrong] =
+      (*bins)[static_cast<std::size_t>(std::min(kBins - 1, static_cast<int>(kBins * *fix.support_area)))];
+  ++poses;
+  wrong += fix.wrong();
+}
+
 Json ToJson(const WrongFix& wrong) {
   const FixRecord& fix = wrong.fix;
   return {{"floor", wrong.floor},         {"frame", wrong.frame},           {"place", ToString(wrong.place)},
@@ -107,6 +116,9 @@ HonestyReport Summarize(const FloorRecords& records) {
         ++searches[fix.search];
         report.localize_ms[fix.search] += fix.localize_ms;
         report.expected_wrong[fix.search] += fix.accepted() ? fix.p_wrong : 0.0;
+        if (fix.has_pose && fix.support_area) {
+          AddSupport(fix, &report.by_support[fix.search]);
+        }
         if (fix.has_pose) {
           forecasts[fix.search].push_back({fix.p_wrong, fix.wrong()});
         }
@@ -129,6 +141,9 @@ std::string ToJson(const HonestyReport& report) {
     part["expected_wrong"] = report.expected_wrong.at(search);
     for (const ReliabilityBin& bin : report.reliability.at(search)) {
       part["reliability"].push_back(ToJson(bin));
+    }
+    if (report.by_support.contains(search)) {
+      part["by_support_area"] = report.by_support.at(search);
     }
     for (const auto& [floor, rows] : floors) {
       for (const auto& [row, tally] : rows) {

@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/evaluation/consistency.h"
@@ -44,7 +45,9 @@ struct HonestyReport {
   std::map<SearchKind, std::map<std::string, std::map<std::string, Tally>>> tallies;
   std::vector<WrongFix> wrong_fixes;
   std::map<SearchKind, std::vector<ReliabilityBin>> reliability;  ///< over every best pose, accepted or not
-  std::map<SearchKind, double> expected_wrong;                    ///< sum of p_wrong over the accepted poses
+  /// Best poses and wrong ones among them by their support area: below 0.1, 0.2 ... 1.
+  std::map<SearchKind, std::vector<std::pair<int, int>>> by_support;
+  std::map<SearchKind, double> expected_wrong;  ///< sum of p_wrong over the accepted poses
   int frames = 0;
   double render_ms = 0.0;  ///< mean per frame
   std::map<SearchKind, double> localize_ms;

@@ -105,5 +105,24 @@ TEST(DrawReliability, ShowsABinPerDecadeThatHasPoses) {
   EXPECT_EQ(circles, 4U);
 }
 
+TEST(HonestyReport, CountsWrongPosesByTheShareOfTheViewThatAgrees) {
+  FrameRecord record;
+  for (const auto& [support, wrong] : std::vector<std::pair<double, bool>>{{0.13, true}, {0.85, false}, {1.0, false}}) {
+    FixRecord fix = Accepted(wrong ? 1.0 : 0.0, 0.0, 1e-9);
+    fix.support_area = support;
+    record.fixes.push_back(fix);
+  }
+  record.fixes.push_back(Accepted(0.0, 0.0, 1e-9));  // not compared with a mosaic
+  const HonestyReport report = Summarize({{"floor", {record}}});
+  const auto& bins = report.by_support.at(SearchKind::kGlobal);
+  ASSERT_EQ(bins.size(), 10U);
+  EXPECT_EQ(bins[1], std::make_pair(1, 1));
+  EXPECT_EQ(bins[8], std::make_pair(1, 0));
+  EXPECT_EQ(bins[9], std::make_pair(1, 0));
+  std::ostringstream table;
+  PrintReport(table, report);
+  EXPECT_NE(table.str().find("wrong by support area"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace floorloc

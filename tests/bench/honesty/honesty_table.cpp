@@ -73,6 +73,22 @@ void PrintReliability(std::ostream& out, SearchKind search, const HonestyReport&
   }
 }
 
+// How often a pose is wrong whose view agrees to a given share.
+void PrintSupport(std::ostream& out, SearchKind search, const HonestyReport& report) {
+  const auto found = report.by_support.find(search);
+  if (found == report.by_support.end()) {
+    return;
+  }
+  out << "\nwrong by support area, search: " << ToString(search) << " (the best pose of every frame, accepted or not)\n"
+      << std::setw(20) << "support area" << std::setw(9) << "poses" << std::setw(9) << "wrong" << '\n';
+  for (std::size_t i = 0; i < found->second.size(); ++i) {
+    const auto& [poses, wrong] = found->second[i];
+    const auto from = static_cast<double>(i) / 10.0;
+    out << std::setw(20) << (Number(from, 1) + "-" + Number(from + 0.1, 1)) << std::setw(9) << poses << std::setw(9)
+        << wrong << '\n';
+  }
+}
+
 void PrintVerdict(std::ostream& out, SearchKind search, const HonestyReport& report) {
   int accepted = 0, wrong = 0;
   for (const auto& [row, tally] : report.tallies.at(search).at("all")) {
@@ -114,6 +130,7 @@ void PrintReport(std::ostream& out, const HonestyReport& report) {
   }
   for (const auto& [search, bins] : report.reliability) {
     PrintReliability(out, search, report);
+    PrintSupport(out, search, report);
   }
   out << '\n';
   PrintWrongFixes(out, report);

@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <limits>
+#include <optional>
 
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
@@ -19,10 +20,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 FrameRecord MakeRecord(int frame) {
   FrameRecord record{frame, FramePlace::kEdge, "hard", 12.5, {}};
-  record.fixes.push_back(
-      {SearchKind::kGlobal, LocalizationStatus::kLocalized, true, 1.0 / 3.0e9, 4e-4, 1e-3, 2.7, 120, false, 8.25});
+  record.fixes.push_back({SearchKind::kGlobal, LocalizationStatus::kLocalized, true, 1.0 / 3.0e9, 4e-4, 1e-3, 2.7, 120,
+                          0.875, false, 8.25});
   record.fixes.push_back({SearchKind::kWrongPrior, LocalizationStatus::kAmbiguous, true, 0.5, kInfinity, kInfinity,
-                          kInfinity, 9, true, 3.5});
+                          kInfinity, 9, std::nullopt, true, 3.5});
   return record;
 }
 

@@ -63,7 +63,9 @@ void WriteSurvey(const fs::path& folder, const FloorCase& floor_case, const Floo
   const SimulatedPath path = PlanSurvey(floor_case, camera);
   fs::create_directories(folder / "images");
   const CameraRenderer renderer(floor, camera);
-  const ConditionSampler sampler(ConditionLevels::FromName("mild"), floor, camera, kSurveySeed);
+  ConditionLevels levels = ConditionLevels::FromName("mild");
+  levels.overlay = floor_case.overlay;
+  const ConditionSampler sampler(levels, floor, camera, kSurveySeed);
   std::string rows = "timestamp,filename\n";
   Trajectory truth;
   std::vector<std::string> names;

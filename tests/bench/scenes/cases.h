@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "mapbuilder/simulation/camera_overlay.h"
 #include "mapbuilder/simulation/floor_texture.h"
 #include "mapbuilder/simulation/render_conditions.h"
 
@@ -17,7 +19,8 @@ struct FloorCase {
   /// The unsurveyed part repeats the surveyed part pixel by pixel: no frame is taken there, as it could not be
   /// distinguished from a mapped one.
   bool copies_itself = false;
-  double repeat_m = 0.0;  ///< distance after which the floor nearly repeats itself; 0: it does not
+  double repeat_m = 0.0;        ///< distance after which the floor nearly repeats itself; 0: it does not
+  OverlayOptions overlay = {};  ///< of the survey's camera
 };
 
 /// photograph: image of a floor from which textures are quilted.
@@ -27,7 +30,8 @@ std::vector<FloorCase> FloorCases(const std::string& photograph);
 struct ConditionCase {
   std::string name;
   ConditionLevels levels;
-  double wear = 0.0;  ///< share of the floor that has changed since the survey
+  double wear = 0.0;                                       ///< share of the floor that has changed since the survey
+  std::shared_ptr<const CameraOverlay> overlay = nullptr;  ///< of the vehicle's camera
 };
 
 /// clean, mild, hard; and each degradation of hard alone, on top of mild.

@@ -37,6 +37,7 @@ Json ToJson(const FixRecord& fix) {
           {"error_rad", fix.error_rad},
           {"nees", fix.nees},
           {"inliers", fix.inliers},
+          {"support_area", fix.support_area ? Json(*fix.support_area) : Json()},
           {"truth_listed", fix.truth_listed},
           {"localize_ms", fix.localize_ms}};
 }
@@ -50,6 +51,7 @@ FixRecord ParseFix(const Json& json) {
           NumberOrInfinity(json.at("error_rad")),
           NumberOrInfinity(json.at("nees")),
           json.at("inliers"),
+          json.at("support_area").is_null() ? std::nullopt : std::optional<double>(json.at("support_area")),
           json.at("truth_listed"),
           json.at("localize_ms")};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct FixRecord {
   double error_rad = 0.0;
   double nees = 0.0;
   int inliers = 0;
-  bool truth_listed = false;  ///< ambiguous, and the truth is among the alternatives
+  std::optional<double> support_area;  ///< share of the view that agrees
+  bool truth_listed = false;           ///< ambiguous, and the truth is among the alternatives
   double localize_ms = 0.0;
 
   bool accepted() const { return status == LocalizationStatus::kLocalized; }

@@ -34,8 +34,9 @@ cv::Mat RenderFrame(const GrayRenderer& renderer, const GrayFloor& floor, const 
                     const FramePlan& plan) {
   // The sampler uses only the floor's size, to place lamps over it.
   const ConditionSampler sampler(condition.levels, {floor.gray, floor.resolution_m}, renderer.camera(), plan.seed);
-  return renderer.Render(floor, plan.truth_from_base, sampler.Sample(0, plan.time_s, plan.twist),
-                         condition.levels.jpeg_quality);
+  RenderConditions conditions = sampler.Sample(0, plan.time_s, plan.twist);
+  conditions.overlay = condition.overlay;
+  return renderer.Render(floor, plan.truth_from_base, conditions, condition.levels.jpeg_quality);
 }
 
 FrameRunner::FrameRunner(const BenchFloor& floor, FramePlanner planner, std::vector<const GrayFloor*> others,
@@ -81,6 +82,7 @@ FixRecord FrameRunner::Localize(const FramePlan& plan, const PlannedSearch& sear
   fix.has_pose = result.inliers > 0;
   fix.p_wrong = result.p_wrong;
   fix.inliers = result.inliers;
+  fix.support_area = result.support_area;
   fix.localize_ms = result.timing.total_ms;
   if (!fix.has_pose) {
     return fix;
@@ -102,7 +104,7 @@ bool SameAnswers(const FrameRecord& a, const FrameRecord& b) {
   const auto same_fix = [](const FixRecord& x, const FixRecord& y) {
     return x.search == y.search && x.status == y.status && x.has_pose == y.has_pose && x.p_wrong == y.p_wrong &&
            x.error_m == y.error_m && x.error_rad == y.error_rad && x.nees == y.nees && x.inliers == y.inliers &&
-           x.truth_listed == y.truth_listed;
+           x.support_area == y.support_area && x.truth_listed == y.truth_listed;
   };
   return a.frame == b.frame && a.place == b.place && a.condition == b.condition &&
          std::equal(a.fixes.begin(), a.fixes.end(), b.fixes.begin(), b.fixes.end(), same_fix);
