@@ -21,7 +21,7 @@ from builder import BINARY, Scratch, run, run_ok, run_unusable
 FRAME_KEYS = {
     "timestamp", "filename", "status", "x", "y", "yaw", "covariance", "inliers", "p_wrong", "timing_ms",
 }
-MORE_FRAME_KEYS = {"alternatives", "keypoints", "matches", "rms_m", "search"}
+MORE_FRAME_KEYS = {"alternatives", "keypoints", "matches", "rms_m", "search", "support_area"}
 
 
 def digest(file):
