@@ -2,7 +2,10 @@
 #include "core/odometry/floor_view.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <numbers>
+#include <vector>
 
 #include "core/geometry/option_check.h"
 #include "core/registration/least_squares.h"
@@ -32,6 +35,78 @@ RectM BoundsOf(const std::vector<Keypoint>& keypoints) {
   return {low.x(), high.x(), low.y(), high.y()};
 }
 
+// Counts points by blocks of the view.
+class Blocks {
+ public:
+  explicit Blocks(const RectM& bounds) : bounds_(bounds) {}
+
+  void AddKeypoint(const Eigen::Vector2d& point) { ++keypoints_[IndexOf(point)]; }
+  void AddInlier(const Eigen::Vector2d& point) { ++inliers_[IndexOf(point)]; }
+
+  // Share of inliers among the keypoints beside the blocks with most inliers per keypoint, `local_share` of all blocks.
+  double RestShare(double local_share) const {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < keypoints_.size(); ++i) {
+      if (keypoints_[i] > 0) {
+        order.push_back(i);
+      }
+    }
+    const auto share = [&](std::size_t i) { return static_cast<double>(inliers_[i]) / keypoints_[i]; };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return share(a) < share(b); });
+    order.resize(order.size() - static_cast<std::size_t>(local_share * static_cast<double>(order.size())));
+    int keypoints = 0;
+    int inliers = 0;
+    for (const std::size_t i : order) {
+      keypoints += keypoints_[i];
+      inliers += inliers_[i];
+    }
+    return keypoints > 0 ? static_cast<double>(inliers) / keypoints : 0.0;
+  }
+
+ private:
+  static constexpr int kPerSide = 8;  // some ten keypoints each
+
+  std::size_t IndexOf(const Eigen::Vector2d& p) const {
+    const auto part = [](double from_min, double length) {
+      return length > 0.0 ? std::clamp(static_cast<int>(kPerSide * from_min / length), 0, kPerSide - 1) : 0;
+    };
+    const int row = part(p.y() - bounds_.y_min, bounds_.height_m());
+    return static_cast<std::size_t>(row * kPerSide + part(p.x() - bounds_.x_min, bounds_.width_m()));
+  }
+
+  RectM bounds_;
+  std::array<int, kPerSide * kPerSide> keypoints_{};
+  std::array<int, kPerSide * kPerSide> inliers_{};
+};
+
+std::vector<Keypoint> KeypointsOn(const RectM& floor, const std::vector<Keypoint>& keypoints, const Pose2& pose) {
+  std::vector<Keypoint> on;
+  std::copy_if(keypoints.begin(), keypoints.end(), std::back_inserter(on),
+               [&](const Keypoint& k) { return floor.Contains(pose * k.Position()); });
+  return on;
+}
+
+std::vector<Eigen::Vector2d> InliersOf(const std::vector<OrientedMatch>& matches, const PoseCandidate& pose) {
+  std::vector<Eigen::Vector2d> points;
+  for (const int i : pose.inliers) {
+    points.push_back(matches[static_cast<std::size_t>(i)].source_m);
+  }
+  return points;
+}
+
+// Share of inliers among the keypoints beside the part of the floor that agrees best.
+double RestShare(const std::vector<Keypoint>& keypoints, const std::vector<Eigen::Vector2d>& inliers,
+                 double local_share) {
+  Blocks blocks(BoundsOf(keypoints));
+  for (const Keypoint& k : keypoints) {
+    blocks.AddKeypoint(k.Position());
+  }
+  for (const Eigen::Vector2d& inlier : inliers) {
+    blocks.AddInlier(inlier);
+  }
+  return blocks.RestShare(local_share);
+}
+
 }  // namespace
 
 void ViewRegistrationOptions::Check() const {
@@ -42,6 +117,8 @@ void ViewRegistrationOptions::Check() const {
   RequireOption(systematic_m >= 0 && systematic_m < 1, "systematic_m must be 0 to 1 m");
   RequireOption(systematic_rad >= 0 && systematic_rad < 1, "systematic_rad must be 0 to 1 rad");
   RequireOption(min_inlier_share >= 0 && min_inlier_share < 1, "min_inlier_share must be at least 0 and below 1");
+  RequireOption(local_share >= 0 && local_share < 1, "local_share must be at least 0 and below 1");
+  RequireOption(min_rest_share >= 0 && min_rest_share < 1, "min_rest_share must be at least 0 and below 1");
 }
 
 FloorView::FloorView(std::int64_t stamp_ns, const Features& features, double resolution_m)
@@ -82,16 +159,15 @@ ViewRegistration FloorView::Register(const Features& frame, const ViewGuess& gue
   const PoseCandidate pose = RefinePose(matches, coarse.target_from_source, registration);
   found.matches = static_cast<int>(matches.size());
   found.inliers = static_cast<int>(pose.inliers.size());
-  const auto common = std::count_if(frame.keypoints.begin(), frame.keypoints.end(), [&](const Keypoint& k) {
-    return floor_.Contains(pose.target_from_source * k.Position());
-  });
-  found.overlap = static_cast<double>(common) / static_cast<double>(frame.keypoints.size());
+  const std::vector<Keypoint> common = KeypointsOn(floor_, frame.keypoints, pose.target_from_source);
+  found.overlap = static_cast<double>(common.size()) / static_cast<double>(frame.keypoints.size());
   if (found.inliers < registration.min_inliers) {
     found.status = RegistrationStatus::kTooFewInliers;
     return found;
   }
-  if (found.inliers < options.min_inlier_share * static_cast<double>(common)) {
-    found.status = RegistrationStatus::kNotSignificant;
+  const bool few = found.inliers < options.min_inlier_share * static_cast<double>(common.size());
+  if (few || RestShare(common, InliersOf(matches, pose), options.local_share) < options.min_rest_share) {
+    found.status = few ? RegistrationStatus::kNotSignificant : RegistrationStatus::kViewDisagrees;
     return found;
   }
   found.view_from_base = pose.target_from_source;

@@ -28,6 +28,12 @@ struct ViewRegistrationOptions {
   double systematic_m = 1e-4;    ///< errors not in the residuals (calibration, vibration), per registration
   double systematic_rad = 2e-4;  ///< the same for the heading
   double min_inlier_share = 0.1;
+  /// Largest share of the common floor that something else may cover: a part of the robot stands still in the image
+  /// while the floor moves. As DecisionOptions::local_share.
+  double local_share = 0.35;
+  /// Least share of inliers among the keypoints beside the local_share of the common floor that agrees best. A part of
+  /// 30 % of the image leaves 0 to 0.02 there, frames with few inliers (0.1 of all) 0.045: `./run bench odometry`.
+  double min_rest_share = 0.03;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -53,7 +59,8 @@ class FloorView {
   FloorView(std::int64_t stamp_ns, const Features& features, double resolution_m);
 
   /// Matching near the guess, voting and RANSAC; then every keypoint is matched again near the position that the pose
-  /// predicts. kNotSignificant when too small a share of the keypoints on the common floor agrees.
+  /// predicts. kNotSignificant when too small a share of the keypoints on the common floor agrees, kViewDisagrees when
+  /// those that agree lie in one part of it: something that travels with the camera stands still, not the vehicle.
   ViewRegistration Register(const Features& frame, const ViewGuess& guess,
                             const ViewRegistrationOptions& options) const;
 

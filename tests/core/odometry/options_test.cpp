@@ -14,7 +14,9 @@ TEST(OdometryOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("max_ratio_float", &ViewRegistrationOptions::max_ratio_float, {0.0F, 1.1F})
       .Refuses("systematic_m", &ViewRegistrationOptions::systematic_m, {-1e-4})
       .Refuses("systematic_rad", &ViewRegistrationOptions::systematic_rad, {-1e-4})
-      .Refuses("min_inlier_share", &ViewRegistrationOptions::min_inlier_share, {-0.1, 1.0});
+      .Refuses("min_inlier_share", &ViewRegistrationOptions::min_inlier_share, {-0.1, 1.0})
+      .Refuses("local_share", &ViewRegistrationOptions::local_share, {-0.1, 1.0})
+      .Refuses("min_rest_share", &ViewRegistrationOptions::min_rest_share, {-0.1, 1.0});
   OptionTable<PlanarOdometryOptions>()
       .Refuses("resolution_m", &PlanarOdometryOptions::resolution_m, {0.0})
       .Refuses("max_ratio_binary", &PlanarOdometryOptions::max_ratio_binary, {0.0F})

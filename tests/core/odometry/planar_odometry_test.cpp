@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -268,6 +269,28 @@ TEST(PlanarOdometryTest, RefusesBadOptions) {
   options = {};
   options.max_speed_m_s = 0.0;
   EXPECT_THROW(PlanarOdometry{options}, std::invalid_argument);
+}
+
+// The part's keypoints stand still in all frames, and a search near the last pose finds them alone.
+TEST(PlanarOdometry, APartOfTheRobotThatStandsStillIsNotTheVehicle) {
+  for (const double share : {0.13, 0.3}) {
+    OverlayOptions part;
+    part.share = share;
+    RenderConditions conditions;
+    const CameraModel& camera = Floor().camera().camera;
+    conditions.overlay = std::make_shared<const CameraOverlay>(part, cv::Size(camera.width_px, camera.height_px));
+    PlanarOdometry odometry(Options());
+    for (int i = 0; i < 6; ++i) {
+      cv::Mat gray;
+      cv::cvtColor(Floor().View(Floor().BaseForView(0.4 + 0.03 * i, 0.45, 0.0), conditions), gray, cv::COLOR_BGR2GRAY);
+      const PlanarOdometryResult result = odometry.Track((i + 1) * kStepNs, FeaturesOf(gray));
+      if (i == 0) {
+        continue;
+      }
+      ASSERT_EQ(result.status, PlanarOdometryStatus::kTracked) << share << ", frame " << i;
+      EXPECT_NEAR(result.odom_from_base.x(), 0.03 * i, 0.002) << share << ", frame " << i;
+    }
+  }
 }
 
 }  // namespace
