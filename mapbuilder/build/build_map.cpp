@@ -6,7 +6,9 @@
 #include <memory>
 #include <numeric>
 
+#include "core/io/camera_mask.h"
 #include "core/io/input_error.h"
+#include "core/io/text_file.h"
 #include "core/map/camera_correction.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/build_journal.h"
@@ -42,6 +44,15 @@ class StageClock {
 
 std::unique_ptr<BaseMap> OpenBaseMap(const std::filesystem::path& file) {
   return file.empty() ? nullptr : std::make_unique<BaseMap>(file);
+}
+
+// The given mask for all surveys.
+void ApplyGivenMask(const std::filesystem::path& file, std::vector<LoadedSurvey>* surveys) {
+  const std::vector<std::uint8_t> bytes = ReadBinaryFile(file);
+  for (LoadedSurvey& loaded : *surveys) {
+    loaded.survey.mask = DecodeCameraMask(bytes, loaded.survey.camera.camera, file);
+    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera, loaded.survey.mask);
+  }
 }
 
 // Surveys at the base map's resolution; cameras that it knows are corrected as its surveys corrected them.
@@ -190,13 +201,18 @@ BuildReport BuildMap(const BuildOptions& requested) {
   const std::unique_ptr<BaseMap> base = OpenBaseMap(requested.extend);
   std::vector<LoadedSurvey> surveys = LoadSurveysFor(requested, base.get());
   FillInSigmas(requested.control_point_sigma_m, &surveys);
+  if (!requested.mask.empty()) {
+    ApplyGivenMask(requested.mask, &surveys);
+  }
   const BuildOptions options = WithSharedOptions(requested, surveys, base.get());
   MapWriter writer(options.out);  // first, so that an unwritable output fails before the work is done
   BuildJournal journal(BuildJournal::FileFor(options.out), options.resume, options.run.progress.stream);
 
   ExtractedFrames extracted = ExtractFrames(std::move(surveys), options, &journal);
   report.resumed_frames = extracted.restored;
-  ScreenedFrames screened = ScreenFrames(std::move(extracted.set), options.placement.registration);
+  report.masks = FindCameraMasks(extracted.set, options.placement.registration, options.auto_mask);
+  ScreenedFrames screened =
+      ScreenFrames(WithMasks(std::move(extracted.set), report.masks), options.placement.registration);
   report.heights = FindHeightsUnlessExtending(options, base.get(), &screened.kept);
   AddScreening(screened, CheckAndMendOdometry(options, &screened.kept), &report);
   clock.Finish("features");

@@ -11,6 +11,7 @@ namespace floorloc {
 void BuildOptions::Check() const {
   extractor.Check();
   RequireOption(control_point_sigma_m > 0.0, "control_point_sigma_m must be positive");
+  auto_mask.Check();
   markers.Check();
   heights.Check();
   odometry_steps.Check();
@@ -61,6 +62,7 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   options.placement.registration.run = options.run;
   double& radius_m = options.placement.registration.registration.inlier_radius_m;
   radius_m = InlierRadiusFor(radius_m, camera);
+  options.auto_mask.run = options.run;
   options.placement.registration.resolution_m = floor.resolution_m;
   options.fusion = options.fusion.ForCamera(floor, options.extractor.max_keypoints);
   if (options.max_keypoints_per_m2 > 0.0) {

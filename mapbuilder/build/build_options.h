@@ -15,6 +15,7 @@
 #include "mapbuilder/markers/markers.h"
 #include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
+#include "mapbuilder/screening/auto_mask.h"
 #include "mapbuilder/screening/odometry_steps.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 
@@ -28,6 +29,9 @@ struct BuildOptions {
   int max_keypoints = 0;         ///< per image, for extractor.max_keypoints; 0: KeypointsFor the first camera
   Trajectory poses;              ///< map_from_base from another system; may be empty
   double control_point_sigma_m = 1e-3;  ///< of control points whose file does not say it
+  std::filesystem::path
+      mask;  ///< of the cameras of all surveys, instead of their own or one that is found; empty: none
+  AutoMaskOptions auto_mask;
   MarkerOptions markers;
   FrameHeightOptions heights;  ///< not used with `extend`, whose map has one height
   OdometryStepOptions odometry_steps;

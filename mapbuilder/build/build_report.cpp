@@ -46,12 +46,47 @@ std::string LinksText(const BuildReport& r) {
              : Format("  links        none: all %d that the images gave contradict the poses\n", r.rejected_links);
 }
 
+std::string OfSurvey(const BuildReport& r, std::size_t survey) {
+  return r.masks.size() > 1 ? " of survey " + std::to_string(survey + 1) : "";
+}
+
+// What a build without the mask has to warn of; empty: nothing.
+std::string MaskWarning(const BuildReport& r, std::size_t survey) {
+  const CameraMaskFinding& mask = r.masks[survey];
+  return mask.status == CameraMaskStatus::kFound && !mask.applied
+             ? Format("%.1f %% of the images", 100.0 * mask.share) + OfSurvey(r, survey) +
+                   " moves with the camera, and is in the map as if it were floor: build again without --no-auto-mask, "
+                   "or with --mask FILE"
+             : "";
+}
+
+std::string MaskText(const BuildReport& r) {
+  std::string text;
+  for (std::size_t i = 0; i < r.masks.size(); ++i) {
+    const CameraMaskFinding& mask = r.masks[i];
+    const std::string share = Format("  masked       %.1f %% of the images", 100.0 * mask.share) + OfSurvey(r, i);
+    if (mask.status == CameraMaskStatus::kFound && mask.applied) {
+      text += share + ": moves with the camera; --mask FILE or --no-auto-mask overrules\n";
+    } else if (mask.status == CameraMaskStatus::kGiven) {
+      text += share + ", as given\n";
+    } else if (mask.status == CameraMaskStatus::kUndecided) {
+      text += "  masked       nothing" + OfSurvey(r, i) + ": not enough structure to tell what moves with the camera\n";
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> AllWarnings(const BuildReport& r) {
   std::vector<std::string> warnings = r.warnings;
   if (const std::string uneven = HeightWarning(r.heights); !uneven.empty()) {
     warnings.push_back(uneven);
+  }
+  for (std::size_t i = 0; i < r.masks.size(); ++i) {
+    if (const std::string warning = MaskWarning(r, i); !warning.empty()) {
+      warnings.push_back(warning);
+    }
   }
   if (r.part_sizes.size() > 1) {
     std::string gap = Format("The images form %zu parts that do not connect (", r.part_sizes.size());
@@ -81,7 +116,7 @@ std::string ToText(const BuildReport& r) {
   if (r.resumed_frames > 0) {
     text << Format("  resumed      %d frames already processed\n", r.resumed_frames);
   }
-  text << LinksText(r);
+  text << MaskText(r) << LinksText(r);
   for (const std::string& warning : AllWarnings(r)) {
     text << "  WARNING      " << warning << "\n";
   }

@@ -12,6 +12,7 @@
 #include "core/geometry/pose2.h"
 #include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/markers/markers.h"
+#include "mapbuilder/screening/auto_mask.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 #include "mapbuilder/survey/dropped_frame.h"
 
@@ -48,10 +49,11 @@ struct BuildReport {
   int frames = 0;
   int frames_used = 0;
   std::vector<DroppedFrame> dropped;
-  std::vector<std::string> warnings;  ///< one sentence each
-  std::vector<MarkerFit> markers;     ///< detected ones
-  std::vector<int> part_sizes;        ///< largest first; more than one: the survey has gaps
-  bool kept_all = false;              ///< all parts are in the map, also those without links to the largest
+  std::vector<std::string> warnings;     ///< one sentence each
+  std::vector<CameraMaskFinding> masks;  ///< per survey; read from a map they have no `mask`
+  std::vector<MarkerFit> markers;        ///< detected ones
+  std::vector<int> part_sizes;           ///< largest first; more than one: the survey has gaps
+  bool kept_all = false;                 ///< all parts are in the map, also those without links to the largest
   int links = 0;
   int rejected_links = 0;
   int overlapping_pairs = 0;

@@ -72,6 +72,24 @@ FlatField FlatFieldFrom(const Json& json) {
   return field;
 }
 
+Json ToJson(const CameraMaskFinding& mask) {
+  return {{"status", ToString(mask.status)}, {"applied", mask.applied}, {"share", mask.share}, {"pairs", mask.pairs}};
+}
+
+CameraMaskFinding MaskFrom(const Json& json) {
+  CameraMaskFinding mask;
+  const auto status = ParseCameraMaskStatus(json.at("status").get<std::string>());
+  if (!status) {
+    throw MapError("the build report in the map has a camera mask of unknown status; build the map again",
+                   MapError::Kind::kDamaged);
+  }
+  mask.status = *status;
+  mask.applied = json.at("applied");
+  mask.share = json.at("share");
+  mask.pairs = json.at("pairs");
+  return mask;
+}
+
 Json ToJson(const MarkerFit& marker) {
   return {{"id", marker.id},
           {"known", marker.known},
@@ -196,6 +214,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"held_out", ListJson(report.held_out)},
       {"control_points", ListJson(report.control_points)},
       {"control_point_scale", report.control_point_scale},
+      {"camera_masks", ListJson(report.masks)},
       {"markers", ListJson(report.markers)},
       {"flat_fields", ListJson(report.flat_fields)}};
   if (!report.extends.empty()) {
@@ -223,6 +242,7 @@ BuildReport ParseBuildReport(const std::string& text) {
     report.dropped = ListFrom(json, "dropped", DroppedFrom);
     report.held_out = ListFrom(json, "held_out", HeldOutFrom);
     report.control_points = ListFrom(json, "control_points", ControlPointFrom);
+    report.masks = ListFrom(json, "camera_masks", MaskFrom);
     report.markers = ListFrom(json, "markers", MarkerFrom);
     report.flat_fields = ListFrom(json, "flat_fields", FlatFieldFrom);
   } catch (const nlohmann::json::exception& error) {

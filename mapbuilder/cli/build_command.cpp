@@ -185,6 +185,13 @@ void AddBuildCommand(CLI::App& app) {
                    "Standard deviation of control points whose file has no sigma, metres: tape measures 0.01")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command
+      ->add_option("--mask", a->options.mask,
+                   "Image of the cameras' size, black where they see no floor (the robot's own body), instead of the\n"
+                   "surveys' mask.png and of what is found by itself")
+      ->check(CLI::ExistingFile);
+  command->add_flag("!--no-auto-mask", a->options.auto_mask.apply,
+                    "Report what moves with the camera, but don't mask it");
   AddMarkerOptions(*command, a->options.markers);
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,

@@ -3,6 +3,8 @@
 
 #include <sys/stat.h>
 
+#include <span>
+
 #include "core/map/extractor_parameters.h"
 #include "mapbuilder/batch/journal_bytes.h"
 
@@ -58,7 +60,8 @@ FrameJournal::FrameJournal(BuildJournal* journal, const std::vector<LoadedSurvey
     }
     AddCamera(loaded.survey.camera, &hash);
     if (!loaded.survey.mask.empty()) {
-      AddFile(loaded.survey.folder / "mask.png", &hash);
+      const cv::Mat& mask = loaded.survey.mask;
+      hash.Add(std::span(mask.ptr<std::uint8_t>(), mask.total()));
     }
     survey_keys_.push_back(hash.Hex());
   }

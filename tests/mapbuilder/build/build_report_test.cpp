@@ -31,6 +31,7 @@ BuildReport MakeReport() {
   report.held_out = {{"images/7.jpg", Pose2(0.5, 0.25, 3.0), "wrong", "", 0.5, 0.25, 300, 40},
                      {"images/9.jpg", Pose2(), "not_localized", "too_few_inliers", 0.0, 0.0, 20, 3}};
   report.control_points = {{"images/1.jpg", Eigen::Vector2d(1.0, 2.0), Eigen::Vector2d(1.5, 2.25)}};
+  report.masks = {{CameraMaskStatus::kFound, true, 0.125, 20, {}}, {CameraMaskStatus::kUndecided, false, 0.0, 2, {}}};
   report.markers = {{7, true, true, 3, 0.002}, {9, false, false, 2, 0.0}};
   report.flat_fields = {{2, 1, {1.0, 1.5}}};
   report.total_s = 12.5;
@@ -47,6 +48,9 @@ TEST(BuildReportTest, WhatAMapKeepsOfItIsReadBack) {
   EXPECT_EQ(read.held_out.at(0).error_m, 0.5);
   EXPECT_EQ(read.held_out.at(1).reason, "too_few_inliers");
   EXPECT_EQ(read.markers.at(0).error_m, 0.002);
+  EXPECT_EQ(read.masks.at(0).status, CameraMaskStatus::kFound);
+  EXPECT_EQ(read.masks.at(0).share, 0.125);
+  EXPECT_EQ(read.masks.at(1).pairs, 2);
   EXPECT_EQ(read.control_points.at(0).observed_m.y(), 2.25);
   EXPECT_THAT(read.flat_fields.at(0).gain, ElementsAre(1.0, 1.5));
 }

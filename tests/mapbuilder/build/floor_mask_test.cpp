@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -14,6 +15,9 @@
 
 namespace floorloc {
 namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 const cv::Scalar kBodyColor(20, 20, 230);
 
@@ -73,6 +77,49 @@ TEST_F(FloorMaskTest, WhatIsMaskedIsNeitherInTheMosaicNorAmongTheKeypoints) {
   EXPECT_EQ(report.frames_used, 28);
   const cv::Mat mosaic = ExportMosaic(MapDatabase(options.out), 0.0).bgr;
   EXPECT_EQ(RedPixels(mosaic), 0);
+}
+
+TEST_F(FloorMaskTest, WhatMovesWithTheCameraIsFoundByItself) {
+  BuildOptions options;
+  options.surveys = {survey_};
+  options.out = folder_.path() / "floor.floormap";
+  options.mosaic.resolution_m = 0.0028;
+  options.hold_out = false;
+  const BuildReport report = BuildMap(options);
+  ASSERT_EQ(report.masks.size(), 1U);
+  EXPECT_EQ(report.masks[0].status, CameraMaskStatus::kFound);
+  EXPECT_NEAR(report.masks[0].share, 140.0 / 640.0, 0.02);
+  EXPECT_EQ(report.frames_used, 28);
+  EXPECT_THAT(ToText(report), HasSubstr("moves with the camera; --mask FILE or --no-auto-mask overrules"));
+  EXPECT_EQ(RedPixels(ExportMosaic(MapDatabase(options.out), 0.0).bgr), 0);
+}
+
+TEST_F(FloorMaskTest, WithoutAutoMaskItIsReported) {
+  BuildOptions options;
+  options.surveys = {survey_};
+  options.out = folder_.path() / "floor.floormap";
+  options.mosaic.resolution_m = 0.0028;
+  options.hold_out = false;
+  options.auto_mask.apply = false;
+  const BuildReport report = BuildMap(options);
+  EXPECT_THAT(AllWarnings(report), Contains(HasSubstr("moves with the camera, and is in the map")));
+  EXPECT_GT(RedPixels(ExportMosaic(MapDatabase(options.out), 0.0).bgr), 20);
+}
+
+TEST_F(FloorMaskTest, AMaskForAllSurveysReplacesWhatIsFound) {
+  cv::imwrite((folder_.path() / "all_floor.png").string(), cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)));
+  BuildOptions options;
+  options.surveys = {survey_};
+  options.out = folder_.path() / "floor.floormap";
+  options.mosaic.resolution_m = 0.0028;
+  options.hold_out = false;
+  options.mask = folder_.path() / "all_floor.png";
+  const BuildReport report = BuildMap(options);
+  EXPECT_EQ(report.masks.at(0).status, CameraMaskStatus::kGiven);
+  EXPECT_EQ(report.masks.at(0).share, 0.0);
+  EXPECT_GT(RedPixels(ExportMosaic(MapDatabase(options.out), 0.0).bgr), 20);
+  cv::imwrite(options.mask.string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(255)));
+  EXPECT_THROW(BuildMap(options), InputError);
 }
 
 TEST_F(FloorMaskTest, AMaskThatDoesNotFitIsRefused) {

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapbuilder/screening/auto_mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "core/io/image.h"
+#include "core/io/input_error.h"
+#include "mapbuilder/batch/parallel.h"
+
+namespace floorloc {
+namespace {
+
+double MaskedShare(const cv::Mat& mask) {
+  return mask.empty() ? 0.0 : 1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
+}
+
+// Usable frames of a survey, by time.
+std::vector<int> FramesOf(const FrameSet& set, int survey) {
+  std::vector<int> order;
+  for (std::size_t i = 0; i < set.frames.size(); ++i) {
+    if (set.frames[i].survey == survey && set.frames[i].unreadable.empty()) {
+      order.push_back(static_cast<int>(i));
+    }
+  }
+  return order;
+}
+
+// Images that cannot be read any more are left out: the stages that need them say so.
+std::vector<MovedImages> ReadImages(const FrameSet& set, const std::vector<MovingPair>& pairs, int threads) {
+  std::map<int, cv::Mat> images;
+  for (const MovingPair& pair : pairs) {
+    images[pair.first];
+    images[pair.second];
+  }
+  std::vector<std::pair<const int, cv::Mat>*> entries;
+  for (auto& entry : images) {
+    entries.push_back(&entry);
+  }
+  ParallelFor(static_cast<int>(entries.size()), threads, [&](int i) {
+    auto& [index, image] = *entries[static_cast<std::size_t>(i)];
+    const BuildFrame& frame = set.frames[static_cast<std::size_t>(index)];
+    const Survey& survey = set.surveys[static_cast<std::size_t>(frame.survey)].survey;
+    const CameraModel& camera = survey.camera.camera;
+    try {
+      image = ReadGrayImage(survey.ImagePath(frame.info), camera.width_px, camera.height_px);
+    } catch (const InputError&) {
+      image = cv::Mat();
+    }
+  });
+  std::vector<MovedImages> moved;
+  for (const MovingPair& pair : pairs) {
+    if (!images[pair.first].empty() && !images[pair.second].empty()) {
+      moved.push_back({images[pair.first], images[pair.second], pair.first_from_second});
+    }
+  }
+  return moved;
+}
+
+CameraMaskFinding FindCameraMask(const FrameSet& set, int survey, const PairRegistrationOptions& registration,
+                                 const AutoMaskOptions& options) {
+  const LoadedSurvey& loaded = set.surveys[static_cast<std::size_t>(survey)];
+  CameraMaskFinding finding;
+  if (!loaded.survey.mask.empty()) {
+    finding.status = CameraMaskStatus::kGiven;
+    finding.applied = true;
+    finding.mask = loaded.survey.mask;
+    finding.share = MaskedShare(finding.mask);
+    return finding;
+  }
+  const std::vector<MovingPair> pairs = FindMovingPairs(set, FramesOf(set, survey), registration, options.pairs);
+  const FixedStructure fixed = FindFixedStructure(loaded.survey.camera, ReadImages(set, pairs, options.run.threads),
+                                                  options.structure, options.run.threads);
+  finding.pairs = fixed.pairs;
+  finding.mask = fixed.mask;
+  finding.share = MaskedShare(fixed.mask);
+  if (fixed.decided) {
+    finding.status = fixed.mask.empty() ? CameraMaskStatus::kNothing : CameraMaskStatus::kFound;
+  }
+  finding.applied = options.apply && finding.status == CameraMaskStatus::kFound;
+  return finding;
+}
+
+// Distance of the rectified image's pixels from what is masked. CV_32FC1, pixels; the image's edge is none of it.
+cv::Mat DistanceFromMask(const cv::Mat& before, const cv::Mat& after) {
+  cv::Mat distance;
+  cv::distanceTransform(~(before & ~after), distance, cv::DIST_L2, 3);
+  return distance;
+}
+
+// As the extractors do with a mask: no keypoint whose described neighbourhood reaches what is masked.
+void DropMaskedKeypoints(const GroundGrid& grid, const cv::Mat& distance_px, Features* features) {
+  std::vector<Keypoint> kept;
+  cv::Mat descriptors;
+  for (std::size_t i = 0; i < features->keypoints.size(); ++i) {
+    const Keypoint& keypoint = features->keypoints[i];
+    const Eigen::Vector2d px = grid.PixelFromBase(keypoint.Position());
+    const int u = std::clamp(static_cast<int>(std::lround(px.x())), 0, distance_px.cols - 1);
+    const int v = std::clamp(static_cast<int>(std::lround(px.y())), 0, distance_px.rows - 1);
+    if (static_cast<double>(distance_px.at<float>(v, u)) * grid.resolution_m >
+        0.5 * static_cast<double>(keypoint.size_m)) {
+      kept.push_back(keypoint);
+      descriptors.push_back(features->descriptors.row(static_cast<int>(i)));
+    }
+  }
+  if (kept.size() < features->keypoints.size()) {
+    features->keypoints = std::move(kept);
+    features->descriptors = descriptors;
+  }
+}
+
+void MaskFrames(const LoadedSurvey& masked, const cv::Mat& mask_before, int survey, std::vector<BuildFrame>* frames) {
+  const cv::Mat& mask = masked.rectifier->mask();
+  const cv::Mat distance = DistanceFromMask(mask_before, mask);
+  for (BuildFrame& frame : *frames) {
+    if (frame.survey != survey || !frame.unreadable.empty()) {
+      continue;
+    }
+    DropMaskedKeypoints(masked.rectifier->grid(), distance, &frame.features);
+    if (!frame.brightness.empty()) {
+      cv::Mat cells;
+      cv::resize(mask, cells, frame.brightness.size(), 0, 0, cv::INTER_AREA);
+      frame.brightness.setTo(0.0F, cells < 255);
+    }
+  }
+}
+
+}  // namespace
+
+void AutoMaskOptions::Check() const {
+  pairs.Check();
+  structure.Check();
+  run.Check();
+}
+
+const char* ToString(CameraMaskStatus status) {
+  switch (status) {
+    case CameraMaskStatus::kGiven:
+      return "given";
+    case CameraMaskStatus::kNothing:
+      return "nothing";
+    case CameraMaskStatus::kUndecided:
+      return "undecided";
+    case CameraMaskStatus::kFound:
+      break;
+  }
+  return "found";
+}
+
+std::optional<CameraMaskStatus> ParseCameraMaskStatus(const std::string& name) {
+  for (const CameraMaskStatus status :
+       {CameraMaskStatus::kGiven, CameraMaskStatus::kNothing, CameraMaskStatus::kUndecided, CameraMaskStatus::kFound}) {
+    if (name == ToString(status)) {
+      return status;
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<CameraMaskFinding> FindCameraMasks(const FrameSet& set, const PairRegistrationOptions& registration,
+                                               const AutoMaskOptions& options) {
+  options.Check();
+  std::vector<CameraMaskFinding> findings;
+  for (std::size_t survey = 0; survey < set.surveys.size(); ++survey) {
+    findings.push_back(FindCameraMask(set, static_cast<int>(survey), registration, options));
+  }
+  return findings;
+}
+
+FrameSet WithMasks(FrameSet set, const std::vector<CameraMaskFinding>& findings) {
+  for (std::size_t survey = 0; survey < findings.size(); ++survey) {
+    const CameraMaskFinding& finding = findings[survey];
+    if (finding.status != CameraMaskStatus::kFound || !finding.applied) {
+      continue;
+    }
+    LoadedSurvey& loaded = set.surveys[survey];
+    const cv::Mat before = loaded.rectifier->mask();
+    loaded.survey.mask = finding.mask;
+    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera, finding.mask);
+    MaskFrames(loaded, before, static_cast<int>(survey), &set.frames);
+  }
+  return set;
+}
+
+}  // namespace floorloc
