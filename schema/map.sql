@@ -72,6 +72,15 @@ CREATE TABLE calibration (
   given_homography BLOB NOT NULL   -- float64[9]
 );
 
+-- Where the images of a survey's camera show no floor, but what moves with the camera (the robot's own body, dirt). Only
+-- of the surveys that have such a mask.
+CREATE TABLE camera_mask (
+  survey  INTEGER PRIMARY KEY,
+  found   INTEGER NOT NULL CHECK (found IN (0, 1)),  -- 1: by the builder, 0: given with the survey
+  runs    BLOB NOT NULL,  -- uint32[n]: pixels of floor and of no floor by turns, row by row from the top left
+  picture BLOB NOT NULL   -- JPEG of an image with the mask, to be looked at; may be empty
+);
+
 -- Survey frames with their optimised poses.
 CREATE TABLE frame (
   id         INTEGER PRIMARY KEY,  -- from 0

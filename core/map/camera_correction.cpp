@@ -18,13 +18,6 @@ bool SameLens(const CameraModel& a, const CameraModel& b) {
          std::equal(a.distortion.begin(), a.distortion.end(), b.distortion.begin(), b.distortion.end(), Near);
 }
 
-// Homographies are equal up to a factor; they are compared by where they put floor points: the centre of the region at
-// least must have a place, corners may lie beyond what the lens model describes.
-bool SameCalibration(const FloorCamera& a, const FloorCamera& b) {
-  return SameLens(a.camera, b.camera) && b.FloorFromRawPixel(a.RawPixelFromFloor(a.floor.roi.Center())).allFinite() &&
-         LargestDisplacement(a, b) <= kTolerance;
-}
-
 }  // namespace
 
 double LargestDisplacement(const FloorCamera& before, const FloorCamera& after) {
@@ -39,6 +32,13 @@ double LargestDisplacement(const FloorCamera& before, const FloorCamera& after) 
     }
   }
   return largest_m;
+}
+
+// Homographies are equal up to a factor; they are compared by where they put floor points: the centre of the region at
+// least must have a place, corners may lie beyond what the lens model describes.
+bool SameCalibration(const FloorCamera& a, const FloorCamera& b) {
+  return SameLens(a.camera, b.camera) && b.FloorFromRawPixel(a.RawPixelFromFloor(a.floor.roi.Center())).allFinite() &&
+         LargestDisplacement(a, b) <= kTolerance;
 }
 
 std::optional<CameraCorrection> CorrectCamera(const MapInfo& info, const FloorCamera& camera) {

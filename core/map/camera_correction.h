@@ -21,6 +21,9 @@ std::optional<CameraCorrection> CorrectCamera(const MapInfo& info, const FloorCa
 /// The same, or the camera itself.
 FloorCamera CorrectedOrGiven(const MapInfo& info, const FloorCamera& camera);
 
+/// True for the same lens, size and homography; name, region of interest and resolution may differ.
+bool SameCalibration(const FloorCamera& a, const FloorCamera& b);
+
 /// Largest displacement of the floor points of the region of interest (corners, edges, centre) between two calibrations
 /// of a camera, metres.
 double LargestDisplacement(const FloorCamera& before, const FloorCamera& after);

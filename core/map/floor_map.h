@@ -32,6 +32,13 @@ struct MapFileLayer {
   bool known = true;         ///< false: this program does not read it
 };
 
+/// Where the images of a survey's camera show no floor, but what moves with the camera.
+struct MapCameraMask {
+  cv::Mat raw;                        ///< CV_8UC1 of the camera's size, 0 there and 255 elsewhere; empty: nowhere
+  bool found = false;                 ///< by the builder; else it was given with the survey
+  std::vector<std::uint8_t> picture;  ///< JPEG of an image of the camera with the mask; may be empty
+};
+
 /// Metadata of a map; written once, when the map is built.
 struct MapInfo {
   int format_version = 0;
@@ -47,6 +54,8 @@ struct MapInfo {
   std::vector<FloorCamera> cameras;  ///< one per survey, at least one; corrected by self-calibration
   /// One per survey: its camera as the survey had it, before the images corrected it. Empty: the file does not tell.
   std::vector<FloorCamera> given_cameras;
+  /// One per survey; or empty: no camera has a mask.
+  std::vector<MapCameraMask> masks;
   std::vector<MapParent> parents;
   std::vector<MapFileLayer> layers;  ///< as the file has them, also those that this program does not know
   std::string surveys_json;          ///< provenance: one object per survey

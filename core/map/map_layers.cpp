@@ -21,13 +21,14 @@ struct KnownLayer {
   std::array<const char*, 2> rows;  // nullptr: none
 };
 
-constexpr std::array<KnownLayer, 4> kKnownLayers = {{
+constexpr std::array<KnownLayer, 5> kKnownLayers = {{
     {kCalibrationLayer,
      1,
      false,
      {"SELECT survey, sigma_px, offset_sigma_m, given_fx, given_fy, given_cx, given_cy, given_distortion, "
       "given_homography FROM calibration ORDER BY survey",
       nullptr}},
+    {kCameraMaskLayer, 1, false, {"SELECT survey, found, runs, picture FROM camera_mask ORDER BY survey", nullptr}},
     {"frames",
      1,
      true,
@@ -104,7 +105,12 @@ std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection) {
 
 void WriteLayers(const SqliteConnection& connection) {
   SqliteStatement insert(connection, "INSERT INTO layer VALUES (?,?,?,?)");
+  SqliteStatement masks(connection, "SELECT 1 FROM camera_mask");
+  const bool has_masks = masks.Step();
   for (const KnownLayer& known : kKnownLayers) {
+    if (known.name == std::string(kCameraMaskLayer) && !has_masks) {
+      continue;
+    }
     insert.Bind(std::string(known.name)).Bind(known.version).Bind(known.required ? 1 : 0);
     insert.Bind(ComputeLayerHash(connection, known.name)).Run();
   }

@@ -15,6 +15,9 @@ namespace floorloc {
 /// Optional.
 inline constexpr const char* kCalibrationLayer = "calibration";
 
+/// Where the surveys' cameras see no floor, but what moves with them. Optional, and absent where no survey has a mask.
+inline constexpr const char* kCameraMaskLayer = "camera_mask";
+
 /// True for a layer that the file has and this program reads.
 bool HasLayer(const std::vector<MapFileLayer>& layers, const std::string& name);
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "core/map/camera_mask_table.h"
 #include "core/map/checked_row.h"
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_contract.h"
@@ -246,6 +247,9 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
   info.layers = ReadLayers(connection);
   if (HasLayer(info.layers, kCalibrationLayer)) {
     ReadCalibration(connection, &info);
+  }
+  if (HasLayer(info.layers, kCameraMaskLayer)) {
+    info.masks = ReadCameraMasks(connection, info);
   }
   return info;
 }

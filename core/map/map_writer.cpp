@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/map/camera_mask_table.h"
 #include "core/map/content_hash.h"
 #include "core/map/extractor_parameters.h"
 #include "core/map/keypoint_blobs.h"
@@ -83,6 +84,7 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
         .Bind(parent.content_version)
         .Run();
   }
+  WriteCameraMasks(connection, info);
   WriteLayers(connection);
   std::string version = ComputeContentVersion(connection);
   SqliteStatement(connection, "UPDATE map SET content_version = ?").Bind(version).Run();

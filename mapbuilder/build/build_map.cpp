@@ -10,6 +10,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/map/camera_correction.h"
+#include "core/map/camera_mask_table.h"
 #include "core/map/map_writer.h"
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build/build_findings.h"
@@ -65,6 +66,9 @@ std::vector<LoadedSurvey> LoadSurveysFor(const BuildOptions& options, const Base
       LoadSurveys(options.surveys, BadFramePolicy::kSkip, info.camera().floor.resolution_m);
   for (LoadedSurvey& loaded : surveys) {
     loaded.survey.camera = CorrectedOrGiven(info, loaded.given_camera);
+    if (loaded.survey.mask.empty()) {
+      loaded.survey.mask = MaskOfCamera(info, loaded.given_camera);
+    }
     loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera, loaded.survey.mask);
   }
   return surveys;
@@ -160,7 +164,18 @@ void CountKeypoints(const MapKeypoints& keypoints, BuildReport* report) {
                               std::max<double>(1.0, static_cast<double>(keypoints.size()));
 }
 
+// The masks that the map was built with, after those of the base map.
+void AddMasks(const std::vector<CameraMaskFinding>& findings, MapInfo* info) {
+  info->masks.resize(info->cameras.size() - findings.size());
+  for (const CameraMaskFinding& finding : findings) {
+    info->masks.push_back(finding.applied
+                              ? MapCameraMask{finding.mask, finding.status == CameraMaskStatus::kFound, finding.picture}
+                              : MapCameraMask{});
+  }
+}
+
 MapInfo Completed(MapInfo info, const BuildOptions& options, const BuildReport& report) {
+  AddMasks(report.masks, &info);
   info.extractor = options.extractor;
   info.extent = report.extent;
   info.area_m2 = report.area_m2;

@@ -9,6 +9,7 @@
 
 #include "core/io/text_file.h"
 #include "core/map/camera_correction.h"
+#include "core/map/camera_mask_table.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/replay/fuse_frames.h"
@@ -77,6 +78,15 @@ void PrintCameraEstimate(const FusedDrive& drive) {
       drive.camera_off_px, kDegrees * errors(0), kDegrees * errors(1), 100.0 * errors(2), drive.camera.fixes,
       drive.camera.status == CameraStatus::kCorrected ? "corrected"
                                                       : "too much to be corrected: calibrate or mount it anew");
+}
+
+// Says that the map's mask of this camera is used, where the folder has none.
+void PrintMask(const MapInfo& info, const Survey& survey) {
+  const cv::Mat mask = survey.mask.empty() ? MaskOfCamera(info, survey.camera) : cv::Mat();
+  if (!mask.empty()) {
+    std::printf("masked %.1f %% of the images, as the map has it of this camera; mask.png in the folder overrules\n",
+                100.0 * (1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total())));
+  }
 }
 
 // Prints the numbers of states, rejections and relocalizations.
@@ -165,6 +175,7 @@ void Run(Arguments& a) {
   } else {
     LocalizeOnly(a, localizer, survey);
   }
+  PrintMask(localizer.map().info, survey);
   if (a.options.correct_camera) {
     PrintCorrection(localizer.map().info, survey);
   }

@@ -44,6 +44,12 @@ void AppendGivenCameras(const MapInfo& info, std::vector<FloorCamera>* given) {
   given->insert(given->end(), cameras.begin(), cameras.end());
 }
 
+void AppendMasks(const MapInfo& info, std::vector<MapCameraMask>* masks) {
+  std::vector<MapCameraMask> before = info.masks;
+  before.resize(info.cameras.size());
+  masks->insert(masks->end(), before.begin(), before.end());
+}
+
 MapInfo NewInfo(const std::string& name, const std::string& id) {
   MapInfo info;
   info.builder_version = FLOORLOC_VERSION;
@@ -62,6 +68,7 @@ MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& su
     const MapInfo& before = base_map->map.info;
     info.cameras = before.cameras;
     AppendGivenCameras(before, &info.given_cameras);
+    AppendMasks(before, &info.masks);
     info.parents = {{"extends", before.id, before.content_version}};
     AppendProvenance(before, &provenance);
   }
@@ -82,6 +89,7 @@ MapInfo MakeMergedInfo(const std::string& name, const BaseMap& first, const Base
     const MapInfo& before = map->map.info;
     info.cameras.insert(info.cameras.end(), before.cameras.begin(), before.cameras.end());
     AppendGivenCameras(before, &info.given_cameras);
+    AppendMasks(before, &info.masks);
     info.parents.push_back({"merges", before.id, before.content_version});
     AppendProvenance(before, &provenance);
   }

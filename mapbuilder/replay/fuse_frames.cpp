@@ -26,7 +26,7 @@ class Run {
       : localizer_(localizer),
         survey_(survey),
         options_(options),
-        rectifier_(CameraOf(localizer.map().info, survey, options), survey.mask),
+        rectifier_(CameraOf(localizer.map().info, survey, options), MaskIn(localizer.map().info, survey)),
         tracker_(options.tracker, localizer.map().info.camera().floor.resolution_m) {}
 
   FusedDrive All() {

@@ -10,6 +10,7 @@
 #include "core/io/input_error.h"
 #include "core/localization/stopwatch.h"
 #include "core/map/camera_correction.h"
+#include "core/map/camera_mask_table.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
@@ -116,6 +117,10 @@ cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode
   return raw;
 }
 
+cv::Mat MaskIn(const MapInfo& info, const Survey& survey) {
+  return survey.mask.empty() ? MaskOfCamera(info, survey.camera) : survey.mask;
+}
+
 PriorSource ParsePriorSource(const std::string& name) {
   if (name == "none") {
     return PriorSource::kNone;
@@ -140,7 +145,7 @@ std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Sur
   options.Check();
   const MapInfo& info = localizer.map().info;
   const FloorCamera camera = options.correct_camera ? CorrectedOrGiven(info, survey.camera) : survey.camera;
-  const Rectifier rectifier(camera.AtResolution(info.camera().floor.resolution_m), survey.mask);
+  const Rectifier rectifier(camera.AtResolution(info.camera().floor.resolution_m), MaskIn(info, survey));
   if (options.prior == PriorSource::kOdometry) {
     return LocalizeWithOdometry(localizer, rectifier, survey, options);
   }

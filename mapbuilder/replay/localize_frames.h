@@ -39,6 +39,9 @@ struct LocalizedFrame {
   double decode_ms = 0.0;
 };
 
+/// The survey's own mask, or what the map has of its camera; empty: none.
+cv::Mat MaskIn(const MapInfo& info, const Survey& survey);
+
 /// Reads a frame's image (CV_8UC1) and measures the time. Throws InputError.
 cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms);
 

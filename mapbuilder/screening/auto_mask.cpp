@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -61,6 +62,34 @@ std::vector<MovedImages> ReadImages(const FrameSet& set, const std::vector<Movin
   return moved;
 }
 
+// JPEG of an image with what is masked in red.
+std::vector<std::uint8_t> DrawMask(const cv::Mat& image, const cv::Mat& mask) {
+  constexpr int kWidthPx = 480;
+  constexpr int kQuality = 80;
+  const cv::Scalar red(60, 40, 220);
+  const cv::Size size(kWidthPx, std::max(1, kWidthPx * image.rows / image.cols));
+  cv::Mat picture;
+  cv::cvtColor(image, picture, cv::COLOR_GRAY2BGR);
+  cv::Mat tinted;
+  cv::addWeighted(picture, 0.5, cv::Mat(image.size(), CV_8UC3, red), 0.5, 0.0, tinted);
+  tinted.copyTo(picture, mask == 0);
+  cv::resize(picture, picture, size, 0, 0, cv::INTER_AREA);
+  std::vector<std::uint8_t> jpeg;
+  cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  return jpeg;
+}
+
+// Of the first image, if it can be read.
+std::vector<std::uint8_t> DrawGivenMask(const FrameSet& set, int survey) {
+  const std::vector<int> frames = FramesOf(set, survey);
+  if (frames.empty()) {
+    return {};
+  }
+  const std::vector<MovedImages> images = ReadImages(set, {{frames.front(), frames.front(), Pose2()}}, 1);
+  return images.empty() ? std::vector<std::uint8_t>()
+                        : DrawMask(images.front().first, set.surveys[static_cast<std::size_t>(survey)].survey.mask);
+}
+
 CameraMaskFinding FindCameraMask(const FrameSet& set, int survey, const PairRegistrationOptions& registration,
                                  const AutoMaskOptions& options) {
   const LoadedSurvey& loaded = set.surveys[static_cast<std::size_t>(survey)];
@@ -70,16 +99,20 @@ CameraMaskFinding FindCameraMask(const FrameSet& set, int survey, const PairRegi
     finding.applied = true;
     finding.mask = loaded.survey.mask;
     finding.share = MaskedShare(finding.mask);
+    finding.picture = DrawGivenMask(set, survey);
     return finding;
   }
   const std::vector<MovingPair> pairs = FindMovingPairs(set, FramesOf(set, survey), registration, options.pairs);
-  const FixedStructure fixed = FindFixedStructure(loaded.survey.camera, ReadImages(set, pairs, options.run.threads),
-                                                  options.structure, options.run.threads);
+  const std::vector<MovedImages> images = ReadImages(set, pairs, options.run.threads);
+  const FixedStructure fixed = FindFixedStructure(loaded.survey.camera, images, options.structure, options.run.threads);
   finding.pairs = fixed.pairs;
   finding.mask = fixed.mask;
   finding.share = MaskedShare(fixed.mask);
   if (fixed.decided) {
     finding.status = fixed.mask.empty() ? CameraMaskStatus::kNothing : CameraMaskStatus::kFound;
+  }
+  if (finding.status == CameraMaskStatus::kFound) {
+    finding.picture = DrawMask(images.front().first, finding.mask);
   }
   finding.applied = options.apply && finding.status == CameraMaskStatus::kFound;
   return finding;

@@ -34,10 +34,11 @@ std::optional<CameraMaskStatus> ParseCameraMaskStatus(const std::string& name);
 /// What in a survey's images is not floor but moves with the camera.
 struct CameraMaskFinding {
   CameraMaskStatus status = CameraMaskStatus::kUndecided;
-  bool applied = false;  ///< the map was built without what is masked
-  double share = 0.0;    ///< of the image
-  int pairs = 0;         ///< of images that showed the floor moving
-  cv::Mat mask;          ///< CV_8UC1 of the camera's size, 0 where it is not floor; empty: no mask
+  bool applied = false;               ///< the map was built without what is masked
+  double share = 0.0;                 ///< of the image
+  int pairs = 0;                      ///< of images that showed the floor moving
+  cv::Mat mask;                       ///< CV_8UC1 of the camera's size, 0 where it is not floor; empty: no mask
+  std::vector<std::uint8_t> picture;  ///< JPEG of an image of the survey with the mask; empty: none
 };
 
 /// Looks for it in every survey without a mask; one finding per survey.

@@ -41,6 +41,15 @@ nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view,
       {"last_fix", state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json()}};
 }
 
+// The vehicle's own mask, or that which its map has of its camera.
+nlohmann::json FormatMask(const Vehicle& vehicle) {
+  const Rectifier& rectifier = *vehicle.in_map.rectifier;
+  if (rectifier.raw_mask().empty()) {
+    return {};
+  }
+  return {{"masked_share", rectifier.masked_share()}, {"of", vehicle.camera.mask.empty() ? "map" : "vehicle"}};
+}
+
 nlohmann::json FormatMessageCounts(const VehicleCounts& counts) {
   nlohmann::json json;
   for (const MessageOutcome outcome : counts.messages.Values()) {
@@ -104,9 +113,7 @@ nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map) {
   json["correct_camera"] = vehicle.camera.correct;
   json["camera_correction"] = FormatCorrection(map != nullptr ? CorrectionOf(*map, vehicle.camera) : std::nullopt);
   json["camera_estimate"] = FormatCameraEstimate(view.camera, vehicle.in_map.rectifier->camera());
-  json["mask"] = vehicle.camera.mask.empty()
-                     ? nlohmann::json()
-                     : nlohmann::json{{"masked_share", vehicle.in_map.rectifier->masked_share()}};
+  json["mask"] = FormatMask(vehicle);
   json["gate"] = {{"max_distance_m", vehicle.gate.max_distance_m}, {"max_angle_rad", vehicle.gate.max_angle_rad}};
   json["since_fix"] = FormatSinceFix(view);
   json["messages"] = FormatMessageCounts(view.counts);

@@ -13,7 +13,7 @@ namespace floorloc {
 /// A camera as a client gives it.
 struct GivenCamera {
   FloorCamera camera;
-  CameraMask mask;      ///< may be empty
+  CameraMask mask;      ///< empty: the map's of this camera, if it has one
   bool correct = true;  ///< by a map that knows the camera
 };
 

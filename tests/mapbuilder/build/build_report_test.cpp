@@ -31,7 +31,8 @@ BuildReport MakeReport() {
   report.held_out = {{"images/7.jpg", Pose2(0.5, 0.25, 3.0), "wrong", "", 0.5, 0.25, 300, 40},
                      {"images/9.jpg", Pose2(), "not_localized", "too_few_inliers", 0.0, 0.0, 20, 3}};
   report.control_points = {{"images/1.jpg", Eigen::Vector2d(1.0, 2.0), Eigen::Vector2d(1.5, 2.25)}};
-  report.masks = {{CameraMaskStatus::kFound, true, 0.125, 20, {}}, {CameraMaskStatus::kUndecided, false, 0.0, 2, {}}};
+  report.masks = {{CameraMaskStatus::kFound, true, 0.125, 20, {}, {}},
+                  {CameraMaskStatus::kUndecided, false, 0.0, 2, {}, {}}};
   report.markers = {{7, true, true, 3, 0.002}, {9, false, false, 2, 0.0}};
   report.flat_fields = {{2, 1, {1.0, 1.5}}};
   report.total_s = 12.5;

@@ -32,16 +32,18 @@ class MaskedDriveTest : public ::testing::Test {
     }
   }
 
-  void WriteMask() const {
+  cv::Mat PlateMask() const {
     cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(255));
     mask(plate_).setTo(0);
-    cv::imwrite((drive_ / "mask.png").string(), mask);
+    return mask;
   }
+  void WriteMask() const { cv::imwrite((drive_ / "mask.png").string(), PlateMask()); }
 
   // Of views at known poses, so that the map is exact.
-  Localizer MakeLocalizer() const {
+  Localizer MakeLocalizer(const cv::Mat& mask = cv::Mat()) const {
     FloorMap map;
-    map.info.cameras = {floor_.camera()};
+    map.info.cameras = {ReadSurvey(drive_).camera};
+    map.info.masks = {{mask, true, {}}};
     const auto extractor = CreateFeatureExtractor(map.info.extractor);
     const Rectifier rectifier(floor_.camera());
     for (const double x : {0.3, 0.6, 0.9}) {
@@ -121,6 +123,25 @@ TEST_F(MaskedDriveTest, LocalizingAndFusingGoWrongWithoutTheMaskAndRightWithIt) 
   for (const FusedFrame& frame : FuseFrames(localizer, masked, {}).frames) {
     EXPECT_TRUE(IsRight(frame.localized, masked)) << ToJsonLine(frame);
   }
+}
+
+TEST_F(MaskedDriveTest, ADriveWithoutAMaskGetsTheMapsOfItsCamera) {
+  const Localizer localizer = MakeLocalizer(PlateMask());
+  const Survey survey = ReadSurvey(drive_);
+  ASSERT_TRUE(survey.mask.empty());
+  for (const LocalizedFrame& frame : LocalizeFrames(localizer, survey, {})) {
+    EXPECT_TRUE(IsRight(frame, survey)) << ToJsonLine(frame);
+  }
+  for (const FusedFrame& frame : FuseFrames(localizer, survey, {}).frames) {
+    EXPECT_TRUE(IsRight(frame.localized, survey)) << ToJsonLine(frame);
+  }
+  cv::imwrite((drive_ / "mask.png").string(), cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)));
+  const Survey declines = ReadSurvey(drive_);
+  int wrong = 0;
+  for (const LocalizedFrame& frame : LocalizeFrames(localizer, declines, {})) {
+    wrong += IsRight(frame, declines) ? 0 : 1;
+  }
+  EXPECT_GT(wrong, kFrames / 2);
 }
 
 TEST_F(MaskedDriveTest, OdometryTakesThePlateForTheFloorUnlessItIsMasked) {

@@ -75,6 +75,30 @@ TEST_F(MaskTest, AVehicleThatRegistersItsMaskIsFoundWhereItIs) {
   EXPECT_LT(ErrorM(Json(client_.Post("/v1/vehicles/masked/frames?stamp=100", jpeg_, "image/jpeg"))), 0.003);
 }
 
+TEST_F(MaskTest, ACameraWithoutAMaskGetsTheMapsOfItsSurvey) {
+  const TemporaryFolder folder;
+  const SyntheticFloor& floor = SharedMaps().floor();
+  cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(255));
+  mask(plate_).setTo(0);
+  WriteHall(floor, floor.camera(), folder.path() / "hall.floormap", mask);
+  TestServer server({}, folder.path());
+  ContractClient client(server.port());
+  ASSERT_EQ(client.Put("/v1/vehicles/plain", VehicleBody().dump()).status, 201);
+  const json vehicle = Json(client.Get("/v1/vehicles/plain"));
+  EXPECT_EQ(vehicle["mask"]["of"], "map");
+  EXPECT_NEAR(vehicle["mask"]["masked_share"].get<double>(), 0.6, 0.15);
+  const std::string query = std::string(kLocalize) + "?vehicle=";
+  EXPECT_LT(ErrorM(Json(client.Post(query + "plain", jpeg_, "image/jpeg"))), 0.003);
+  EXPECT_LT(ErrorM(Json(client.Post("/v1/vehicles/plain/frames?stamp=100", jpeg_, "image/jpeg"))), 0.003);
+  EXPECT_LT(ErrorM(Json(client.PostParts(kLocalize, {Image(), Request(inline_)}))), 0.003);
+  json declining = VehicleBody();
+  declining["mask"] = EncodeBase64(EncodeImage(cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)), ".png"));
+  ASSERT_EQ(client.Put("/v1/vehicles/bare", declining.dump()).status, 201);
+  EXPECT_EQ(Json(client.Get("/v1/vehicles/bare"))["mask"]["of"], "vehicle");
+  EXPECT_EQ(Json(client.Get("/v1/vehicles/bare"))["mask"]["masked_share"], 0.0);
+  EXPECT_GT(ErrorM(Json(client.Post(query + "bare", jpeg_, "image/jpeg"))), 0.05);
+}
+
 TEST_F(MaskTest, TheSameMaskAgainKeepsTheVehicleAnotherBeginsAnew) {
   ASSERT_EQ(client_.Put("/v1/vehicles/a", body_.dump()).status, 201);
   ASSERT_EQ(client_.Post("/v1/vehicles/a/frames?stamp=100", jpeg_, "image/jpeg").status, 200);
