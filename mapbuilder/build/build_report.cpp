@@ -78,15 +78,21 @@ std::string MaskText(const BuildReport& r) {
 
 }  // namespace
 
-std::vector<std::string> AllWarnings(const BuildReport& r) {
-  std::vector<std::string> warnings = r.warnings;
-  if (const std::string uneven = HeightWarning(r.heights); !uneven.empty()) {
-    warnings.push_back(uneven);
-  }
+std::vector<std::string> MaskWarnings(const BuildReport& r) {
+  std::vector<std::string> warnings;
   for (std::size_t i = 0; i < r.masks.size(); ++i) {
     if (const std::string warning = MaskWarning(r, i); !warning.empty()) {
       warnings.push_back(warning);
     }
+  }
+  return warnings;
+}
+
+std::vector<std::string> AllWarnings(const BuildReport& r) {
+  std::vector<std::string> warnings = MaskWarnings(r);
+  warnings.insert(warnings.end(), r.warnings.begin(), r.warnings.end());
+  if (const std::string uneven = HeightWarning(r.heights); !uneven.empty()) {
+    warnings.push_back(uneven);
   }
   if (r.part_sizes.size() > 1) {
     std::string gap = Format("The images form %zu parts that do not connect (", r.part_sizes.size());

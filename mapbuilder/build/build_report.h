@@ -88,7 +88,11 @@ std::string ToJson(const BuildReport& report, bool with_times);
 /// their defaults. Throws MapError when the text is damaged.
 BuildReport ParseBuildReport(const std::string& text);
 
-/// What to check before using the map, one sentence each: the report's warnings and those derived from its numbers.
+/// What moves with the camera and was not masked, one sentence per survey.
+std::vector<std::string> MaskWarnings(const BuildReport& report);
+
+/// What to check before using the map, one sentence each: those, the report's warnings and those derived from its
+/// numbers.
 std::vector<std::string> AllWarnings(const BuildReport& report);
 
 /// Human-readable summary.

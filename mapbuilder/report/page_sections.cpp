@@ -10,6 +10,7 @@
 #include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/charts.h"
 #include "mapbuilder/report/colour_scale.h"
+#include "mapbuilder/report/data_uri.h"
 #include "mapbuilder/report/number_text.h"
 #include "mapbuilder/report/odometry_drift.h"
 #include "mapbuilder/report/weakness_text.h"
@@ -270,6 +271,36 @@ std::string HeldOutSection(const ReportPage& page) {
   }
   html << "</div></section>\n";
   return html.str();
+}
+
+std::string MaskSection(const ReportPage& page) {
+  const std::vector<MapCameraMask>& masks = page.evidence.map.info.masks;
+  std::ostringstream cards;
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    if (masks[i].raw.empty()) {
+      continue;
+    }
+    const auto floor = static_cast<double>(cv::countNonZero(masks[i].raw));
+    cards << "<div class='card'><h3>"
+          << (masks.size() > 1 ? "Survey " + std::to_string(i + 1) + ": masked " : "Masked ")
+          << PercentText(1.0 - floor / static_cast<double>(masks[i].raw.total())) << " of the image</h3><p>"
+          << (masks[i].found
+                  ? "Moves with the camera; <code>--mask FILE</code> or <code>--no-auto-mask</code> overrules."
+                  : "As given with the survey.")
+          << "</p>";
+    if (!masks[i].picture.empty()) {
+      cards << "<img class='mask' alt='An image of the camera; what is masked is red' src='data:image/jpeg;base64,"
+            << Base64(masks[i].picture) << "'>";
+    }
+    cards << "</div>";
+  }
+  const std::string html = cards.str();
+  return html.empty()
+             ? ""
+             : "<section id='masks'><h2>What is no floor</h2><p>What moves with the camera is not in this map; "
+               "vehicles with a camera of a survey's calibration are masked likewise, unless they bring a "
+               "mask.</p><div class='two'>" +
+                   html + "</div></section>\n";
 }
 
 std::string ExposureSection(const ReportPage& page) {

@@ -21,7 +21,8 @@ std::string ReportHtml(const ReportPage& page) {
        << " by floorloc " << EscapeHtml(info.builder_version) << " · version "
        << EscapeHtml(info.content_version.substr(0, 16)) << "</p></div></header>\n<main>\n"
        << VerdictSection(page) << ResurveySection(page) << MapSections(page) << HeldOutSection(page)
-       << GeometrySection(page) << ExposureSection(page) << DroppedSection(page) << OriginSection(page)
+       << GeometrySection(page) << MaskSection(page) << ExposureSection(page) << DroppedSection(page)
+       << OriginSection(page)
        << "</main>\n<footer>Everything on this page was computed from the map file; report.json beside it has the same "
           "numbers. Positions are metres in the map frame.</footer>\n<script>"
        << ReportScript() << "</script>\n</body></html>\n";

@@ -63,12 +63,25 @@ void AssessFrames(const BuildReport& build, const VerdictOptions& options, Verdi
                                                      (build.extends.empty() ? "" : " new") +
                                                      " frames are not in the map.");
   }
-  for (const std::string& warning : AllWarnings(build)) {
-    reasons->Add(false, warning + (warning.ends_with('.') ? "" : "."));
+  const std::size_t of_masks = MaskWarnings(build).size();  // they are the first ones
+  const std::vector<std::string> warnings = AllWarnings(build);
+  for (std::size_t i = of_masks; i < warnings.size(); ++i) {
+    reasons->Add(false, warnings[i] + (warnings[i].ends_with('.') ? "" : "."));
   }
   if (Share(build.unmatched_pairs, build.overlapping_pairs) > kFolded) {
     reasons->Add(true, "So many overlapping frames do not match that the map may be folded onto itself.");
   }
+}
+
+// True when too much of what moves with the camera is in the map.
+bool AssessMasks(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons) {
+  const bool severe = std::any_of(build.masks.begin(), build.masks.end(), [&](const CameraMaskFinding& mask) {
+    return mask.status == CameraMaskStatus::kFound && !mask.applied && mask.share > options.max_unmasked_share;
+  });
+  for (const std::string& warning : MaskWarnings(build)) {
+    reasons->Add(severe, warning + ".");
+  }
+  return severe;
 }
 
 void AssessFloor(const MapQuality& quality, VerdictReasons* reasons) {
@@ -209,6 +222,7 @@ void VerdictOptions::Check() const {
   RequireOption(max_control_point_m >= doubtful_control_point_m,
                 "max_control_point_m must be at least doubtful_control_point_m");
   RequireOption(max_control_point_sigmas >= 0.0, "max_control_point_sigmas must not be negative");
+  RequireOption(max_unmasked_share >= 0.0 && max_unmasked_share <= 1.0, "max_unmasked_share must be 0 to 1");
   RequireOption(max_drift_share >= 0.0, "max_drift_share must not be negative");
   RequireOption(max_drift_rad_per_m >= 0.0, "max_drift_rad_per_m must not be negative");
 }
@@ -218,6 +232,8 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   VerdictReasons reasons;
   AssessHeldOut(score, &reasons);
+  const bool lacks_mask = AssessMasks(evidence.build, options, &reasons);
+  const std::size_t for_masks = reasons.severe.size();
   AssessFrames(evidence.build, options, &reasons);
   AssessFloor(quality, &reasons);
   AssessControlPoints(evidence.build, options, &reasons);
@@ -227,7 +243,9 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   verdict.reasons.insert(verdict.reasons.end(), reasons.mild.begin(), reasons.mild.end());
   if (!reasons.severe.empty()) {
     verdict.trust = Trust::kResurvey;
-    verdict.headline = "Do not use this map yet: survey again";
+    verdict.headline = lacks_mask && reasons.severe.size() == for_masks
+                           ? "Do not use this map yet: build it again with a mask"
+                           : "Do not use this map yet: survey again";
   } else if (!reasons.mild.empty()) {
     verdict.trust = Trust::kInspect;
     verdict.headline = quality.zones.empty()       ? "You can trust this map, but read the warnings below"

@@ -40,6 +40,17 @@ TEST_F(ReportPageTest, NothingIsFetchedFromElsewhere) {
   EXPECT_THAT(Html(), Not(HasSubstr("src=")));
 }
 
+TEST_F(ReportPageTest, WhatIsMaskedIsShown) {
+  EXPECT_THAT(Html(), Not(HasSubstr("id='masks'")));
+  cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(255));
+  mask.colRange(0, 64).setTo(0);
+  evidence_.map.info.masks = {{mask, true, {1, 2, 3}}};
+  const std::string html = Html();
+  EXPECT_THAT(html, HasSubstr("Masked 10 % of the image"));
+  EXPECT_THAT(html, HasSubstr("data:image/jpeg;base64,AQID"));
+  EXPECT_THAT(html, HasSubstr("--no-auto-mask"));
+}
+
 TEST_F(ReportPageTest, NamesFromOutsideAreEscaped) {
   evidence_.map.info.name = "<script>alert(1)</script>";
   evidence_.build.dropped = {{"<b>.jpg", "a<b", std::nullopt}};

@@ -53,6 +53,22 @@ TEST(VerdictTest, AFloorOfTilesNeedsAPriorButNoNewSurvey) {
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("a prior")));
 }
 
+TEST(VerdictTest, AMapThatShowsWhatMovesWithTheCameraIsNotToBeUsed) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.masks = {{CameraMaskStatus::kFound, false, 0.13, 20, {}, {}}};
+  Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kResurvey);
+  EXPECT_THAT(verdict.headline, HasSubstr("build it again with a mask"));
+  EXPECT_THAT(verdict.reasons.front(), HasSubstr("13.0 % of the images moves with the camera"));
+  evidence.build.masks[0].share = 0.01;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
+  evidence.build.masks[0].share = 0.13;
+  evidence.build.masks[0].applied = true;
+  verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kTrust);
+  EXPECT_THAT(verdict.reasons, IsEmpty());
+}
+
 TEST(VerdictTest, HeldOutFramesDecide) {
   MapEvidence evidence = MakeMapEvidence();
   for (int i = 0; i < 16; ++i) {
