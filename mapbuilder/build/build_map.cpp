@@ -51,8 +51,8 @@ std::unique_ptr<BaseMap> OpenBaseMap(const std::filesystem::path& file) {
 void ApplyGivenMask(const std::filesystem::path& file, std::vector<LoadedSurvey>* surveys) {
   const std::vector<std::uint8_t> bytes = ReadBinaryFile(file);
   for (LoadedSurvey& loaded : *surveys) {
-    loaded.survey.mask = DecodeCameraMask(bytes, loaded.survey.camera.camera, file);
-    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera, loaded.survey.mask);
+    const cv::Mat mask = DecodeCameraMask(bytes, loaded.survey.camera.camera, file);
+    loaded = WithMask(std::move(loaded), mask);
   }
 }
 
@@ -93,6 +93,27 @@ ExtractedFrames ExtractFrames(std::vector<LoadedSurvey> surveys, const BuildOpti
   std::vector<BuildFrame> frames =
       ExtractSurveyFrames(surveys, {options.extractor, options.run, &done, BadFramePolicy::kSkip});
   return {{std::move(surveys), std::move(frames)}, done.restored()};
+}
+
+// Extracts the frames of surveys anew in which a mask was found, so that their keypoints are spread over the floor
+// alone and nothing that is masked has a share in them: as with a mask.png.
+FrameSet ExtractMasked(FrameSet set, const std::vector<CameraMaskFinding>& findings, const BuildOptions& options,
+                       BuildJournal* journal) {
+  for (std::size_t survey = 0; survey < findings.size(); ++survey) {
+    if (findings[survey].status != CameraMaskStatus::kFound || !findings[survey].applied) {
+      continue;
+    }
+    set.surveys[survey] = WithMask(std::move(set.surveys[survey]), findings[survey].mask);
+    FrameSet masked = ExtractFrames({set.surveys[survey]}, options, journal).set;
+    auto next = masked.frames.begin();
+    for (BuildFrame& frame : set.frames) {
+      if (frame.survey == static_cast<int>(survey)) {
+        frame = std::move(*next++);
+        frame.survey = static_cast<int>(survey);
+      }
+    }
+  }
+  return set;
 }
 
 // Warnings, one sentence each.
@@ -226,8 +247,8 @@ BuildReport BuildMap(const BuildOptions& requested) {
   ExtractedFrames extracted = ExtractFrames(std::move(surveys), options, &journal);
   report.resumed_frames = extracted.restored;
   report.masks = FindCameraMasks(extracted.set, options.placement.registration, options.auto_mask);
-  ScreenedFrames screened =
-      ScreenFrames(WithMasks(std::move(extracted.set), report.masks), options.placement.registration);
+  ScreenedFrames screened = ScreenFrames(ExtractMasked(std::move(extracted.set), report.masks, options, &journal),
+                                         options.placement.registration);
   report.heights = FindHeightsUnlessExtending(options, base.get(), &screened.kept);
   AddScreening(screened, CheckAndMendOdometry(options, &screened.kept), &report);
   clock.Finish("features");

@@ -2,7 +2,6 @@
 #include "mapbuilder/screening/auto_mask.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
@@ -118,50 +117,6 @@ CameraMaskFinding FindCameraMask(const FrameSet& set, int survey, const PairRegi
   return finding;
 }
 
-// Distance of the rectified image's pixels from what is masked. CV_32FC1, pixels; the image's edge is none of it.
-cv::Mat DistanceFromMask(const cv::Mat& before, const cv::Mat& after) {
-  cv::Mat distance;
-  cv::distanceTransform(~(before & ~after), distance, cv::DIST_L2, 3);
-  return distance;
-}
-
-// As the extractors do with a mask: no keypoint whose described neighbourhood reaches what is masked.
-void DropMaskedKeypoints(const GroundGrid& grid, const cv::Mat& distance_px, Features* features) {
-  std::vector<Keypoint> kept;
-  cv::Mat descriptors;
-  for (std::size_t i = 0; i < features->keypoints.size(); ++i) {
-    const Keypoint& keypoint = features->keypoints[i];
-    const Eigen::Vector2d px = grid.PixelFromBase(keypoint.Position());
-    const int u = std::clamp(static_cast<int>(std::lround(px.x())), 0, distance_px.cols - 1);
-    const int v = std::clamp(static_cast<int>(std::lround(px.y())), 0, distance_px.rows - 1);
-    if (static_cast<double>(distance_px.at<float>(v, u)) * grid.resolution_m >
-        0.5 * static_cast<double>(keypoint.size_m)) {
-      kept.push_back(keypoint);
-      descriptors.push_back(features->descriptors.row(static_cast<int>(i)));
-    }
-  }
-  if (kept.size() < features->keypoints.size()) {
-    features->keypoints = std::move(kept);
-    features->descriptors = descriptors;
-  }
-}
-
-void MaskFrames(const LoadedSurvey& masked, const cv::Mat& mask_before, int survey, std::vector<BuildFrame>* frames) {
-  const cv::Mat& mask = masked.rectifier->mask();
-  const cv::Mat distance = DistanceFromMask(mask_before, mask);
-  for (BuildFrame& frame : *frames) {
-    if (frame.survey != survey || !frame.unreadable.empty()) {
-      continue;
-    }
-    DropMaskedKeypoints(masked.rectifier->grid(), distance, &frame.features);
-    if (!frame.brightness.empty()) {
-      cv::Mat cells;
-      cv::resize(mask, cells, frame.brightness.size(), 0, 0, cv::INTER_AREA);
-      frame.brightness.setTo(0.0F, cells < 255);
-    }
-  }
-}
-
 }  // namespace
 
 void AutoMaskOptions::Check() const {
@@ -204,19 +159,10 @@ std::vector<CameraMaskFinding> FindCameraMasks(const FrameSet& set, const PairRe
   return findings;
 }
 
-FrameSet WithMasks(FrameSet set, const std::vector<CameraMaskFinding>& findings) {
-  for (std::size_t survey = 0; survey < findings.size(); ++survey) {
-    const CameraMaskFinding& finding = findings[survey];
-    if (finding.status != CameraMaskStatus::kFound || !finding.applied) {
-      continue;
-    }
-    LoadedSurvey& loaded = set.surveys[survey];
-    const cv::Mat before = loaded.rectifier->mask();
-    loaded.survey.mask = finding.mask;
-    loaded.rectifier = std::make_shared<Rectifier>(loaded.survey.camera, finding.mask);
-    MaskFrames(loaded, before, static_cast<int>(survey), &set.frames);
-  }
-  return set;
+LoadedSurvey WithMask(LoadedSurvey survey, const cv::Mat& mask) {
+  survey.survey.mask = mask;
+  survey.rectifier = std::make_shared<Rectifier>(survey.survey.camera, mask);
+  return survey;
 }
 
 }  // namespace floorloc

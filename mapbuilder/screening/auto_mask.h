@@ -45,7 +45,7 @@ struct CameraMaskFinding {
 std::vector<CameraMaskFinding> FindCameraMasks(const FrameSet& set, const PairRegistrationOptions& registration,
                                                const AutoMaskOptions& options);
 
-/// Gives the surveys the masks that were found, and takes what is masked out of their frames' keypoints and brightness.
-FrameSet WithMasks(FrameSet set, const std::vector<CameraMaskFinding>& findings);
+/// The survey with a mask of its camera. Throws std::invalid_argument when it is none of this camera.
+LoadedSurvey WithMask(LoadedSurvey survey, const cv::Mat& mask);
 
 }  // namespace floorloc
