@@ -125,6 +125,7 @@ void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const Pr
   BuildOptions options;
   options.surveys = {files.Survey()};
   options.out = files.Map();
+  options.auto_mask.apply = false;  // overlays stay in the map: what the localizer makes of them is measured
   options.run.progress = progress;
   BuildMap(options);
 }

@@ -32,6 +32,8 @@ class PartInMap {
     options.surveys = {folder_.path() / "survey"};
     options.out = folder_.path() / "part.floormap";
     options.poses = ReadTum(folder_.path() / "survey" / "groundtruth.tum");
+    options.hold_out = false;
+    options.auto_mask.apply = false;
     BuildMap(options);
     database_ = std::make_unique<MapDatabase>(options.out);
     localizer_ = std::make_unique<Localizer>(database_->ReadMap(), LocalizerOptions(),
