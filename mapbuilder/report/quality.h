@@ -59,7 +59,7 @@ struct LinkStrain {
 struct MapQuality {
   FloorGrid grid;
   Eigen::Vector2d drawing_origin_m = Eigen::Vector2d::Zero();  ///< DrawingOrigin of the map
-  double view_m2 = 0.0;  ///< floor in a frame's view
+  double view_m2 = 0.0;                                        ///< floor in a frame's view
 
   // Per cell.
   std::vector<int> coverage;           ///< number of frames that cover it
