@@ -73,15 +73,16 @@ cv::Mat BoardRenderer::Render(const PrintedBoard& board, const Eigen::Isometry3d
   columns << camera_from_board.linear().leftCols<2>(), camera_from_board.translation();
   const Eigen::Matrix3d board_from_ray = columns.inverse();
   cv::Mat image(camera_.height_px, camera_.width_px, CV_8UC1);
-  const auto stride = static_cast<std::size_t>(camera_.width_px + 1);
+  const auto stride = static_cast<std::size_t>(camera_.width_px) + 1;
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
       const std::size_t i = static_cast<std::size_t>(v) * stride + static_cast<std::size_t>(u);
       const int background = 90 + 60 * v / image.rows;
       int sum = 0;
       for (int s = 0; s < kSamplesPerSide * kSamplesPerSide; ++s) {
+        const int sample_row = s / kSamplesPerSide;
         const double a = (s % kSamplesPerSide + 0.5) / kSamplesPerSide;
-        const double b = (s / kSamplesPerSide + 0.5) / kSamplesPerSide;
+        const double b = (sample_row + 0.5) / kSamplesPerSide;
         const Eigen::Vector2d ray = (1.0 - b) * ((1.0 - a) * rays_[i] + a * rays_[i + 1]) +
                                     b * ((1.0 - a) * rays_[i + stride] + a * rays_[i + stride + 1]);
         const Eigen::Vector3d h = board_from_ray * ray.homogeneous();

@@ -40,7 +40,7 @@ double Brightness(const Eigen::Vector3d& point, int wall) {
   const int axis = kWalls[wall].axis;
   const double u = point[(axis + 1) % 3];
   const double v = point[(axis + 2) % 3];
-  const auto layer = static_cast<std::uint64_t>(3 * wall);
+  const auto layer = 3 * static_cast<std::uint64_t>(wall);
   return 20.0 + 90.0 * Noise(u / 0.12, v / 0.12, layer) + 70.0 * Noise(u / 0.3, v / 0.3, layer + 1) +
          40.0 * Noise(u / 0.9, v / 0.9, layer + 2);
 }

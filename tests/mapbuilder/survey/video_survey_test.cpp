@@ -25,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr double kFps = 10.0;
@@ -56,7 +55,7 @@ class VideoSurveyTest : public ::testing::Test {
     for (int i = 0; i < images; ++i) {
       RenderConditions conditions;
       conditions.read_noise = 1.5;
-      conditions.noise_seed = static_cast<std::uint64_t>(i + 1);
+      conditions.noise_seed = static_cast<std::uint64_t>(i) + 1;
       cv::Mat image = floor_.View(PoseAt(i), conditions);
       if (i % 2 == 1) {
         cv::GaussianBlur(image, image, {}, 2.0);
