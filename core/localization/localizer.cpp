@@ -117,7 +117,8 @@ struct Localizer::Impl {
     pose->photo = aligner.Align(samples, map_from_origin * pose->candidate.target_from_source);
     pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
     std::vector<float> cells = pose->photo->ComparedCells();
-    if (!cells.empty()) {
+    const bool comparable = raster->resolution_m() <= options.decision.max_mosaic_coarseness * samples.resolution_m();
+    if (comparable && !cells.empty()) {
       pose->view = MeasureViewSupport(std::move(cells), {options.decision.cell_sigma, options.decision.local_share});
     }
   }

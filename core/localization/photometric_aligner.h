@@ -99,6 +99,8 @@ class FrameSamples {
   /// Centre of the visible floor, base frame, metres.
   const Eigen::Vector2d& center() const { return center_; }
   double radius_m() const { return radius_m_; }
+  /// Metres per pixel of the image.
+  double resolution_m() const { return grid_.resolution_m; }
 
  private:
   std::vector<Sample> samples_;  // cell by cell

@@ -196,6 +196,7 @@ void DecisionOptions::Check() const {
   RequireOption(max_correlation > 0 && max_correlation < 1, "max_correlation must be between 0 and 1");
   RequireOption(distinctive_share > 0 && distinctive_share <= 1, "distinctive_share must be above 0 and at most 1");
   RequireOption(local_share >= 0 && local_share < 1, "local_share must be at least 0 and below 1");
+  RequireOption(max_mosaic_coarseness > 0, "max_mosaic_coarseness must be positive");
   RequireOption(look_alike_taken >= 0 && look_alike_taken <= 1, "look_alike_taken must be 0 to 1");
   RequireOption(clear_p_wrong > 0 && clear_p_wrong <= 1, "clear_p_wrong must be above 0 and at most 1");
 }

@@ -341,7 +341,7 @@ TEST(LocalizerMosaicTest, AMosaicThatShowsNothingLeavesThePoseToTheKeypoints) {
 }
 
 TEST(LocalizerMosaicTest, AMosaicCoarserThanTheFramesDoesNoHarm) {
-  const FloorMapFile coarse(4.0 * Floor().camera().floor.resolution_m);
+  const FloorMapFile coarse(8.0 * Floor().camera().floor.resolution_m);
   const Localizer localizer(coarse.Read(), LocalizerOptions{}, coarse.Tiles());
   const Rectifier rectifier(Floor().camera());
   for (const Pose2& truth : RandomPoses(10, 34)) {

@@ -64,7 +64,7 @@ TEST_F(LocalizeTest, LocalizesARawImageInTheWholeMap) {
   const json answer = Json(PostImage("?vehicle=agv-7&stamp=1700000000.25", jpeg_));
   ExpectKnownPose(answer);
   EXPECT_EQ(answer["fix"]["search"], "global");
-  EXPECT_GT(answer["fix"]["support_area"], 0.8);
+  EXPECT_FALSE(answer["fix"].contains("support_area")) << "this map has no mosaic to compare the view with";
   EXPECT_EQ(answer["pose"]["stamp"], 1700000000.25);
 }
 
