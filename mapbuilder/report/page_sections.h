@@ -7,16 +7,11 @@
 
 namespace floorloc {
 
-// Each returns one <section>, or an empty string when it has no content.
+// Of the map. Each returns one <section>, or an empty string when it has no content.
 
 std::string VerdictSection(const ReportPage& page);
 std::string ResurveySection(const ReportPage& page);
 std::string GeometrySection(const ReportPage& page);
 std::string HeldOutSection(const ReportPage& page);
-/// Empty when no camera has a mask.
-std::string MaskSection(const ReportPage& page);
-std::string ExposureSection(const ReportPage& page);
-std::string DroppedSection(const ReportPage& page);
-std::string OriginSection(const ReportPage& page);
 
 }  // namespace floorloc

@@ -7,6 +7,7 @@
 #include "mapbuilder/report/page_assets.h"
 #include "mapbuilder/report/page_map.h"
 #include "mapbuilder/report/page_sections.h"
+#include "mapbuilder/report/survey_sections.h"
 
 namespace floorloc {
 

@@ -8,72 +8,14 @@
 
 #include "core/geometry/option_check.h"
 #include "mapbuilder/batch/parallel.h"
+#include "mapbuilder/screening/contrast_images.h"
 #include "mapbuilder/screening/floor_warp.h"
 
 namespace floorloc {
 namespace {
 
-// Darker than this share of the image's brightness, noise would look like contrast.
-constexpr double kDarkShare = 0.5;
-
-// The median's steps of one grey value are smoothed.
-constexpr int kSmoothLightPx = 3;
-
 // Between letters and the like, pixels of the fine resolution.
 constexpr int kGapPx = 5;
-
-// Images are compared at half the resolution at which the mask is found.
-cv::Size CoarseSize(const cv::Size& fine) { return {std::max(1, fine.width / 2), std::max(1, fine.height / 2)}; }
-
-cv::Mat Mean(const cv::Mat& image, int window) {
-  cv::Mat mean;
-  cv::blur(image, mean, {window, window}, {-1, -1}, cv::BORDER_REFLECT);
-  return mean;
-}
-
-// Structure relative to brightness, which neither exposure nor light nor vignetting changes. The light is a median, so
-// that the edge of a part of the robot has no halo on the floor beside it. CV_32FC1.
-cv::Mat Contrast(const cv::Mat& raw, const cv::Size& fine, const FixedStructureOptions& options) {
-  cv::Mat image;
-  cv::resize(raw, image, fine, 0, 0, cv::INTER_AREA);
-  cv::Mat light;
-  cv::resize(image, light, CoarseSize(fine), 0, 0, cv::INTER_AREA);
-  cv::medianBlur(light, light, options.light_px);
-  light.convertTo(light, CV_32F);
-  cv::resize(Mean(light, kSmoothLightPx), light, fine, 0, 0, cv::INTER_LINEAR);
-  image.convertTo(image, CV_32F);
-  const cv::Mat contrast = (image - light) / cv::max(light, kDarkShare * cv::mean(image)[0] + 1.0);
-  return contrast;
-}
-
-cv::Mat Coarse(const cv::Mat& fine) {
-  cv::Mat coarse;
-  cv::resize(fine, coarse, CoarseSize(fine.size()), 0, 0, cv::INTER_AREA);
-  return coarse;
-}
-
-cv::Mat Fine(const cv::Mat& coarse, const cv::Size& size) {
-  cv::Mat fine;
-  cv::resize(coarse, fine, size, 0, 0, cv::INTER_NEAREST);
-  return fine;
-}
-
-// Correlation of two images in the window around every pixel, with `noise` added to the variances.
-cv::Mat Correlation(const cv::Mat& a, const cv::Mat& b, const FixedStructureOptions& options) {
-  const double noise = options.noise * options.noise;
-  cv::Mat variances;
-  cv::sqrt((Mean(a.mul(a), options.window_px) + noise).mul(Mean(b.mul(b), options.window_px) + noise), variances);
-  const cv::Mat correlation = Mean(a.mul(b), options.window_px) / variances;
-  return correlation;
-}
-
-cv::Mat InView(const cv::Mat& map, int window) {
-  cv::Mat inside;
-  cv::inRange(map, cv::Scalar(0.0, 0.0), cv::Scalar(map.cols - 1.0, map.rows - 1.0), inside);
-  cv::erode(inside, inside, cv::Mat::ones(window, window, CV_8U), {-1, -1}, 1, cv::BORDER_CONSTANT,
-            cv::Scalar::all(255));
-  return inside;
-}
 
 // Two images at the coarse resolution; fine: at the other.
 struct ContrastPair {
@@ -127,7 +69,7 @@ class FixedStructureFinder {
         shrink_(std::max(1, camera.camera.width_px / options.width_px)),
         raw_size_(camera.camera.width_px, camera.camera.height_px),
         fine_(std::max(1, raw_size_.width / shrink_), std::max(1, raw_size_.height / shrink_)),
-        coarse_(CoarseSize(fine_)),
+        coarse_(HalfSize(fine_)),
         warp_(camera, coarse_) {}
 
   FixedStructure Find(const std::vector<MovedImages>& images);
@@ -153,11 +95,11 @@ class FixedStructureFinder {
 cv::Mat FixedStructureFinder::FloorCorrelation(const cv::Mat& image, const cv::Mat& other, const cv::Mat& map) const {
   cv::Mat moved;
   cv::remap(other, moved, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0.0));
-  return Correlation(image, moved, options_);
+  return WindowCorrelation(image, moved, options_.window_px, options_.noise);
 }
 
 bool FixedStructureFinder::ShowsMotion(const ContrastPair& pair) const {
-  const cv::Mat standing = Correlation(pair.first, pair.second, options_);
+  const cv::Mat standing = WindowCorrelation(pair.first, pair.second, options_.window_px, options_.noise);
   const cv::Mat moving = FloorCorrelation(pair.first, pair.second, pair.first_map);
   const cv::Mat in_view = InView(pair.first_map, options_.window_px);
   const int floor = cv::countNonZero((moving > standing + options_.min_lead) & in_view);
@@ -167,7 +109,7 @@ bool FixedStructureFinder::ShowsMotion(const ContrastPair& pair) const {
 }
 
 void FixedStructureFinder::CountStanding(const ContrastPair& pair, Votes* votes) const {
-  const cv::Mat standing = Correlation(pair.first, pair.second, options_);
+  const cv::Mat standing = WindowCorrelation(pair.first, pair.second, options_.window_px, options_.noise);
   const auto count = [&](const cv::Mat& image, const cv::Mat& other, const cv::Mat& map) {
     const cv::Mat moving = FloorCorrelation(image, other, map);
     const cv::Mat in_view = InView(map, options_.window_px);
@@ -244,21 +186,22 @@ cv::Mat FixedStructureFinder::Region(const Votes& votes, const Votes& through, c
   cv::erode(shows, shows, window, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar::all(255));
   const cv::Mat mean = moments.MeanImage();
   const cv::Mat energy = mean.mul(mean);
-  const cv::Mat variance = Mean(moments.squares / moments.images - mean.mul(mean), 3);
-  const cv::Mat still = variance < cv::max(options_.max_variation * Median(variance, Fine(floor, fine_)),
+  const cv::Mat variance = WindowMean(moments.squares / moments.images - mean.mul(mean), 3);
+  const cv::Mat still = variance < cv::max(options_.max_variation * Median(variance, ToSize(floor, fine_)),
                                            options_.max_relative_variation * energy);
   cv::Mat candidates;
   cv::morphologyEx(still, candidates, cv::MORPH_CLOSE, cv::Mat::ones(kGapPx, kGapPx, CV_8U));
-  candidates &= Fine(~shows, fine_);
-  return KeepProven(candidates, Fine(seeds & ~shows, fine_));
+  candidates &= ToSize(~shows, fine_);
+  return KeepProven(candidates, ToSize(seeds & ~shows, fine_));
 }
 
 // Empty when the pair does not show the floor moving.
 std::optional<ContrastPair> FixedStructureFinder::Prepare(const MovedImages& moved) const {
   ContrastPair pair;
-  pair.fine = {Contrast(moved.first, fine_, options_), Contrast(moved.second, fine_, options_)};
-  pair.first = Coarse(pair.fine[0]);
-  pair.second = Coarse(pair.fine[1]);
+  pair.fine = {StructureContrast(moved.first, fine_, options_.light_px),
+               StructureContrast(moved.second, fine_, options_.light_px)};
+  pair.first = ToHalfSize(pair.fine[0]);
+  pair.second = ToHalfSize(pair.fine[1]);
   pair.first_map = warp_.MapFor(moved.first_from_second.Inverse());
   pair.second_map = warp_.MapFor(moved.first_from_second);
   return ShowsMotion(pair) ? std::optional(std::move(pair)) : std::nullopt;
@@ -286,7 +229,7 @@ FixedStructure FixedStructureFinder::Find(const std::vector<MovedImages>& images
   }
   Votes votes(coarse_);
   Votes through(coarse_);
-  const cv::Mat mean = Coarse(moments.MeanImage());
+  const cv::Mat mean = ToHalfSize(moments.MeanImage());
   for (const ContrastPair& pair : pairs) {
     CountStanding(pair, &votes);
     CountShowingThrough(pair, mean, &through);
