@@ -2,6 +2,7 @@
 #include "core/map/camera_mask_table.h"
 
 #include <cstring>
+#include <opencv2/core.hpp>
 
 #include "core/map/camera_correction.h"
 #include "core/map/checked_row.h"

@@ -53,6 +53,6 @@ struct KeypointFusionInput {
 /// - A point that no frame covers is unchanged and does not count against the budget.
 /// - New points compete with old ones in view for the budget of the floor that the frames cover.
 /// Distinctiveness is recomputed for all points.
-MapKeypoints FuseKeypoints(const KeypointFusionInput& input, const KeypointFusionOptions& options);
+MapKeypoints FuseKeypoints(const KeypointFusionInput& in_map, const KeypointFusionOptions& options);
 
 }  // namespace floorloc

@@ -39,7 +39,7 @@ cv::Mat WindowCorrelation(const cv::Mat& a, const cv::Mat& b, int window_px, dou
   const double variance = noise * noise;
   cv::Mat sigmas;
   cv::sqrt((WindowMean(a.mul(a), window_px) + variance).mul(WindowMean(b.mul(b), window_px) + variance), sigmas);
-  const cv::Mat correlation = WindowMean(a.mul(b), window_px) / sigmas;
+  cv::Mat correlation = WindowMean(a.mul(b), window_px) / sigmas;
   return correlation;
 }
 
@@ -51,7 +51,7 @@ cv::Mat StructureContrast(const cv::Mat& raw, const cv::Size& size, int light_px
   light.convertTo(light, CV_32F);
   cv::resize(WindowMean(light, kSmoothLightPx), light, size, 0, 0, cv::INTER_LINEAR);
   image.convertTo(image, CV_32F);
-  const cv::Mat contrast = (image - light) / cv::max(light, kDarkShare * cv::mean(image)[0] + 1.0);
+  cv::Mat contrast = (image - light) / cv::max(light, kDarkShare * cv::mean(image)[0] + 1.0);
   return contrast;
 }
 

@@ -18,8 +18,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
 
 // The downward camera at half the resolution.
 FloorCamera SmallCamera() {

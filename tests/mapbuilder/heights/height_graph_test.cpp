@@ -83,7 +83,7 @@ class HeightScale : public ::testing::Test {
     }
     for (int i = 0; i + 1 < 6; ++i) {
       const double first = 1.25 * kHeights[static_cast<std::size_t>(i)];
-      ScaleLink link = LinkOf(i, i + 1, 1.25 * kHeights[static_cast<std::size_t>(i + 1)] / first);
+      ScaleLink link = LinkOf(i, i + 1, 1.25 * kHeights[static_cast<std::size_t>(i) + 1] / first);
       // The point below the camera, 0.2 m ahead, moves by 0.1 m over the first's height.
       link.first_from_second.shift = 0.2 + 0.1 / first - link.first_from_second.factor * 0.2;
       links_.push_back(link);

@@ -38,7 +38,7 @@ class FixedStructureTest : public ::testing::Test {
       RenderConditions conditions;
       conditions.read_noise = 1.8;
       conditions.noise_seed = noise_seed;
-      cv::cvtColor(floor_.View(map_from_base, conditions), gray, cv::COLOR_BGR2GRAY);
+      cv::cvtColor(kFloor.View(map_from_base, conditions), gray, cv::COLOR_BGR2GRAY);
     }
     cv::Mat image = gray.clone();
     overlay(&image);
@@ -48,7 +48,7 @@ class FixedStructureTest : public ::testing::Test {
   std::vector<MovedImages> Pairs(double step_m, const Overlay& overlay) const {
     std::vector<MovedImages> pairs;
     for (std::uint64_t i = 0; i < kPairs; ++i) {
-      const Pose2 first = floor_.BaseForView(0.35 + 0.06 * static_cast<double>(i), 0.45, 0.1 * static_cast<double>(i));
+      const Pose2 first = kFloor.BaseForView(0.35 + 0.06 * static_cast<double>(i), 0.45, 0.1 * static_cast<double>(i));
       const Pose2 second = first * Pose2(step_m, 0.2 * step_m, 0.0);
       pairs.push_back({View(first, 2 * i + 1, overlay), View(second, 2 * i + 2, overlay), first.Between(second)});
     }
@@ -56,7 +56,7 @@ class FixedStructureTest : public ::testing::Test {
   }
 
   FixedStructure Find(const std::vector<MovedImages>& pairs) const {
-    return FindFixedStructure(floor_.camera(), pairs, FixedStructureOptions{});
+    return FindFixedStructure(kFloor.camera(), pairs, FixedStructureOptions{});
   }
 
   static void ExpectCovers(const cv::Mat& mask, const cv::Mat& part) {
@@ -67,8 +67,8 @@ class FixedStructureTest : public ::testing::Test {
     EXPECT_LE(wrong, 0.02 * static_cast<double>(mask.total()));
   }
 
-  inline static const SyntheticFloor floor_{1};
-  cv::Size size_{floor_.camera().camera.width_px, floor_.camera().camera.height_px};
+  inline static const SyntheticFloor kFloor{1};
+  cv::Size size_{kFloor.camera().camera.width_px, kFloor.camera().camera.height_px};
   cv::Rect corner_{0, size_.height / 2, size_.width * 3 / 10, size_.height / 2};
 };
 
@@ -147,14 +147,14 @@ TEST_F(FixedStructureTest, AFloorWithoutStructureProvesNothing) {
 TEST_F(FixedStructureTest, LinesAlongTheMotionAreNotMasked) {
   std::vector<MovedImages> pairs;
   for (std::uint64_t i = 0; i < kPairs; ++i) {
-    const Pose2 first = floor_.BaseForView(0.35 + 0.06 * static_cast<double>(i), 0.45, 0.0);
+    const Pose2 first = kFloor.BaseForView(0.35 + 0.06 * static_cast<double>(i), 0.45, 0.0);
     const Pose2 second = first * Pose2(0.07, 0.0, 0.0);
     const auto lines = [&](cv::Mat* image) {
       for (const double y_m : {-0.06, 0.06}) {  // in the base frame, x is the direction of motion
         std::vector<cv::Point> line;
-        for (double x_m = floor_.camera().floor.roi.x_min - 0.05; x_m < floor_.camera().floor.roi.x_max + 0.05;
+        for (double x_m = kFloor.camera().floor.roi.x_min - 0.05; x_m < kFloor.camera().floor.roi.x_max + 0.05;
              x_m += 0.01) {
-          const Eigen::Vector2d px = floor_.camera().RawPixelFromFloor({x_m, y_m});
+          const Eigen::Vector2d px = kFloor.camera().RawPixelFromFloor({x_m, y_m});
           line.emplace_back(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
         }
         cv::polylines(*image, line, false, cv::Scalar(25), 9);
