@@ -7,12 +7,15 @@ namespace floorloc {
 
 /// Exit code of `build`: the map was written, but its verdict is not to use it.
 inline constexpr int kBuiltButUnusable = 3;
+/// Exit code of `check-drive`: something has to be mended.
+inline constexpr int kRobotIsWrong = 3;
 
 // Each adds one subcommand with its options and a callback that runs it. A callback returns on success and throws
 // (InputError, MapError, std::invalid_argument, ...) on failure; main prints the message. CLI::RuntimeError sets the
 // exit code and has no message.
 void AddBuildCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
+void AddCheckDriveCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);

@@ -5,7 +5,8 @@
 
 #include "mapbuilder/cli/command.h"
 
-// Exit codes: 0 success, 1 failure (one sentence on stderr), 2 usage error, 3 (kBuiltButUnusable) by `build` alone.
+// Exit codes: 0 success, 1 failure (one sentence on stderr), 2 usage error, 3 (kBuiltButUnusable,
+// kRobotIsWrong) by `build` and `check-drive`.
 int main(int argc, char** argv) {
   CLI::App app("Builds and inspects maps of floors, and localizes recorded frames in them.", "floorloc-mapbuilder");
   app.require_subcommand(1);
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
   floorloc::AddCalibrateCommand(app);
   floorloc::AddImportCameraCommand(app);
   floorloc::AddLocalizeCommand(app);
+  floorloc::AddCheckDriveCommand(app);
   floorloc::AddOdometryCommand(app);
   floorloc::AddInfoCommand(app);
   floorloc::AddVerifyCommand(app);
