@@ -73,6 +73,26 @@ class Fused(Scratch):
             self.assertEqual(third["fused"]["state"], "localized")
             self.assertEqual(third["fused"]["since_fix"]["metres"], 0.0)
 
+    def check_drive(self, frames):
+        """Exit code and findings by what they are about."""
+        result = run("check-drive", "--map", self.map, "--frames", frames, "--json")
+        return result.returncode, {f["about"]: f for f in json.loads(result.stdout)["findings"]}
+
+    def test_check_drive_names_wheels_that_run_backward(self):
+        code, findings = self.check_drive(DRIVE)
+        self.assertEqual(code, 0, findings)
+        self.assertEqual({f["status"] for f in findings.values()}, {"ok"}, findings)
+        folder = self.without("odometry.tum")
+        # Mirrored twice: the same turns, and motion backward.
+        rows = [row.split() for row in (DRIVE / "odometry.tum").read_text().splitlines() if not row.startswith("#")]
+        (folder / "odometry.tum").write_text(
+            "".join(" ".join([t, str(-float(x)), str(-float(y)), *rest]) + "\n" for t, x, y, *rest in rows))
+        code, findings = self.check_drive(folder)
+        self.assertEqual(code, 3)
+        self.assertEqual(findings["odometry"]["status"], "wrong")
+        self.assertIn("change the sign of dx and dy", findings["odometry"]["sentence"])
+        self.assertEqual(findings["gyro"]["status"], "ok")
+
     def test_dense_poses_come_at_the_rate_of_the_sensors_and_do_not_jump(self):
         out, _, _ = self.fuse("--dense")
         poses = tum(out)
