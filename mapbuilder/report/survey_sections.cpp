@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <opencv2/core.hpp>
 #include <sstream>
 
 #include "mapbuilder/finished_map/survey_provenance.h"
