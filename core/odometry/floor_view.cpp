@@ -71,7 +71,8 @@ class Blocks {
       return length > 0.0 ? std::clamp(static_cast<int>(kPerSide * from_min / length), 0, kPerSide - 1) : 0;
     };
     const int row = part(p.y() - bounds_.y_min, bounds_.height_m());
-    return static_cast<std::size_t>(row * kPerSide + part(p.x() - bounds_.x_min, bounds_.width_m()));
+    const int index = row * kPerSide + part(p.x() - bounds_.x_min, bounds_.width_m());
+    return static_cast<std::size_t>(index);
   }
 
   RectM bounds_;

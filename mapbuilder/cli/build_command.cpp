@@ -143,6 +143,31 @@ void AddMarkerOptions(CLI::App& command, MarkerOptions& markers) {
       ->needs(file);
 }
 
+// What is wrong or varies with the cameras. Returns --free-height.
+CLI::Option* AddCameraOptions(CLI::App& command, Arguments& a) {
+  command
+      .add_option("--self-calibrate", a.self_calibrate,
+                  "What the images correct of the surveys' calibration: auto (all that they tell), none, or a list of\n"
+                  "mounting (pitch and roll), distortion and, with control points, markers, known distances or\n"
+                  "--poses, height, focal")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"auto", "none", "mounting", "height", "focal", "distortion"}));
+  CLI::Option* free_height =
+      command
+          .add_flag("--free-height{on}", a.free_height,
+                    "Each frame has its own height: handheld, mast, kite. Without it where frames differ by more\n"
+                    "than 3 %; --free-height=off: one height for all")
+          ->check(CLI::IsMember({"auto", "on", "off"}));
+  command
+      .add_option("--mask", a.options.mask,
+                  "Image of the cameras' size, black where they see no floor (the robot's own body), instead of the\n"
+                  "surveys' mask.png and of what is found by itself")
+      ->check(CLI::ExistingFile);
+  command.add_flag("!--no-auto-mask", a.options.auto_mask.apply,
+                   "Report what moves with the camera, but don't mask it");
+  return free_height;
+}
+
 }  // namespace
 
 void AddBuildCommand(CLI::App& app) {
@@ -166,32 +191,12 @@ void AddBuildCommand(CLI::App& app) {
       ->delimiter(',')
       ->expected(2)
       ->needs("--poses");
-  command
-      ->add_option(
-          "--self-calibrate", a->self_calibrate,
-          "What the images correct of the surveys' calibration: auto (all that they tell), none, or a list of\n"
-          "mounting (pitch and roll), distortion and, with control points, markers, known distances or\n"
-          "--poses, height, focal")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"auto", "none", "mounting", "height", "focal", "distortion"}));
-  CLI::Option* free_height =
-      command
-          ->add_flag("--free-height{on}", a->free_height,
-                     "Each frame has its own height: handheld, mast, kite. Without it where frames differ by more\n"
-                     "than 3 %; --free-height=off: one height for all")
-          ->check(CLI::IsMember({"auto", "on", "off"}));
+  CLI::Option* free_height = AddCameraOptions(*command, *a);
   command
       ->add_option("--control-sigma", a->options.control_point_sigma_m,
                    "Standard deviation of control points whose file has no sigma, metres: tape measures 0.01")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command
-      ->add_option("--mask", a->options.mask,
-                   "Image of the cameras' size, black where they see no floor (the robot's own body), instead of the\n"
-                   "surveys' mask.png and of what is found by itself")
-      ->check(CLI::ExistingFile);
-  command->add_flag("!--no-auto-mask", a->options.auto_mask.apply,
-                    "Report what moves with the camera, but don't mask it");
   AddMarkerOptions(*command, a->options.markers);
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <opencv2/core.hpp>
 
 #include "core/io/text_file.h"
 #include "core/map/camera_correction.h"

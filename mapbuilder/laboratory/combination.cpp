@@ -62,6 +62,13 @@ const char* NameOf(const NameTable<Kind>& names, Kind kind) {
 }
 
 template <typename Kind>
+[[noreturn]] void ThrowUnknown(const std::string& what, const std::string& name, const NameTable<Kind>& known) {
+  std::string list = "all";
+  std::for_each(known.begin(), known.end(), [&](const auto& entry) { list.append(", ").append(entry.first); });
+  throw std::invalid_argument("unknown " + what + " '" + name + "'; known are: " + list);
+}
+
+template <typename Kind>
 std::vector<Kind> Parse(const NameTable<Kind>& known, const std::vector<std::string>& names, const std::string& what) {
   std::vector<Kind> kinds;
   const auto add = [&](Kind kind) {
@@ -76,9 +83,7 @@ std::vector<Kind> Parse(const NameTable<Kind>& known, const std::vector<std::str
     } else if (name == "all") {
       std::for_each(known.begin(), known.end(), [&](const auto& entry) { add(entry.second); });
     } else {
-      std::string list = "all";
-      std::for_each(known.begin(), known.end(), [&](const auto& entry) { list.append(", ").append(entry.first); });
-      throw std::invalid_argument("unknown " + what + " '" + name + "'; known are: " + list);
+      ThrowUnknown(what, name, known);
     }
   }
   return kinds;

@@ -42,7 +42,8 @@ cv::Mat FloorWarp::MapFor(const Pose2& other_from_this) const {
   cv::Mat map(size_, CV_32FC2);
   for (int v = 0; v < size_.height; ++v) {
     for (int u = 0; u < size_.width; ++u) {
-      const cv::Vec2f* upper = &nodes[static_cast<std::size_t>(v / kNodePx * columns_ + u / kNodePx)];
+      const int node = v / kNodePx * columns_ + u / kNodePx;
+      const cv::Vec2f* upper = &nodes[static_cast<std::size_t>(node)];
       const cv::Vec2f* lower = upper + columns_;
       const float a = static_cast<float>(u % kNodePx) / kNodePx;
       const float b = static_cast<float>(v % kNodePx) / kNodePx;

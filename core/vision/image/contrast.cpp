@@ -114,9 +114,10 @@ void SumRows(const cv::Mat& levels, int radius, cv::Mat* sums, cv::Mat* squares)
   for (int v = 0; v < levels.rows; ++v) {
     const float* in = levels.ptr<float>(v);
     std::copy(in, in + width, padded.begin() + radius);
+    float* const first = padded.data() + radius;
     for (int k = 1; k <= radius; ++k) {
-      padded[static_cast<std::size_t>(radius - k)] = in[Mirror(-k, width)];
-      padded[static_cast<std::size_t>(radius + width - 1 + k)] = in[Mirror(width - 1 + k, width)];
+      first[-k] = in[Mirror(-k, width)];
+      first[width - 1 + k] = in[Mirror(width - 1 + k, width)];
     }
     Square(padded.data(), static_cast<int>(padded.size()), padded_squares.data());
     window_sum.Compute(padded.data(), sums->ptr<float>(v));
