@@ -25,6 +25,7 @@ constexpr double kResolutionM = 0.001;
 constexpr double kTileM = kTilePx * kResolutionM;
 constexpr std::size_t kTileBytes = kTilePx * kTilePx;
 constexpr std::size_t kPlenty = 1 << 20;
+constexpr TileId kFar{0, 21'600'000, 166'750'000};  // 691 km east and 5336 km north, as in UTM
 
 // A mosaic of bright random tiles around the map's origin; counts the tile requests.
 class RandomMosaic {
@@ -216,10 +217,9 @@ TEST(MosaicRasterTest, WildRectanglesSeeNoFloor) {
 }
 
 TEST(MosaicRasterTest, IsTheSameFarFromTheOrigin) {
-  constexpr TileId kFar{0, 21'600'000, 166'750'000};  // 691 km east and 5336 km north, as in UTM
   const RandomMosaic mosaic;
   const MosaicRaster near = mosaic.Raster();
-  const MosaicTileSource moved = [source = mosaic.Source(), kFar](const TileId& id) {
+  const MosaicTileSource moved = [source = mosaic.Source()](const TileId& id) {
     return source({id.z, id.x - kFar.x, id.y - kFar.y});
   };
   const MosaicRaster far(moved, {kTilePx, kMaxZoom, kResolutionM}, ContrastOptions(), kPlenty);
