@@ -16,32 +16,37 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// A map of a synthetic floor, made once.
 class CameraEstimateTest : public ::testing::Test {
  protected:
-  CameraEstimateTest() {
-    SimulateOptions options = floor_.SurveyOptions(folder_.path() / "survey");
-    Simulate(options);
-    BuildOptions build;
-    build.surveys = {folder_.path() / "survey"};
-    build.out = folder_.path() / "floor.floormap";
-    build.hold_out = false;
-    BuildMap(build);
+  static const std::filesystem::path& Map() {
+    static const TemporaryFolder folder;
+    static const std::filesystem::path map = [] {
+      SimulateOptions options = SyntheticFloor(3).SurveyOptions(folder.path() / "survey");
+      Simulate(options);
+      BuildOptions build;
+      build.surveys = {options.out};
+      build.out = folder.path() / "floor.floormap";
+      build.hold_out = false;
+      BuildMap(build);
+      return build.out;
+    }();
+    return map;
   }
 
-  FusedDrive Drive(const CalibrationError& error) {
-    SimulateOptions options = floor_.SurveyOptions(folder_.path() / "drive");
+  FusedDrive Drive(const CalibrationError& error) const {
+    SimulateOptions options = SyntheticFloor(3).SurveyOptions(folder_.path() / "drive");
     options.calibration_error = error;
     options.path.type = PathType::kDrive;
     options.path.frames = 60;
     options.seed = 2;
     Simulate(options);
-    const MapDatabase database(folder_.path() / "floor.floormap");
+    const MapDatabase database(Map());
     const Localizer localizer(database.ReadMap(), {},
                               [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
     return FuseFrames(localizer, ReadSurvey(folder_.path() / "drive"), FuseFramesOptions());
   }
 
-  SyntheticFloor floor_{3};
   TemporaryFolder folder_;
 };
 
