@@ -106,8 +106,6 @@ CheckFinding CheckCamera(const FusedDrive& fused) {
           "the camera differs too much from its calibration to be corrected: " + errors + "; calibrate it anew"};
 }
 
-double SecondsOf(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-
 // Empty when the stamps overlap.
 std::vector<CheckFinding> CheckStamps(const Survey& drive) {
   const Trajectory& odometry = drive.odometry;
@@ -117,8 +115,8 @@ std::vector<CheckFinding> CheckStamps(const Survey& drive) {
   }
   return {{"odometry", CheckStatus::kWrong,
            Format("images are stamped from %.1f to %.1f s, odometry from %.1f to %.1f s: give both the same clock",
-                  SecondsOf(drive.frames.front().stamp_ns), SecondsOf(drive.frames.back().stamp_ns),
-                  SecondsOf(odometry.front().stamp_ns), SecondsOf(odometry.back().stamp_ns))}};
+                  ToSeconds(drive.frames.front().stamp_ns), ToSeconds(drive.frames.back().stamp_ns),
+                  ToSeconds(odometry.front().stamp_ns), ToSeconds(odometry.back().stamp_ns))}};
 }
 
 // What the images said of the odometry over the drive.
@@ -185,7 +183,7 @@ CheckFinding CheckClock(const OdometryTrust& trust, const DriveCheckOptions& opt
 std::vector<CheckFinding> CheckGaps(const Survey& drive, const DriveCheckOptions& options) {
   double longest_s = 0.0;
   for (std::size_t i = 1; i < drive.odometry.size(); ++i) {
-    longest_s = std::max(longest_s, SecondsOf(drive.odometry[i].stamp_ns - drive.odometry[i - 1].stamp_ns));
+    longest_s = std::max(longest_s, ToSeconds(drive.odometry[i].stamp_ns - drive.odometry[i - 1].stamp_ns));
   }
   if (longest_s <= options.max_gap_s) {
     return {};

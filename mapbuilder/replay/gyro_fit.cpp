@@ -18,8 +18,6 @@ struct Turn {
   double by_gyro_rad = 0.0;
 };
 
-double SecondsOf(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-
 // A reading holds since the one before it.
 double GyroBetween(const std::vector<ImuSample>& imu, std::int64_t from_ns, std::int64_t to_ns) {
   auto it = std::upper_bound(imu.begin(), imu.end(), from_ns,
@@ -28,7 +26,7 @@ double GyroBetween(const std::vector<ImuSample>& imu, std::int64_t from_ns, std:
   std::int64_t since_ns = from_ns;
   for (; it != imu.end() && since_ns < to_ns; ++it) {
     const std::int64_t until_ns = std::min(to_ns, it->stamp_ns);
-    turn_rad += it->angular_velocity.z() * SecondsOf(until_ns - since_ns);
+    turn_rad += it->angular_velocity.z() * ToSeconds(until_ns - since_ns);
     since_ns = until_ns;
   }
   return turn_rad;
@@ -39,7 +37,7 @@ std::vector<Turn> TurnsOf(const std::vector<ImuSample>& imu, const std::vector<F
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const LocalizedFrame& before = frames[i - 1].localized;
     const LocalizedFrame& after = frames[i].localized;
-    const double seconds = SecondsOf(after.frame.stamp_ns - before.frame.stamp_ns);
+    const double seconds = ToSeconds(after.frame.stamp_ns - before.frame.stamp_ns);
     if (before.result.status == LocalizationStatus::kLocalized &&
         after.result.status == LocalizationStatus::kLocalized && seconds <= max_pair_s) {
       turns.push_back({seconds, before.result.map_from_base.Between(after.result.map_from_base).yaw(),

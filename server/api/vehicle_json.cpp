@@ -112,7 +112,7 @@ nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map) {
   json["floor"] = FormatFloor(vehicle.camera.camera.floor);
   json["correct_camera"] = vehicle.camera.correct;
   json["camera_correction"] = FormatCorrection(map != nullptr ? CorrectionOf(*map, vehicle.camera) : std::nullopt);
-  json["camera_estimate"] = FormatCameraEstimate(view.camera, vehicle.in_map.rectifier->camera());
+  json["camera_estimate"] = FormatCameraEstimate(state.session->Camera(), vehicle.in_map.rectifier->camera());
   json["mask"] = FormatMask(vehicle);
   json["gate"] = {{"max_distance_m", vehicle.gate.max_distance_m}, {"max_angle_rad", vehicle.gate.max_angle_rad}};
   json["since_fix"] = FormatSinceFix(view);

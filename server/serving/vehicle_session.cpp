@@ -62,16 +62,19 @@ void VehicleSession::RestartIfExpiredLocked() {
   last_message_time_ = Clock::now().time_since_epoch().count();
 }
 
-VehicleView VehicleSession::ViewLocked() const {
-  return {tracker_.Estimate(), tracker_.Next(), counts_, tracker_.Camera()};
-}
+VehicleView VehicleSession::ViewLocked() const { return {tracker_.Estimate(), tracker_.Next(), counts_}; }
 
 VehicleView VehicleSession::View() {
   const std::lock_guard lock(mutex_);
   if (Expired()) {
-    return {std::nullopt, {}, counts_, tracker_.Camera()};
+    return {std::nullopt, {}, counts_};
   }
   return ViewLocked();
+}
+
+CameraEstimate VehicleSession::Camera() {
+  const std::lock_guard lock(mutex_);
+  return tracker_.Camera();
 }
 
 // The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.

@@ -48,7 +48,6 @@ struct VehicleView {
   std::optional<FusedPose> fused;  ///< empty before the first fix
   NextFrame next;
   VehicleCounts counts;
-  CameraEstimate camera;
 
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
 };
@@ -102,6 +101,8 @@ class VehicleSession {
   FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found);
 
   VehicleView View();
+  /// What the fixes tell of the camera's errors.
+  CameraEstimate Camera();
   double SecondsSinceLastMessage() const;
   bool Expired() const { return timeout_s_ > 0.0 && SecondsSinceLastMessage() > timeout_s_; }
 
