@@ -23,4 +23,8 @@ cv::Mat ReadCameraMask(const std::filesystem::path& folder, const CameraModel& c
   return std::filesystem::exists(file) ? DecodeCameraMask(ReadBinaryFile(file), camera, file) : cv::Mat();
 }
 
+double MaskedShare(const cv::Mat& mask) {
+  return mask.empty() ? 0.0 : 1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
+}
+
 }  // namespace floorloc

@@ -19,4 +19,7 @@ cv::Mat DecodeCameraMask(std::span<const std::uint8_t> bytes, const CameraModel&
 /// mask.png of a folder with camera.yaml; empty when there is none. Throws InputError.
 cv::Mat ReadCameraMask(const std::filesystem::path& folder, const CameraModel& camera);
 
+/// Share of the image that is masked, 0..1; 0 for an empty mask.
+double MaskedShare(const cv::Mat& mask);
+
 }  // namespace floorloc

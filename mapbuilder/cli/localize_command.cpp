@@ -6,8 +6,8 @@
 #include <map>
 #include <memory>
 #include <numbers>
-#include <opencv2/core.hpp>
 
+#include "core/io/camera_mask.h"
 #include "core/io/text_file.h"
 #include "core/map/camera_correction.h"
 #include "core/map/camera_mask_table.h"
@@ -86,7 +86,7 @@ void PrintMask(const MapInfo& info, const Survey& survey) {
   const cv::Mat mask = survey.mask.empty() ? MaskOfCamera(info, survey.camera) : cv::Mat();
   if (!mask.empty()) {
     std::printf("masked %.1f %% of the images, as the map has it of this camera; mask.png in the folder overrules\n",
-                100.0 * (1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total())));
+                100.0 * MaskedShare(mask));
   }
 }
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/core.hpp>
 #include <sstream>
 
+#include "core/io/camera_mask.h"
 #include "mapbuilder/finished_map/survey_provenance.h"
 #include "mapbuilder/plot/svg_plot.h"
 #include "mapbuilder/report/charts.h"
@@ -41,10 +41,9 @@ std::string MaskSection(const ReportPage& page) {
     if (masks[i].raw.empty()) {
       continue;
     }
-    const auto floor = static_cast<double>(cv::countNonZero(masks[i].raw));
     cards << "<div class='card'><h3>"
           << (masks.size() > 1 ? "Survey " + std::to_string(i + 1) + ": masked " : "Masked ")
-          << PercentText(1.0 - floor / static_cast<double>(masks[i].raw.total())) << " of the image</h3><p>"
+          << PercentText(MaskedShare(masks[i].raw)) << " of the image</h3><p>"
           << (masks[i].found
                   ? "Moves with the camera; <code>--mask FILE</code> or <code>--no-auto-mask</code> overrules."
                   : "As given with the survey.")

@@ -8,16 +8,13 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "core/io/camera_mask.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {
-
-double MaskedShare(const cv::Mat& mask) {
-  return mask.empty() ? 0.0 : 1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
-}
 
 // Usable frames of a survey, by time.
 std::vector<int> FramesOf(const FrameSet& set, int survey) {
