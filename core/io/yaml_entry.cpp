@@ -7,7 +7,8 @@ namespace floorloc {
 
 std::string NormalizedKey(const std::string& key) {
   std::string text;
-  for (const unsigned char c : key) {
+  for (const char letter : key) {
+    const auto c = static_cast<unsigned char>(letter);
     if (std::isalnum(c) != 0) {
       text += static_cast<char>(std::tolower(c));
     }
