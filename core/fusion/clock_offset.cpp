@@ -17,8 +17,6 @@ constexpr std::int64_t kRefineNs = 60'000'000;  // a smaller change of an offset
 constexpr double kRefineShare = 0.2;            // ... for which a share of the gain suffices
 constexpr double kMaxCost = 9.0;  // of one residual: three sigma; limits what a wrong fix or a slip can say
 
-std::int64_t ToNs(double seconds) { return std::llround(1e9 * seconds); }
-
 struct IntervalPair {
   Pose2 by_fixes;
   Pose2 by_wheels;
@@ -59,7 +57,7 @@ void ClockOffset::Clear() {
 
 ClockOffset::Misfit ClockOffset::MisfitAt(std::int64_t offset_ns, const WheelHypotheses& wheels) const {
   // The same intervals for every shift: those that none takes beyond the wheels' newest message.
-  const std::int64_t last_ns = wheels.newest_ns() - ToNs(options_.max_offset_s);
+  const std::int64_t last_ns = wheels.newest_ns() - ToNanoseconds(options_.max_offset_s);
   std::vector<IntervalPair> pairs;
   for (std::size_t i = 1; i < fixes_.size() && fixes_[i].stamp_ns <= last_ns; ++i) {
     if (const auto said = wheels.Between({}, fixes_[i - 1].stamp_ns + offset_ns, fixes_[i].stamp_ns + offset_ns, 0.0)) {
@@ -85,7 +83,7 @@ std::int64_t ClockOffset::BestNear(std::int64_t middle_ns, std::int64_t reach_ns
                                    const WheelHypotheses& wheels) const {
   std::int64_t best_ns = middle_ns;
   double least = std::numeric_limits<double>::infinity();
-  const std::int64_t bound_ns = ToNs(options_.max_offset_s);
+  const std::int64_t bound_ns = ToNanoseconds(options_.max_offset_s);
   for (std::int64_t offset_ns = middle_ns - reach_ns; offset_ns <= middle_ns + reach_ns; offset_ns += step_ns) {
     if (std::abs(offset_ns) > bound_ns) {
       continue;
@@ -101,7 +99,7 @@ std::int64_t ClockOffset::BestNear(std::int64_t middle_ns, std::int64_t reach_ns
 
 bool ClockOffset::AddFix(const PoseFix& fix, const WheelHypotheses& wheels) {
   // Over longer intervals a shift makes more difference, and the fixes' own errors do not.
-  if (!fixes_.empty() && fix.stamp_ns - fixes_.back().stamp_ns < ToNs(options_.clock_interval_s)) {
+  if (!fixes_.empty() && fix.stamp_ns - fixes_.back().stamp_ns < ToNanoseconds(options_.clock_interval_s)) {
     return false;
   }
   fixes_.push_back(fix);
@@ -117,7 +115,7 @@ bool ClockOffset::AddFix(const PoseFix& fix, const WheelHypotheses& wheels) {
   if (now.intervals < options_.clock_min_intervals || now.total < gain_needed) {
     return false;
   }
-  const std::int64_t coarse_ns = BestNear(0, ToNs(options_.max_offset_s), 50'000'000, wheels);
+  const std::int64_t coarse_ns = BestNear(0, ToNanoseconds(options_.max_offset_s), 50'000'000, wheels);
   const std::int64_t best_ns = BestNear(coarse_ns, 40'000'000, 10'000'000, wheels);
   const Misfit best = MisfitAt(best_ns, wheels);
   const bool refines = offset_ns_ != 0 && std::abs(best_ns - offset_ns_) <= kRefineNs;

@@ -109,6 +109,8 @@ void PoseFilterOptions::Check() const {
                    {"limits.localized_rad", limits.localized_rad},
                    {"limits.lost_m", limits.lost_m},
                    {"limits.lost_rad", limits.lost_rad},
+                   {"clock_jump_sigma_m", clock_jump_sigma_m},
+                   {"clock_jump_sigma_rad", clock_jump_sigma_rad},
                    {"history_s", history_s}});
   kidnap.Check();
   monitor.Check();

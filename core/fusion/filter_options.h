@@ -146,6 +146,8 @@ struct PoseFilterOptions {
   double history_s = 5.0;           ///< messages older than this are ignored
   std::size_t max_messages = 4096;  ///< remembered of each kind
   int clock_jump_messages = 5;      ///< this many successive messages before the history: a clock jump
+  double clock_jump_sigma_m = 0.3;  ///< the motion while the clock was set is unknown: a second at walking pace
+  double clock_jump_sigma_rad = 0.3;
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;

@@ -10,13 +10,6 @@
 
 namespace floorloc {
 
-/// Motion of the base between two times, by increments and IMU.
-struct MotionEstimate {
-  Pose2 motion;  ///< pose of the base at the second time in the base frame at the first
-  double sigma_m = 0.0;
-  double sigma_rad = 0.0;
-};
-
 /// Remembers the fixes that contradicted a vehicle's pose since the last one that agreed, and detects that the vehicle
 /// was moved (the kidnapped robot problem).
 class KidnapDetector {

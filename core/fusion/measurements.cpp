@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/fusion/measurements.h"
 
+#include <cmath>
+
 namespace floorloc {
+
+std::int64_t ToNanoseconds(double seconds) { return std::llround(1e9 * seconds); }
 
 const char* ToString(MessageOutcome outcome) {
   switch (outcome) {

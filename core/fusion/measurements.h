@@ -9,6 +9,9 @@
 
 namespace floorloc {
 
+/// Rounded to the nearest nanosecond.
+std::int64_t ToNanoseconds(double seconds);
+
 /// Motion of the robot between two times, measured by wheels or images.
 struct MotionIncrement {
   std::int64_t from_ns = 0;
@@ -16,6 +19,13 @@ struct MotionIncrement {
   Pose2 motion;            ///< pose of the base at to_ns in the base frame at from_ns
   /// Of (x, y, yaw), additive, in the base frame at from_ns; m^2, m rad, rad^2. Empty: by OdometryNoise.
   std::optional<Eigen::Matrix3d> covariance;
+};
+
+/// Motion of the base between two times, by increments and IMU.
+struct MotionEstimate {
+  Pose2 motion;  ///< pose of the base at the second time in the base frame at the first
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
 };
 
 /// One reading of an IMU whose axes are those of the base frame.

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 
-#include "core/fusion/dead_reckoning.h"
 #include "core/fusion/doubt.h"
 #include "core/fusion/kidnap_detector.h"
 #include "core/fusion/odometry_monitor.h"
 #include "core/fusion/pose_fuser.h"
+#include "core/fusion/state_history.h"
 
 namespace floorloc {
 
@@ -28,35 +27,18 @@ class PoseFilter : public PoseFuser {
   void SetPose(const PoseFix& pose) override;
   std::optional<FusedPose> Estimate() const override;
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const override;
-  std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override;
+  std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override {
+    return history_.MotionBetween(from_ns, to_ns);
+  }
 
   /// The full state at the newest message; empty before there is a pose.
   std::optional<FilterState> State() const;
 
  private:
-  // A remembered state and the measurements at its time.
-  struct Checkpoint {
-    FilterState state;  // after the measurements
-    std::optional<MotionIncrement> vision = std::nullopt;
-    std::optional<PoseFix> fix = std::nullopt;
-    bool fix_accepted = false;  ///< false: the fix only adapts the noise
-  };
-
   template <typename Track, typename Message>
   MessageOutcome AddTo(Track* track, const Message& message, std::int64_t begin_ns, std::int64_t end_ns);
-  bool IsBeforeHistory(std::int64_t stamp_ns) const;
-  void Start(std::int64_t stamp_ns);
   void RestartAt(std::int64_t stamp_ns);
   void Advance(std::int64_t stamp_ns);
-  void AddVision(const MotionIncrement& increment);
-  std::size_t CheckpointAt(std::int64_t stamp_ns);
-  void Apply(Checkpoint* checkpoint) const;
-  void Insert(const PoseFix& fix, const FixOutcome& outcome);
-  void RepropagateSince(std::int64_t stamp_ns);
-  void RepropagateFrom(std::size_t index);
-  void TrimHistory();
-  FilterState StateAt(std::int64_t stamp_ns) const;
-  std::size_t LastCheckpointBefore(std::int64_t stamp_ns) const;
   bool IsLost(const FilterState& state) const;
   MotionIncrement WithRightStamp(const MotionIncrement& increment) const;
   bool JudgeOdometry(const PoseFix& fix);
@@ -68,12 +50,10 @@ class PoseFilter : public PoseFuser {
   FusedPose ToFusedPose(const FilterState& state) const;
 
   const PoseFilterOptions options_;
-  MotionRecord record_;
-  std::deque<Checkpoint> checkpoints_;  // by time; empty before the first message
+  StateHistory history_;
   KidnapDetector kidnap_;
   OdometryMonitor monitor_;
   Doubt doubt_;
-  std::optional<std::int64_t> newest_ns_;
   std::optional<std::int64_t> last_fix_ns_;  // accepted
   bool has_pose_ = false;
   bool last_frame_agreed_ = false;

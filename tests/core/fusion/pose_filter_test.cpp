@@ -3,70 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <stdexcept>
 
 #include "core/evaluation/consistency.h"
-#include "tests/core/fusion/drive_simulation.h"
+#include "tests/core/fusion/filtered_drive.h"
 
 namespace floorloc {
 namespace {
 
 using namespace fusion_test;  // NOLINT: names all of this file
-
-struct Sensors {
-  bool wheels = true;
-  bool imu = false;
-  bool vision = false;
-};
-
-// A drive with all messages in order; the filter runs alongside the truth.
-class Drive {
- public:
-  Drive(std::uint32_t seed, const Sensors& sensors, const SensorErrors& errors = {},
-        const PoseFilterOptions& options = {})
-      : simulation(seed, errors), filter(options), sensors_(sensors) {
-    filter.AddFix(simulation.Fix(kStartNs, truth));
-  }
-
-  // Runs to a time, with a fix every kFixNs unless with_fixes is false.
-  void RunTo(double seconds, bool with_fixes = true) {
-    for (const std::int64_t end = kStartNs + ToNs(seconds); now_ns < end;) {
-      const std::int64_t next = now_ns + kImuNs;
-      truth = truth * simulation.Motion(DriveSimulation::Seconds(now_ns), DriveSimulation::Seconds(next));
-      now_ns = next;
-      if (sensors_.imu) {
-        filter.AddImu(simulation.Imu(now_ns));
-      }
-      if (sensors_.wheels && (now_ns - kStartNs) % kWheelNs == 0) {
-        filter.AddIncrement(MotionSource::kWheels, simulation.Wheels(now_ns - kWheelNs, now_ns));
-      }
-      if ((now_ns - kStartNs) % kFixNs == 0) {
-        if (sensors_.vision) {
-          filter.AddIncrement(MotionSource::kVision, simulation.Vision(now_ns - kFixNs, now_ns));
-        }
-        if (with_fixes) {
-          last_fix = filter.AddFix(simulation.Fix(now_ns, truth));
-        }
-      }
-    }
-  }
-
-  double Nees() const {
-    const FusedPose pose = *filter.Estimate();
-    return floorloc::Nees(truth, pose.map_from_base, pose.covariance);
-  }
-  double ErrorM() const { return filter.Estimate()->map_from_base.Between(truth).translation().norm(); }
-
-  DriveSimulation simulation;
-  PoseFilter filter;
-  Pose2 truth{1.0, 2.0, 0.7};
-  std::int64_t now_ns = kStartNs;
-  FixOutcome last_fix;
-
- private:
-  Sensors sensors_;
-};
 
 SensorErrors DrawErrors(std::uint32_t seed, const PoseFilterOptions& options) {
   std::mt19937 random(seed);
@@ -160,115 +105,6 @@ TEST(PoseFilter, BridgesAHoleInTheOdometryByTheImu) {
   EXPECT_GT(blind.filter.EstimateAt(blind.now_ns + ToNs(0.5))->covariance(2, 2), 10 * bridged.covariance(2, 2));
 }
 
-// Compares all outputs of two filters.
-void ExpectSame(const PoseFilter& a, const PoseFilter& b) {
-  const FusedPose first = *a.Estimate();
-  const FusedPose second = *b.Estimate();
-  EXPECT_EQ(first.stamp_ns, second.stamp_ns);
-  EXPECT_LT(first.map_from_base.Between(second.map_from_base).Log().norm(), 2e-6);
-  EXPECT_LT(first.odom_from_base.Between(second.odom_from_base).Log().norm(), 2e-6);
-  EXPECT_LT((first.covariance - second.covariance).norm(), 1e-3 * first.covariance.norm());
-}
-
-// Message i of a planar drive with wheel odometry and fixes.
-struct Message {
-  std::optional<MotionIncrement> wheels;
-  std::optional<PoseFix> fix;
-  void SendTo(PoseFilter* filter) const {
-    if (wheels) {
-      EXPECT_NE(filter->AddIncrement(MotionSource::kWheels, *wheels), MessageOutcome::kTooOld);
-    }
-    if (fix) {
-      EXPECT_TRUE(filter->AddFix(*fix).accepted);
-    }
-  }
-};
-
-std::vector<Message> RecordDrive(double seconds) {
-  DriveSimulation simulation(5);
-  Pose2 truth;
-  std::vector<Message> messages = {{std::nullopt, simulation.Fix(kStartNs, truth)}};
-  for (std::int64_t t = kStartNs; t < kStartNs + ToNs(seconds); t += kWheelNs) {
-    truth = truth * simulation.Motion(DriveSimulation::Seconds(t), DriveSimulation::Seconds(t + kWheelNs));
-    messages.push_back({simulation.Wheels(t, t + kWheelNs), std::nullopt});
-    if ((t + kWheelNs - kStartNs) % (2 * kFixNs) == 0) {
-      messages.push_back({std::nullopt, simulation.Fix(t + kWheelNs, truth)});
-    }
-  }
-  return messages;
-}
-
-TEST(PoseFilter, AppliesALateFixAtItsOwnTime) {
-  const std::vector<Message> messages = RecordDrive(6.0);
-  PoseFilter in_order, late;
-  std::deque<Message> waiting;
-  for (const Message& message : messages) {
-    message.SendTo(&in_order);
-    if (message.fix && late.Estimate()) {
-      waiting.push_back(message);
-    } else {
-      message.SendTo(&late);
-    }
-    if (!waiting.empty() && message.wheels && message.wheels->to_ns >= waiting.front().fix->stamp_ns + ToNs(0.3)) {
-      waiting.front().SendTo(&late);
-      waiting.pop_front();
-    }
-  }
-  for (const Message& message : waiting) {
-    message.SendTo(&late);
-  }
-  ExpectSame(in_order, late);
-}
-
-TEST(PoseFilter, SortsLateIncrementsIn) {
-  const std::vector<Message> messages = RecordDrive(4.0);
-  PoseFilter in_order, shuffled;
-  for (const Message& message : messages) {
-    message.SendTo(&in_order);
-  }
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    const bool swap = i % 7 == 3 && i + 1 < messages.size() && messages[i].wheels && messages[i + 1].wheels;
-    messages[swap ? i + 1 : i].SendTo(&shuffled);
-    if (swap) {
-      messages[i++].SendTo(&shuffled);
-    }
-  }
-  ExpectSame(in_order, shuffled);
-}
-
-TEST(PoseFilter, IgnoresDuplicates) {
-  const std::vector<Message> messages = RecordDrive(2.0);
-  PoseFilter once, twice;
-  for (const Message& message : messages) {
-    message.SendTo(&once);
-    message.SendTo(&twice);
-    if (message.wheels) {
-      EXPECT_EQ(twice.AddIncrement(MotionSource::kWheels, *message.wheels), MessageOutcome::kDuplicate);
-    } else {
-      EXPECT_EQ(twice.AddFix(*message.fix).reason, FixRejection::kDuplicate);
-    }
-  }
-  ExpectSame(once, twice);
-}
-
-TEST(PoseFilter, IgnoresWhatIsTooOldOrInvalid) {
-  Drive drive(6, {});
-  drive.RunTo(10.0);
-  const Pose2 before = drive.filter.Estimate()->map_from_base;
-  EXPECT_EQ(drive.filter.AddIncrement(MotionSource::kWheels, {kStartNs, kStartNs + 1, {}, {}}),
-            MessageOutcome::kTooOld);
-  EXPECT_EQ(drive.filter.AddFix(drive.simulation.Fix(kStartNs + 1, {})).reason, FixRejection::kTooOld);
-  EXPECT_EQ(drive.filter.AddIncrement(MotionSource::kWheels, {drive.now_ns + 1, drive.now_ns, {}, {}}),
-            MessageOutcome::kInvalid);
-  EXPECT_EQ(drive.filter.AddIncrement(MotionSource::kWheels, {drive.now_ns, drive.now_ns + 1, Pose2(NAN, 0, 0), {}}),
-            MessageOutcome::kInvalid);
-  EXPECT_EQ(drive.filter.AddImu({drive.now_ns, NAN, {0, 0}}), MessageOutcome::kInvalid);
-  PoseFix fix = drive.simulation.Fix(drive.now_ns + 1, drive.truth);
-  fix.covariance(0, 0) = -1.0;
-  EXPECT_EQ(drive.filter.AddFix(fix).reason, FixRejection::kInvalid);
-  EXPECT_LT(before.Between(drive.filter.Estimate()->map_from_base).Log().norm(), 1e-9);
-}
-
 // The vehicle stops within 0.2 s while its wheels keep turning.
 TEST(PoseFilter, TrustsVisionWhenTheWheelsSlip) {
   Drive drive(16, {true, false, true});
@@ -338,107 +174,6 @@ TEST(PoseFilter, AdaptsToWheelsThatAreWorseThanThought) {
   }
   EXPECT_EQ(rejected, 0);
   EXPECT_LT(SummarizeNees(nees).mean, 4.5);
-}
-
-TEST(PoseFilter, GoesOnInTheNewTimeWhenTheClockWasSetBack) {
-  Drive drive(7, {});
-  drive.RunTo(10.0);
-  const Pose2 before = drive.filter.Estimate()->map_from_base;
-  const std::int64_t shift = ToNs(3600.0);
-  std::vector<MessageOutcome> outcomes;
-  std::int64_t t = drive.now_ns - shift;
-  for (int i = 0; i < 6; ++i, t += kWheelNs) {
-    outcomes.push_back(drive.filter.AddIncrement(MotionSource::kWheels, {t, t + kWheelNs, {}, {}}));
-  }
-  EXPECT_EQ(outcomes[3], MessageOutcome::kTooOld);
-  EXPECT_EQ(outcomes[4], MessageOutcome::kClockJump);
-  EXPECT_EQ(outcomes[5], MessageOutcome::kUsed);
-  const FusedPose after = *drive.filter.Estimate();
-  EXPECT_EQ(after.stamp_ns, t);
-  EXPECT_LT(before.Between(after.map_from_base).Log().norm(), 1e-3);
-  EXPECT_NE(after.state, TrackingState::kLocalized);
-  EXPECT_TRUE(drive.filter.AddFix(drive.simulation.Fix(t, drive.truth)).accepted);
-  EXPECT_EQ(drive.filter.Estimate()->state, TrackingState::kLocalized);
-}
-
-class Gates : public testing::Test {
- protected:
-  Gates() { drive_.RunTo(5.0); }
-
-  FixOutcome Send(const Pose2& offset, double p_wrong = 1e-9) {
-    PoseFix fix = drive_.simulation.Fix(drive_.now_ns + ++sent_, drive_.truth * offset);
-    fix.p_wrong = p_wrong;
-    return drive_.filter.AddFix(fix);
-  }
-
-  Drive drive_{8, {}};
-  int sent_ = 0;
-};
-
-TEST_F(Gates, EachHasItsReason) {
-  EXPECT_EQ(Send({0, 0, 0}, 1e-3).reason, FixRejection::kWrongFixRisk);
-  EXPECT_EQ(Send({0.21, 0, 0}).reason, FixRejection::kJumpDistance);
-  EXPECT_EQ(Send({0, 0, 0.18}).reason, FixRejection::kJumpAngle);
-  EXPECT_EQ(Send({0.02, 0, 0}).reason, FixRejection::kMahalanobis);
-  EXPECT_TRUE(Send({0, 0, 0}).accepted);
-}
-
-TEST_F(Gates, AreThoseOfTheThesis) {
-  EXPECT_NE(Send({0.19, 0, 0}).reason, FixRejection::kJumpDistance);
-  EXPECT_NE(Send({0, 0, 9.5 * std::numbers::pi / 180}).reason, FixRejection::kJumpAngle);
-  EXPECT_EQ(Send({0, 0, 10.5 * std::numbers::pi / 180}).reason, FixRejection::kJumpAngle);
-}
-
-TEST_F(Gates, WidenWhenTheVehicleMayBeFarOff) {
-  drive_.RunTo(45.0, false);  // 16 m without a fix
-  EXPECT_TRUE(Send({0, 0, 0}).accepted);
-  EXPECT_GT(drive_.filter.AddFix(drive_.simulation.Fix(drive_.now_ns + 2, drive_.truth * Pose2(3, 0, 0))).distance_m,
-            2.9);
-}
-
-TEST_F(Gates, ARejectedFixIsNoticed) {
-  Send({0.5, 0, 0});
-  EXPECT_EQ(drive_.filter.Estimate()->state, TrackingState::kTrackingOdometry);
-  EXPECT_TRUE(drive_.filter.Estimate()->contradicted);
-  EXPECT_TRUE(Send({0, 0, 0}).accepted);
-  EXPECT_EQ(drive_.filter.Estimate()->state, TrackingState::kLocalized);
-  EXPECT_FALSE(drive_.filter.Estimate()->contradicted);
-}
-
-TEST(PoseFilter, FindsAKidnappedVehicleAgain) {
-  Drive drive(9, {});
-  drive.RunTo(5.0);
-  drive.truth = Pose2(-3.0, 1.0, 2.0);
-  std::vector<FixOutcome> outcomes;
-  std::vector<TrackingState> states;
-  for (double t = 5.25; t < 6.1; t += 0.25) {
-    drive.RunTo(t);
-    outcomes.push_back(drive.last_fix);
-    states.push_back(drive.filter.Estimate()->state);
-  }
-  EXPECT_EQ(states, (std::vector<TrackingState>{TrackingState::kTrackingOdometry, TrackingState::kLost,
-                                                TrackingState::kLocalized, TrackingState::kLocalized}));
-  EXPECT_EQ(outcomes[0].reason, FixRejection::kJumpDistance);
-  EXPECT_EQ(outcomes[1].reason, FixRejection::kJumpDistance);
-  EXPECT_TRUE(outcomes[2].accepted);
-  EXPECT_TRUE(outcomes[2].reanchored);
-  EXPECT_TRUE(outcomes[3].accepted);
-  EXPECT_FALSE(outcomes[3].reanchored);
-  EXPECT_LT(drive.ErrorM(), 0.003);
-}
-
-TEST(PoseFilter, WrongFixesThatDisagreeDoNotMoveIt) {
-  Drive drive(10, {});
-  drive.RunTo(5.0);
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> place(-5.0, 5.0);
-  for (int i = 0; i < 50; ++i) {
-    drive.RunTo(5.0 + 0.02 * (i + 1), false);
-    const FixOutcome outcome =
-        drive.filter.AddFix(drive.simulation.Fix(drive.now_ns, Pose2(place(random), place(random), place(random))));
-    EXPECT_FALSE(outcome.accepted);
-  }
-  EXPECT_LT(drive.ErrorM(), 0.02);
 }
 
 TEST(PoseFilter, OdomNeverJumps) {
