@@ -169,8 +169,14 @@ nlohmann::json FormatAlternatives(const FixRecord& record) {
 
 nlohmann::json FormatTiming(const LocalizeOutcome& outcome) {
   const LocalizationTiming& timing = outcome.result.timing;
-  return {{"decode", outcome.decode_ms}, {"rectify", timing.rectify_ms},   {"features", timing.features_ms},
-          {"match", timing.match_ms},    {"register", timing.register_ms}, {"total", outcome.total_ms}};
+  nlohmann::json json = {{"queue", outcome.queue_ms},    {"decode", outcome.decode_ms},
+                         {"rectify", timing.rectify_ms}, {"features", timing.features_ms},
+                         {"match", timing.match_ms},     {"register", timing.register_ms},
+                         {"total", outcome.total_ms}};
+  if (outcome.fusion_ms) {
+    json["fusion"] = *outcome.fusion_ms;
+  }
+  return json;
 }
 
 std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcome& outcome) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+
+#include "server/api/admission.h"
 #include "server/api/image_call.h"
 #include "server/api/localize_json.h"
 #include "server/api/routes.h"
@@ -44,16 +47,27 @@ MapCamera CameraOf(const LocalizeRequest& request, const Vehicle* vehicle, const
   return CameraInMap(map.info(), {vehicle->camera.camera, vehicle->camera.mask, *request.correct}, store);
 }
 
-LocalizeOutcome Localize(AppState& state, const LocalizeCall& call, LocalizeJob job) {
+// Whoever sends many images delays those of the same address only.
+JobLabel LabelOf(const HttpRequest& request, bool near_prior) {
+  return MakeLabel(request, "address/" + request.remote_address,
+                   near_prior ? WorkClass::kTracking : WorkClass::kSearch);
+}
+
+LocalizeOutcome Localize(AppState& state, const JobLabel& label, const LocalizeCall& call, LocalizeJob job) {
   const LocalizeRequest& request = call.request;
   const std::shared_ptr<const Vehicle> vehicle =
       request.vehicle.empty() ? nullptr : RequireVehicle(state, request.vehicle).vehicle;
   const CameraModel& model = (vehicle ? vehicle->camera.camera : *request.camera).camera;
   CheckImageHeader(job.bytes, model, state.config.limits.max_image_pixels);
   CheckMaskHeader(request.mask, model);
-  return RunInPool(state.pool, [&] {
+  RequireTime(state, label);
+  const auto queued = std::chrono::steady_clock::now();
+  return RunInPool(state, label, [&] {
+    const double waited_ms = MillisecondsSince(queued);
     job.camera = CameraOf(request, vehicle.get(), *job.map, state.rectifiers);
-    return RunLocalization(job);
+    LocalizeOutcome outcome = RunLocalization(job);
+    outcome.queue_ms = waited_ms;
+    return outcome;
   });
 }
 
@@ -61,10 +75,12 @@ HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
   const auto map = RequireMap(state, request);
   const LocalizeCall call = ParseCall(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(call.image->data());
-  const LocalizeOutcome outcome = Localize(state, call, {map, {}, {bytes, call.image->size()}, call.request.prior});
+  const JobLabel label = LabelOf(request, call.request.prior.has_value());
+  const LocalizeOutcome outcome =
+      Localize(state, label, call, {map, {}, {bytes, call.image->size()}, call.request.prior});
   const double now_s = UnixTimeNow();
-  const FrameLabel label = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
-  return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, label, outcome), outcome));
+  const FrameLabel frame = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
+  return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, frame, outcome), outcome));
 }
 
 }  // namespace
@@ -74,7 +90,8 @@ void AddLocalizeRoute(AppState& state, Router& router) {
               "/v1/maps/{map}/localize",
               RouteAccess::kRead,
               {"image/jpeg", "image/png", "multipart/form-data"},
-              [&state](const HttpRequest& request) { return HandleLocalize(state, request); }});
+              [&state](const HttpRequest& request) { return HandleLocalize(state, request); },
+              [&state](const HttpRequest& head) { RequireTime(state, LabelOf(head, head.query.contains("prior"))); }});
 }
 
 }  // namespace floorloc

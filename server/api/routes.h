@@ -27,19 +27,4 @@ std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpReq
 /// The same by name.
 std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const std::string& name);
 
-/// Runs a job in the compute pool and waits for it. Throws Overload when the queue is full or the job waited too long,
-/// and rethrows the job's exception.
-template <typename Job>
-std::invoke_result_t<Job> RunInPool(ComputePool& pool, Job job) {
-  auto future = pool.Submit(std::move(job));
-  if (!future) {
-    throw Overload("queue_full", "The queue of requests is full; try again in a moment.");
-  }
-  try {
-    return future->get();
-  } catch (const QueueTimeout&) {
-    throw Overload("queue_timeout", "The request waited too long in the queue; try again in a moment.");
-  }
-}
-
 }  // namespace floorloc

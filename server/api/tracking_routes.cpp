@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+
 #include "core/io/trajectory.h"
+#include "server/api/admission.h"
 #include "server/api/image_call.h"
 #include "server/api/routes.h"
 #include "server/api/tracking_json.h"
@@ -38,8 +41,15 @@ void CountFix(AppState& state, const std::string& map, const FixOutcome& fix) {
   }
 }
 
-FrameSlot AcquireSlot(VehicleSession& session, const FrameRequest& request) {
+std::string ClientOf(const std::string& vehicle) { return "vehicle/" + vehicle; }
+
+// An image that still waits for a thread gives way to the newer one.
+FrameSlot AcquireSlot(AppState& state, const VehicleState& vehicle, const FrameRequest& request) {
+  VehicleSession& session = *vehicle.session;
   std::optional<FrameSlot> slot = session.BeginFrame(request.stamp_ns, request.motion);
+  if (!slot && state.pool.Replace(ClientOf(vehicle.vehicle->id))) {
+    slot = session.BeginFrame(request.stamp_ns, request.motion, state.config.queue_timeout_s);
+  }
   if (!slot) {
     throw Overload("vehicle_busy", "Another image of this vehicle is being localized; send one at a time.");
   }
@@ -51,12 +61,20 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
   const auto map = RequireMap(state, vehicle.vehicle->map);
   CheckImageHeader(call.image, vehicle.vehicle->camera.camera.camera, state.config.limits.max_image_pixels);
-  const FrameSlot slot = AcquireSlot(*vehicle.session, call.request);
+  const std::string client = ClientOf(vehicle.vehicle->id);
+  RequireTime(state, MakeLabel(request, client, WorkClass::kTracking));
+  const FrameSlot slot = AcquireSlot(state, vehicle, call.request);
   FrameReport report;
-  const LocalizeOutcome outcome = RunInPool(state.pool, [&] {
+  const JobLabel job = MakeLabel(request, client, slot.prior ? WorkClass::kTracking : WorkClass::kSearch);
+  const auto queued = std::chrono::steady_clock::now();
+  const LocalizeOutcome outcome = RunInPool(state, job, [&] {
+    const double waited_ms = MillisecondsSince(queued);
     const MapCamera camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
     LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior, slot.camera_prior});
+    const auto fusion = std::chrono::steady_clock::now();
     report = vehicle.session->FinishFrame(slot, localized.features, localized.result);
+    localized.queue_ms = waited_ms;
+    localized.fusion_ms = MillisecondsSince(fusion);
     return localized;
   });
   state.metrics.CountMessage({map->name, ToString(report.message)});
@@ -93,7 +111,11 @@ void AddTrackingRoutes(AppState& state, Router& router) {
               "/v1/vehicles/{id}/frames",
               RouteAccess::kWrite,
               {"image/jpeg", "image/png", "multipart/form-data"},
-              [&state](const HttpRequest& request) { return HandleFrame(state, request); }});
+              [&state](const HttpRequest& request) { return HandleFrame(state, request); },
+              [&state](const HttpRequest& head) {
+                const std::string client = ClientOf(head.path_parameters.at("id"));
+                RequireTime(state, MakeLabel(head, client, WorkClass::kTracking));
+              }});
   router.Add({"POST",
               "/v1/vehicles/{id}/odometry",
               RouteAccess::kWrite,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "server/api/admission.h"
 #include "server/api/image_call.h"
 #include "server/api/routes.h"
 #include "server/api/vehicle_json.h"
@@ -42,7 +43,8 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
   }
   CheckMaskHeader(parsed.camera.mask, parsed.camera.camera.camera);
   Vehicle vehicle{id, parsed.map, parsed.gate, std::move(parsed.camera), {}, ""};
-  RunInPool(state.pool, [&] { PrepareCamera(InfoOf(map), state.rectifiers, &vehicle); });
+  const JobLabel label = MakeLabel(request, "address/" + request.remote_address, WorkClass::kSearch);
+  RunInPool(state, label, [&] { PrepareCamera(InfoOf(map), state.rectifiers, &vehicle); });
   const Registration registration = state.vehicles.Put(std::move(vehicle));
   return JsonResponse(registration.created ? 201 : 200, ToText(FormatVehicle(registration.state, InfoOf(map))));
 }

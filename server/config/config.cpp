@@ -35,6 +35,7 @@ void ServerConfig::Check() const {
   RequireOption(threads >= 0, "threads must be 0 (one per core) or more");
   RequireOption(queue_length >= 1, "queue_length must be at least 1");
   RequireOption(queue_timeout_s > 0.0, "queue_timeout_s must be positive");
+  RequireOption(deadline_ms > 0.0, "deadline_ms must be positive");
   RequireOption(drain_s >= 0.0, "drain_s must not be negative");
   if (!IsLoopback() && token_file.empty() && !open) {
     throw std::invalid_argument("--listen " + host +

@@ -27,10 +27,13 @@ struct ServerLimits {
 /// Configuration of the server, apart from the maps folder.
 struct ServerConfig {
   std::string host = "127.0.0.1";
-  int port = 8080;                   ///< 0: any free port
-  int threads = 0;                   ///< compute threads; 0: one per core
-  int queue_length = 64;             ///< localizations waiting for a thread
-  double queue_timeout_s = 1.0;      ///< a localization that waits longer is rejected
+  int port = 8080;               ///< 0: any free port
+  int threads = 0;               ///< compute threads; 0: one per core
+  int queue_length = 64;         ///< localizations waiting for a thread
+  double queue_timeout_s = 1.0;  ///< a localization that waits longer is rejected
+  /// How long clients wait for an answer unless their header X-Deadline-Ms says otherwise, milliseconds: what is
+  /// expected to take longer is refused at once. A vehicle at 1 m/s moves 8 cm.
+  double deadline_ms = 80.0;
   double drain_s = 0.0;              ///< after SIGTERM: how long /readyz says 503 before the server stops accepting
   std::filesystem::path token_file;  ///< empty: no token
   bool open = false;                 ///< listen beyond loopback without a token

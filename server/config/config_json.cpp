@@ -91,6 +91,7 @@ ServerConfig ParseServerConfig(const std::string& text) {
   ReadWhole(object, "threads", {0, 256}, config.threads);
   ReadWhole(object, "queue_length", {1, 100'000}, config.queue_length);
   ReadPositive(object, "queue_timeout_s", config.queue_timeout_s);
+  ReadPositive(object, "deadline_ms", config.deadline_ms);
   ReadNotNegative(object, "drain_s", config.drain_s);
   ReadBool(object, "open", config.open);
   ReadBool(object, "protect_reads", config.protect_reads);

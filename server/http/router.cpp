@@ -114,6 +114,11 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
     throw Problem(429, "rate_limited", "Too many requests from this address; slow down.", Problem::Retry::kSoon);
   }
   CheckContentType(*found.route, head);
+  if (found.route->admit) {
+    HttpRequest request = head;
+    request.path_parameters = found.parameters;
+    found.route->admit(request);
+  }
 }
 
 std::optional<HttpResponse> Router::Admit(const HttpRequest& head) {

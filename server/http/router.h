@@ -26,6 +26,8 @@ struct Route {
   RouteAccess access = RouteAccess::kRead;
   std::vector<std::string> body_types;  ///< accepted media types; empty: the call takes no body
   std::function<HttpResponse(const HttpRequest&)> handle;
+  /// Before the body is read; throws a Problem to refuse the request. Optional.
+  std::function<void(const HttpRequest& head)> admit = nullptr;
 };
 
 struct RouterOptions {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -26,9 +27,13 @@ struct LocalizeOutcome {
   Features features;                            ///< of the image, base frame
   std::optional<AppliedCorrection> correction;  ///< of the camera, by the map
   const char* search = "global";                ///< "prior" or "global"
+  double queue_ms = 0.0;                        ///< waited for a thread; not part of total_ms
   double decode_ms = 0.0;
-  double total_ms = 0.0;
+  std::optional<double> fusion_ms = std::nullopt;  ///< of a vehicle's image: visual odometry and filter; likewise
+  double total_ms = 0.0;                           ///< of decoding and localizing
 };
+
+double MillisecondsSince(std::chrono::steady_clock::time_point start);
 
 /// Checks an encoded image against the camera from its header alone, before it is queued.
 /// Throws Problem: 413 image_too_large, 422 invalid_image or image_size_mismatch.

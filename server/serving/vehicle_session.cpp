@@ -173,9 +173,10 @@ MessageOutcome VehicleSession::RecordFrameStampLocked(std::int64_t stamp_ns) {
   return late ? MessageOutcome::kUsedLate : MessageOutcome::kUsed;
 }
 
-std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion) {
+std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion,
+                                                    double max_wait_s) {
   FrameSlot slot;
-  slot.lock = std::unique_lock(frame_mutex_, std::try_to_lock);
+  slot.lock = std::unique_lock(frame_mutex_, std::chrono::duration<double>(max_wait_s));
   if (!slot.lock.owns_lock()) {
     return std::nullopt;
   }

@@ -61,7 +61,7 @@ struct OdometryMessage {
 
 /// Lock of a vehicle's localization: at most one of its images is localized at a time.
 struct FrameSlot {
-  std::unique_lock<std::mutex> lock;
+  std::unique_lock<std::timed_mutex> lock;
   std::int64_t stamp_ns = 0;
   std::uint64_t epoch = 0;
   MessageOutcome message = MessageOutcome::kUsed;
@@ -94,9 +94,10 @@ class VehicleSession {
   /// stamp_ns: empty means the stamp of the newest message, or before any message that of the first one to arrive.
   VehicleView SetPose(PoseFix pose, std::optional<std::int64_t> stamp_ns);
 
-  /// Adds the odometry sent with an image, and returns the prior for its localization. Empty while another image of
-  /// this vehicle is being localized.
-  std::optional<FrameSlot> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion);
+  /// Adds the odometry sent with an image, and returns the prior for its localization. Empty when another image of
+  /// this vehicle is being localized, still after max_wait_s.
+  std::optional<FrameSlot> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion,
+                                      double max_wait_s = 0.0);
   /// Adds the result of localizing the image. features: of the image, base frame.
   FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found);
 
@@ -123,8 +124,8 @@ class VehicleSession {
   const TrackerOptions options_;
   const double timeout_s_;
   std::atomic<Clock::rep> last_message_time_;
-  std::mutex frame_mutex_;  // held while an image is localized; locked before mutex_
-  std::mutex mutex_;        // guards all members below
+  std::timed_mutex frame_mutex_;  // held while an image is localized; locked before mutex_
+  std::mutex mutex_;              // guards all members below
   VehicleTracker tracker_;
   MessageStamps stamps_;           // of all messages
   MessageStamps odometry_stamps_;  // of those with odometry

@@ -14,7 +14,7 @@ HttpResponse ToResponse(const Problem& problem) {
   response.body = FormatProblem(problem);
   response.headers["Cache-Control"] = "no-store";
   if (problem.retry() == Problem::Retry::kSoon) {
-    response.headers["Retry-After"] = "1";
+    response.headers["Retry-After"] = std::to_string(problem.retry_after_s());
   }
   if (problem.status() == 401) {
     response.headers["WWW-Authenticate"] = "Bearer";

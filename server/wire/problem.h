@@ -21,17 +21,26 @@ class Problem : public std::runtime_error {
   int status() const { return status_; }
   const std::string& code() const { return code_; }
   Retry retry() const { return retry_; }
+  /// For Retry::kSoon: after how many seconds.
+  int retry_after_s() const { return retry_after_s_; }
+
+ protected:
+  void SetRetryAfter(int seconds) { retry_after_s_ = seconds; }
 
  private:
   int status_;
   std::string code_;
   Retry retry_;
+  int retry_after_s_ = 1;
 };
 
 /// The server is overloaded: 503 with Retry-After.
 class Overload : public Problem {
  public:
-  Overload(std::string code, const std::string& detail) : Problem(503, std::move(code), detail, Retry::kSoon) {}
+  Overload(std::string code, const std::string& detail, int retry_after_s = 1)
+      : Problem(503, std::move(code), detail, Retry::kSoon) {
+    SetRetryAfter(retry_after_s);
+  }
 };
 
 /// The problem+json response, with Retry-After for Retry::kSoon and WWW-Authenticate for 401.

@@ -16,11 +16,13 @@ import drive  # noqa: E402
 START_S = time.time()
 
 
-def request(method, target, **body):
+def request(method, target, deadline_ms=None, **body):
     """A request of a load plan (load_plan.h)."""
     kind = {"body": "image/jpeg", "text": "application/json"}
-    types = "".join(f"Content-Type: {kind[key]}\r\n" for key in body)
-    return {"head": f"{method} {target} HTTP/1.1\r\n{types}", **body}
+    headers = "".join(f"Content-Type: {kind[key]}\r\n" for key in body)
+    if deadline_ms is not None:
+        headers += f"X-Deadline-Ms: {deadline_ms}\r\n"
+    return {"head": f"{method} {target} HTTP/1.1\r\n{headers}", **body}
 
 
 def address(number):
@@ -64,12 +66,12 @@ class Fleet:
             self.register(name)
         return names
 
-    def localize(self, prior):
+    def localize(self, prior, deadline_ms=None):
         """Requests for every frame once, stateless, with a prior 2 cm off or without any."""
         for index, (position, yaw) in enumerate(self.poses):
             near = position + 0.02 * cmath.exp(1j * index)
             query = f"&prior={near.real:.4f},{near.imag:.4f},{yaw:.4f}" if prior else ""
-            yield request("POST", f"/v1/maps/{self.map}/localize?vehicle=bench{query}", body=index)
+            yield request("POST", f"/v1/maps/{self.map}/localize?vehicle=bench{query}", deadline_ms, body=index)
 
     def way(self, start):
         """Indices of frames, to the end and back for ever."""
@@ -83,7 +85,7 @@ class Fleet:
         step = (position_b - position_a) * cmath.exp(-1j * yaw_a)
         return step.real, step.imag, math.remainder(yaw_b - yaw_a, 2 * math.pi)
 
-    def frames(self, vehicle, start, count, interval_s):
+    def frames(self, vehicle, start, count, interval_s, deadline_ms=None):
         """Images with odometry."""
         way = self.way(start)
         last = next(way)
@@ -92,7 +94,7 @@ class Fleet:
             motion = ",".join(f"{value:.5f}" for value in self.motion(last, index))
             last = index
             yield request("POST", f"/v1/vehicles/{vehicle}/frames?stamp={START_S + number * interval_s:.3f}"
-                                  f"&odometry={motion}", body=index)
+                                  f"&odometry={motion}", deadline_ms, body=index)
 
     def odometry(self, vehicle, start, count, interval_s):
         way = self.way(start)

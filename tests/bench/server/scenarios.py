@@ -66,16 +66,20 @@ def rotated(requests, count):
     return [requests[i * len(requests) // count:] + requests[:i * len(requests) // count] for i in range(count)]
 
 
-def stateless(bench, count, prior, first=0):
-    return [{"source": address(first + i), "requests": each}
-            for i, each in enumerate(rotated(bench.fleet.localize(prior), count))]
+# Clients that wait for their answers, however long it takes.
+PATIENT_MS = 10_000
+
+
+def stateless(bench, count, prior, deadline_ms=None):
+    return [{"source": address(i), "requests": each}
+            for i, each in enumerate(rotated(bench.fleet.localize(prior, deadline_ms), count))]
 
 
 def saturated(bench):
     """64 connections that send the next image with the answer to the last one."""
     connections = 64
     for name, prior in (("global", False), ("prior", True)):
-        outcomes, cpu_s = bench.run(group(name, stateless(bench, connections, prior)))
+        outcomes, cpu_s = bench.run(group(name, stateless(bench, connections, prior, PATIENT_MS)))
         fixes = ok(outcomes[name])["count"]
         if prior:
             bench.capacity["prior"] = fixes / bench.seconds
@@ -85,7 +89,7 @@ def saturated(bench):
     vehicles = bench.fleet.register_many(connections)
     each = int(100 * bench.seconds / 10)
     outcomes, cpu_s = bench.run(group("vehicle", [
-        {"source": address(i), "requests": list(bench.fleet.frames(vehicle, 7 * i, each, 0.2))}
+        {"source": address(i), "requests": list(bench.fleet.frames(vehicle, 7 * i, each, 0.2, PATIENT_MS))}
         for i, vehicle in enumerate(vehicles)], repeat=False))
     fixes = ok(outcomes["vehicle"])["count"]
     yield Row("saturated, vehicle frame", fixes / bench.seconds, "/s",
@@ -96,7 +100,7 @@ def saturated(bench):
 def loaded(bench):
     """Images with a prior at a given rate, whatever the server does."""
     if "prior" not in bench.capacity:
-        outcomes, _ = bench.run(group("prior", stateless(bench, 64, True)))
+        outcomes, _ = bench.run(group("prior", stateless(bench, 64, True, PATIENT_MS)))
         bench.capacity["prior"] = ok(outcomes["prior"])["count"] / bench.seconds
     for share in (0.9, 3.0):
         connections = 256

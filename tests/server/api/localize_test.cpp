@@ -36,13 +36,6 @@ std::string PngHeader(std::uint32_t width, std::uint32_t height) {
   return png;
 }
 
-// On slow machines and with sanitizers, parallel requests wait longer for a thread than a robot would.
-ServerConfig PatientConfig() {
-  ServerConfig config;
-  config.queue_timeout_s = 60.0;
-  return config;
-}
-
 class LocalizeTest : public testing::Test {
  protected:
   LocalizeTest() { EXPECT_EQ(client_.Put("/v1/vehicles/agv-7", VehicleBody().dump()).status, 201); }
@@ -229,40 +222,6 @@ TEST_F(LocalizeTest, AFloorOfTooManyPixelsIsNotBuilt) {
   json body = VehicleBody();
   body["floor"]["resolution"] = 0.0001;
   ExpectProblem(client.Put("/v1/vehicles/a", body.dump()), 422, "camera_too_large");
-}
-
-TEST(LocalizeOverloadTest, AFullQueueIsAnsweredWith503) {
-  ServerConfig config = PatientConfig();  // the second job must outwait the request
-  config.threads = 1;
-  config.queue_length = 1;
-  TestServer server(config);
-  ContractClient client(server.port());
-  ASSERT_EQ(client.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
-
-  std::promise<void> running;
-  std::promise<void> release;
-  const std::shared_future<void> released = release.get_future().share();
-  ComputePool& pool = server.app().state().pool;
-  auto first = pool.Submit([&running, released] {
-    running.set_value();
-    released.wait();
-  });
-  running.get_future().wait();
-  auto second = pool.Submit([] {});
-  const auto response = client.Post(std::string(kLocalize) + "?vehicle=a", SharedMaps().KnownJpeg(), "image/jpeg");
-  release.set_value();
-  ExpectProblem(response, 503, "queue_full");
-  EXPECT_EQ(response.get_header_value("Retry-After"), "1");
-  second->get();
-  EXPECT_EQ(client.Post(std::string(kLocalize) + "?vehicle=a", SharedMaps().KnownJpeg(), "image/jpeg").status, 200);
-}
-
-TEST(LocalizeOverloadTest, WorkThatWaitedTooLongIsAnsweredWith503) {
-  ServerConfig config;
-  config.queue_timeout_s = 1e-9;
-  TestServer server(config);
-  ContractClient client(server.port());
-  ExpectProblem(client.Put("/v1/vehicles/a", VehicleBody().dump()), 503, "queue_timeout");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ using testing::ThrowsMessage;
 
 TEST(ConfigTest, ReadsEveryKey) {
   const ServerConfig config = ParseServerConfig(R"({
-    "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "drain_s": 2, "open": true, "protect_reads": true,
+    "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "deadline_ms": 120, "drain_s": 2, "open": true, "protect_reads": true,
     "log_level": "warning", "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
     "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
                "max_connections": 50, "max_vehicles": 60, "vehicle_timeout_s": 65, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
@@ -28,6 +28,7 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.threads, 3);
   EXPECT_EQ(config.queue_length, 7);
   EXPECT_EQ(config.queue_timeout_s, 0.5);
+  EXPECT_EQ(config.deadline_ms, 120.0);
   EXPECT_EQ(config.drain_s, 2.0);
   EXPECT_TRUE(config.open);
   EXPECT_TRUE(config.protect_reads);

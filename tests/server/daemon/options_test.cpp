@@ -30,6 +30,7 @@ TEST(ServerOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("threads", &ServerConfig::threads, {-1})
       .Refuses("queue_length", &ServerConfig::queue_length, {0})
       .Refuses("queue_timeout_s", &ServerConfig::queue_timeout_s, {0.0})
+      .Refuses("deadline_ms", &ServerConfig::deadline_ms, {0.0})
       .Refuses("drain_s", &ServerConfig::drain_s, {-1.0});
   OptionTable<HttpServerOptions>().Refuses("port", &HttpServerOptions::port, {-1, 65536});
   OptionTable<RectifierStoreOptions>()

@@ -13,7 +13,7 @@ class Blocker {
  public:
   explicit Blocker(ComputePool& pool) {
     std::promise<void> running;
-    done_ = pool.Submit([&running, released = release_.get_future().share()] {
+    done_ = pool.Submit(JobLabel(), [&running, released = release_.get_future().share()] {
       running.set_value();
       released.wait();
     });
@@ -41,8 +41,8 @@ ComputePoolOptions Options(int threads, std::size_t queue_length, double timeout
 
 TEST(ComputePoolTest, RunsJobsAndHandsBackResultsAndExceptions) {
   ComputePool pool(Options(2, 4));
-  EXPECT_EQ(pool.Submit([] { return 42; })->get(), 42);
-  auto failing = pool.Submit([]() -> int { throw std::logic_error("no"); });
+  EXPECT_EQ(pool.Submit(JobLabel(), [] { return 42; })->get(), 42);
+  auto failing = pool.Submit(JobLabel(), []() -> int { throw std::logic_error("no"); });
   EXPECT_THROW(failing->get(), std::logic_error);
 }
 
@@ -51,21 +51,21 @@ TEST(ComputePoolTest, RefusesWhatDoesNotFitIntoTheQueue) {
   std::vector<std::future<void>> queued;
   {
     const Blocker blocker(pool);
-    queued.push_back(std::move(*pool.Submit([] {})));
-    queued.push_back(std::move(*pool.Submit([] {})));
+    queued.push_back(std::move(*pool.Submit(JobLabel(), [] {})));
+    queued.push_back(std::move(*pool.Submit(JobLabel(), [] {})));
     EXPECT_EQ(pool.QueueDepth(), 2U);
-    EXPECT_FALSE(pool.Submit([] {}).has_value());
+    EXPECT_FALSE(pool.Submit(JobLabel(), [] {}).has_value());
   }
   for (auto& future : queued) {
     future.get();
   }
-  EXPECT_TRUE(pool.Submit([] {}).has_value());
+  EXPECT_TRUE(pool.Submit(JobLabel(), [] {}).has_value());
 }
 
 TEST(ComputePoolTest, GivesUpJobsThatWaitedTooLong) {
   ComputePool pool(Options(1, 2, 1e-9));
   bool ran = false;
-  auto late = pool.Submit([&ran] { ran = true; });
+  auto late = pool.Submit(JobLabel(), [&ran] { ran = true; });
   EXPECT_THROW(late->get(), QueueTimeout);
   EXPECT_FALSE(ran);
 }
@@ -75,10 +75,83 @@ TEST(ComputePoolTest, FinishesWhatIsQueuedBeforeItEnds) {
   {
     ComputePool pool(Options(2, 100));
     for (int i = 0; i < 50; ++i) {
-      ASSERT_TRUE(pool.Submit([&ran] { ++ran; }).has_value());
+      ASSERT_TRUE(pool.Submit(JobLabel(), [&ran] { ++ran; }).has_value());
     }
   }
   EXPECT_EQ(ran, 50);
+}
+
+TEST(ComputePoolTest, AClientWithManyJobsMakesRoomForOneWithFew) {
+  ComputePool pool(Options(1, 3));
+  std::vector<std::future<void>> many;
+  std::optional<std::future<void>> few;
+  {
+    const Blocker blocker(pool);
+    for (int i = 0; i < 3; ++i) {
+      many.push_back(std::move(*pool.Submit({"greedy"}, [] {})));
+    }
+    EXPECT_FALSE(pool.Submit({"greedy"}, [] {}).has_value());
+    few = pool.Submit({"polite", WorkClass::kTracking}, [] {});
+    ASSERT_TRUE(few.has_value());
+  }
+  few->get();
+  many[0].get();
+  many[1].get();
+  EXPECT_THROW(many[2].get(), QueueTimeout);
+}
+
+TEST(ComputePoolTest, ANewerJobReplacesTheOneThatWaits) {
+  ComputePool pool(Options(1, 3));
+  EXPECT_FALSE(pool.Replace("a"));
+  std::optional<std::future<void>> older, other;
+  {
+    const Blocker blocker(pool);
+    older = pool.Submit({"a"}, [] {});
+    other = pool.Submit({"b"}, [] {});
+    EXPECT_TRUE(pool.Replace("a"));
+    EXPECT_THROW(older->get(), JobReplaced);
+  }
+  other->get();
+}
+
+TEST(ComputePoolTest, AJobIsGivenUpAfterItsOwnDeadline) {
+  ComputePool pool(Options(1, 3));
+  std::optional<std::future<void>> hurried, patient;
+  {
+    const Blocker blocker(pool);
+    hurried = pool.Submit({"a", WorkClass::kTracking, std::chrono::duration<double>(1e-9)}, [] {});
+    patient = pool.Submit({"a", WorkClass::kTracking, std::chrono::duration<double>(1e9)}, [] {});
+  }
+  EXPECT_THROW(hurried->get(), QueueTimeout);
+  patient->get();
+}
+
+// Estimates grow with the jobs ahead, and with how long jobs took.
+TEST(ComputePoolTest, ExpectsToTakeAsLongAsTheJobsAhead) {
+  ComputePool pool(Options(1, 100));
+  EXPECT_EQ(pool.ExpectedTime({"a"}).count(), 0.0);
+  for (int i = 0; i < 40; ++i) {
+    pool.Submit({"a"}, [] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); })->get();
+  }
+  std::vector<std::future<void>> waiting;
+  const auto submit = [&](int jobs) {
+    for (int i = 0; i < jobs; ++i) {
+      waiting.push_back(std::move(*pool.Submit({"a"}, [] {})));
+    }
+  };
+  {
+    const Blocker blocker(pool);
+    EXPECT_EQ(pool.ExpectedTime({"a"}).count(), 0.0);  // the next one
+    submit(10);
+    const double after_ten = pool.ExpectedTime({"a"}).count();
+    EXPECT_GT(after_ten, 0.01);
+    EXPECT_LT(pool.ExpectedTime({"b"}).count(), 0.5 * after_ten);  // it waits for one job of a, not for all
+    submit(10);
+    EXPECT_GT(pool.ExpectedTime({"a"}).count(), 1.5 * after_ten);
+  }
+  for (std::future<void>& job : waiting) {
+    job.get();
+  }
 }
 
 TEST(ComputePoolTest, ChecksItsOptions) {
