@@ -4,245 +4,29 @@
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <cerrno>
+#include <cstring>
 #include <list>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "core/geometry/option_check.h"
 #include "server/http/body_budget.h"
 #include "server/http/connection.h"
 #include "server/http/listener.h"
-
-// Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
-#include <httplib.h>
+#include "server/http/request_loop.h"
 
 namespace floorloc {
 namespace {
 
-constexpr std::size_t kMaxHeadBytes = std::size_t{32} << 10;
-constexpr std::size_t kBodyOverheadBytes = std::size_t{64} << 10;  // chunk sizes, part headers
-constexpr std::size_t kMaxParts = 16;
 constexpr std::chrono::milliseconds kAcceptRetry{50};
-
-class ConnectionStream : public httplib::Stream {
- public:
-  explicit ConnectionStream(Connection& connection) : connection_(connection) {}
-  bool is_readable() const override { return true; }
-  bool is_writable() const override { return true; }
-  ssize_t read(char* data, size_t size) override { return connection_.Read(data, size); }
-  ssize_t write(const char* data, size_t size) override { return connection_.Write(data, size); }
-  void get_remote_ip_and_port(std::string& ip, int& port) const override {
-    ip = RemoteAddress(connection_.socket());
-    port = 0;
-  }
-  void get_local_ip_and_port(std::string&, int&) const override {}
-  socket_t socket() const override { return connection_.socket(); }
-
- private:
-  Connection& connection_;
-};
-
-std::string LowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-HttpRequest ToRequest(const httplib::Request& raw) {
-  HttpRequest request;
-  request.method = raw.method;
-  request.path = raw.path;
-  request.query = raw.params;
-  request.remote_address = raw.remote_addr;
-  for (const auto& [name, value] : raw.headers) {
-    request.headers.emplace(LowerCase(name), value);
-  }
-  return request;
-}
-
-void Fill(const HttpResponse& response, httplib::Response& raw) {
-  raw.status = response.status;
-  raw.set_content(response.body, response.content_type);
-  for (const auto& [name, value] : response.headers) {
-    raw.set_header(name, value);
-  }
-}
-
-bool HasBody(const httplib::Request& raw) {
-  return raw.has_header("Transfer-Encoding") ||
-         (raw.has_header("Content-Length") && raw.get_header_value("Content-Length") != "0");
-}
-
-/// Parses the requests of one connection with cpp-httplib and hands them to the handler.
-class RequestLoop : private httplib::Server {
- public:
-  RequestLoop(Connection& connection, const HttpLimits& limits, BodyBudget& budget, HttpHandler& handler)
-      : connection_(connection), stream_(connection), limits_(limits), budget_(budget), handler_(handler) {
-    // Any path, including line breaks.
-    static const std::string kAnything = R"([\s\S]*)";
-    const HandlerWithContentReader with_body = [this](const httplib::Request& raw, httplib::Response& answer,
-                                                      const httplib::ContentReader& reader) {
-      HandleWithBody(raw, answer, reader);
-    };
-    Post(kAnything, with_body).Put(kAnything, with_body).Patch(kAnything, with_body).Delete(kAnything, with_body);
-    set_pre_routing_handler(
-        [this](const httplib::Request& raw, httplib::Response& answer) { return HandleWithoutBody(raw, answer); });
-    set_error_handler([this](const httplib::Request& raw, httplib::Response& answer) {
-      if (answer.body.empty()) {
-        Fill(handler_.Refuse(ToRequest(raw), ProblemOfStatus(answer.status)), answer);
-      }
-    });
-    set_post_routing_handler([this](const httplib::Request&, httplib::Response& answer) {
-      if (close_) {
-        answer.headers.erase("Connection");
-        answer.headers.erase("Keep-Alive");
-        answer.set_header("Connection", "close");
-      }
-    });
-    set_payload_max_length(limits.max_body_bytes);
-    set_keep_alive_timeout(static_cast<time_t>(limits.idle_timeout_s));
-    set_keep_alive_max_count(std::numeric_limits<std::int32_t>::max());
-  }
-
-  void Run() {
-    bool open = true;
-    while (open && connection_.WaitForRequest()) {
-      connection_.BeginRequest(kMaxHeadBytes);
-      const bool stopping = connection_.IsStopping();
-      close_ = true;  // until the request is parsed: without that the start of the next one is unknown
-      bool close_requested = false;
-      const bool answered =
-          process_request(stream_, stopping, close_requested, [this, stopping](httplib::Request& raw) {
-            close_ = stopping;
-            raw.ranges.clear();
-            // A body that no handler reads would otherwise be parsed as the next request.
-            if (HasBody(raw) && !TakesBody(raw.method)) {
-              CloseWithUnreadBody();
-            }
-            connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
-          });
-      open = connection_.Flush() && answered && !close_requested && !close_;
-    }
-  }
-
- private:
-  static bool TakesBody(const std::string& method) {
-    return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
-  }
-
-  void CloseWithUnreadBody() {
-    close_ = true;
-    connection_.DrainInputOnClose();
-  }
-
-  HandlerResponse HandleWithoutBody(const httplib::Request& raw, httplib::Response& answer) {
-    if (TakesBody(raw.method)) {
-      return HandlerResponse::Unhandled;
-    }
-    HttpRequest request = ToRequest(raw);
-    const std::optional<HttpResponse> refusal = handler_.Admit(request);
-    Fill(refusal ? *refusal : handler_.Handle(std::move(request)), answer);
-    return HandlerResponse::Handled;
-  }
-
-  void HandleWithBody(const httplib::Request& raw, httplib::Response& answer, const httplib::ContentReader& reader) {
-    HttpRequest request = ToRequest(raw);
-    if (const std::optional<HttpResponse> refusal = handler_.Admit(request)) {
-      Fill(*refusal, answer);
-      if (HasBody(raw)) {
-        CloseWithUnreadBody();
-      }
-      return;
-    }
-    const BodyReservation reservation(budget_, BytesToReserve(raw));
-    try {
-      ReadBody(raw, answer, reader, reservation.ok(), request);
-    } catch (const Problem& problem) {
-      CloseWithUnreadBody();
-      Fill(handler_.Refuse(request, problem), answer);
-      return;
-    }
-    Fill(handler_.Handle(std::move(request)), answer);
-  }
-
-  // Without Content-Length, or with compression, the body may grow up to the limit.
-  std::size_t BytesToReserve(const httplib::Request& raw) const {
-    if (!HasBody(raw)) {
-      return 0;
-    }
-    const bool announced = raw.has_header("Content-Length") && !raw.has_header("Content-Encoding");
-    return announced
-               ? std::min<std::size_t>(raw.get_header_value<std::uint64_t>("Content-Length"), limits_.max_body_bytes)
-               : limits_.max_body_bytes;
-  }
-
-  void ReadBody(const httplib::Request& raw, const httplib::Response& answer, const httplib::ContentReader& reader,
-                bool reserved, HttpRequest& request) {
-    if (!HasBody(raw)) {
-      return;
-    }
-    if (raw.get_header_value<std::uint64_t>("Content-Length") > limits_.max_body_bytes) {
-      throw TooLarge();
-    }
-    if (!reserved) {
-      throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
-    }
-    bool exceeded = false;
-    const bool complete =
-        raw.is_multipart_form_data() ? ReadParts(reader, request, exceeded) : ReadPlain(reader, request, exceeded);
-    if (exceeded) {
-      throw TooLarge();
-    }
-    if (!complete && answer.status == 415) {
-      throw ProblemOfStatus(415);
-    }
-    if (!complete) {
-      throw Problem(400, "malformed_body",
-                    raw.is_multipart_form_data() ? "The multipart/form-data body is malformed."
-                                                 : "The body ended before it was complete.");
-    }
-  }
-
-  Problem TooLarge() const {
-    return {413, "body_too_large", "The body is larger than " + std::to_string(limits_.max_body_bytes) + " bytes."};
-  }
-
-  bool ReadPlain(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {
-    return reader([&](const char* data, std::size_t size) {
-      exceeded = request.body.size() + size > limits_.max_body_bytes;
-      if (!exceeded) {
-        request.body.append(data, size);
-      }
-      return !exceeded;
-    });
-  }
-
-  bool ReadParts(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {
-    std::size_t total = 0;
-    const auto begin_part = [&](const httplib::MultipartFormData& part) {
-      exceeded = exceeded || request.parts.size() >= kMaxParts;
-      request.parts.push_back({part.name, part.content_type, ""});
-      return !exceeded;
-    };
-    return reader(begin_part, [&](const char* data, std::size_t size) {
-      total += size;
-      exceeded = exceeded || total > limits_.max_body_bytes;
-      if (!exceeded) {
-        request.parts.back().content.append(data, size);
-      }
-      return !exceeded;
-    });
-  }
-
-  Connection& connection_;
-  ConnectionStream stream_;
-  const HttpLimits& limits_;
-  BodyBudget& budget_;
-  HttpHandler& handler_;
-  bool close_ = false;
-};
 
 void WriteResponse(const HttpResponse& response, Connection& connection) {
   std::string head = "HTTP/1.1 " + std::to_string(response.status) + " Service Unavailable\r\nConnection: close\r\n" +
@@ -305,7 +89,7 @@ void HttpServer::Impl::Reject(int socket) {
 void HttpServer::Impl::Run(int socket) {
   try {
     Connection connection(socket, stop_event.get(), timeouts);
-    RequestLoop(connection, options.limits, budget, handler).Run();
+    ServeRequests(connection, options.limits, budget, handler);
   } catch (const std::exception& error) {
     spdlog::error("a connection was dropped: {}", error.what());
   }
