@@ -10,6 +10,9 @@
 #include <cerrno>
 #include <cstring>
 
+#include "server/wire/problem.h"
+#include "server/wire/request_head.h"
+
 namespace floorloc {
 namespace {
 
@@ -77,10 +80,32 @@ bool Connection::WaitForRequest() {
   return ready > 0 && (waiting[0].revents & POLLIN) != 0;
 }
 
-void Connection::BeginRequest(std::size_t max_head_bytes) {
+std::optional<std::string_view> Connection::ReadHead() {
   deadline_ = After(timeouts_.request);
-  budget_ = max_head_bytes;
   responding_ = false;
+  timed_out_ = false;
+  budget_ = 0;
+  HeadScanner scanner;
+  std::optional<std::size_t> end;
+  do {
+    input_.erase(0, input_used_);
+    input_used_ = input_.starts_with("\r\n") ? 2 : 0;  // RFC 9112, section 2.2: old clients end a body with it
+    end = scanner.FindEnd(std::string_view(input_).substr(input_used_));
+    if (end.value_or(input_.size() - input_used_) > kMaxHeadBytes) {
+      ThrowHeadTooLarge(std::string_view(input_).substr(input_used_, kMaxHeadBytes));
+    }
+  } while (!end && Receive() > 0);
+  if (timed_out_) {
+    throw ProblemOfStatus(408);
+  }
+  if (!end && input_.empty()) {
+    return std::nullopt;
+  }
+  if (!end) {
+    throw Problem(400, "malformed_request", "The request ended before its head was complete.");
+  }
+  budget_ = *end;
+  return std::string_view(input_).substr(input_used_, *end);
 }
 
 bool Connection::WaitFor(short events) const {
@@ -92,15 +117,24 @@ bool Connection::WaitFor(short events) const {
   return ready > 0;
 }
 
+// Appends to the input.
+ssize_t Connection::Receive() {
+  const std::size_t before = input_.size();
+  timed_out_ = !WaitFor(POLLIN);
+  input_.resize(before + kBufferBytes);
+  const ssize_t count = timed_out_ ? -1 : ::recv(socket_, input_.data() + before, kBufferBytes, MSG_DONTWAIT);
+  input_.resize(before + (count > 0 ? static_cast<std::size_t>(count) : 0));
+  return count;
+}
+
 ssize_t Connection::Read(char* data, std::size_t size) {
   if (budget_ == 0 || !Flush()) {
     return -1;
   }
   if (input_used_ == input_.size()) {
-    input_.resize(kBufferBytes);
+    input_.clear();
     input_used_ = 0;
-    const ssize_t count = WaitFor(POLLIN) ? ::recv(socket_, input_.data(), input_.size(), MSG_DONTWAIT) : -1;
-    input_.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+    const ssize_t count = Receive();
     if (count <= 0) {
       return count;
     }
@@ -118,6 +152,13 @@ ssize_t Connection::Write(const char* data, std::size_t size) {
     return -1;
   }
   return static_cast<ssize_t>(size);
+}
+
+bool Connection::SendContinue() {
+  output_.append("HTTP/1.1 100 Continue\r\n\r\n");
+  const bool sent = Flush();
+  responding_ = false;
+  return sent;
 }
 
 bool Connection::Flush() {

@@ -5,7 +5,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace floorloc {
 
@@ -28,8 +30,9 @@ class Connection {
   bool WaitForRequest();
   bool IsStopping() const;
 
-  /// Starts the deadline of a request; its head may have at most this many bytes.
-  void BeginRequest(std::size_t max_head_bytes);
+  /// Starts the deadline of a request and buffers its head, which Read() then gives, and no more until AllowBody().
+  /// Empty when the client closed instead. Throws Problem for one that is too large, too slow (408), or not complete.
+  std::optional<std::string_view> ReadHead();
   /// Replaces the limit by this many further bytes, for the body.
   void AllowBody(std::size_t max_bytes) { budget_ = max_bytes; }
 
@@ -38,6 +41,10 @@ class Connection {
   /// Buffers; -1 on timeout.
   ssize_t Write(const char* data, std::size_t size);
   bool Flush();
+  /// Tells the client to send its body.
+  bool SendContinue();
+  /// Did the client take longer than it may to send the request?
+  bool timed_out() const { return timed_out_; }
 
   /// On close, discards what the client is still sending for a moment, so that it can read the response.
   void DrainInputOnClose() { drain_on_close_ = true; }
@@ -48,6 +55,7 @@ class Connection {
   using Clock = std::chrono::steady_clock;
 
   bool WaitFor(short events) const;
+  ssize_t Receive();
   void DrainInput() const;
 
   int socket_;
@@ -56,6 +64,7 @@ class Connection {
   Clock::time_point deadline_;
   std::size_t budget_ = 0;
   bool responding_ = false;
+  bool timed_out_ = false;
   bool drain_on_close_ = false;
   std::string input_;
   std::size_t input_used_ = 0;

@@ -21,24 +21,13 @@
 #include "server/http/body_budget.h"
 #include "server/http/connection.h"
 #include "server/http/listener.h"
+#include "server/http/raw_response.h"
 #include "server/http/request_loop.h"
 
 namespace floorloc {
 namespace {
 
 constexpr std::chrono::milliseconds kAcceptRetry{50};
-
-void WriteResponse(const HttpResponse& response, Connection& connection) {
-  std::string head = "HTTP/1.1 " + std::to_string(response.status) + " Service Unavailable\r\nConnection: close\r\n" +
-                     "Content-Type: " + response.content_type +
-                     "\r\nContent-Length: " + std::to_string(response.body.size()) + "\r\n";
-  for (const auto& [name, value] : response.headers) {
-    head.append(name).append(": ").append(value).append("\r\n");
-  }
-  head.append("\r\n").append(response.body);
-  connection.Write(head.data(), head.size());
-  connection.Flush();
-}
 
 }  // namespace
 
@@ -83,7 +72,7 @@ void HttpServer::Impl::Reject(int socket) {
   at_once.idle = at_once.request = std::chrono::duration<double>(0.0);
   Connection connection(socket, stop_event.get(), at_once);
   connection.DrainInputOnClose();
-  WriteResponse(handler.Refuse({}, problem), connection);
+  WriteLastResponse(handler.Refuse({}, problem), connection);
 }
 
 void HttpServer::Impl::Run(int socket) {

@@ -5,8 +5,14 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "server/http/listener.h"
+#include "server/http/raw_response.h"
+#include "server/wire/chunked_framing.h"
+#include "server/wire/header_text.h"
+#include "server/wire/request_head.h"
 
 // Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
 #include <httplib.h>
@@ -14,7 +20,6 @@
 namespace floorloc {
 namespace {
 
-constexpr std::size_t kMaxHeadBytes = std::size_t{32} << 10;
 constexpr std::size_t kBodyOverheadBytes = std::size_t{64} << 10;  // chunk sizes, part headers
 constexpr std::size_t kMaxParts = 16;
 
@@ -23,7 +28,12 @@ class ConnectionStream : public httplib::Stream {
   explicit ConnectionStream(Connection& connection) : connection_(connection) {}
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
-  ssize_t read(char* data, size_t size) override { return connection_.Read(data, size); }
+  ssize_t read(char* data, size_t size) override {
+    const ssize_t count = connection_.Read(data, size);
+    const bool well_framed =
+        !chunks_ || count <= 0 || chunks_->Accept(std::string_view(data, static_cast<std::size_t>(count)));
+    return well_framed ? count : -1;
+  }
   ssize_t write(const char* data, size_t size) override { return connection_.Write(data, size); }
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
     ip = RemoteAddress(connection_.socket());
@@ -32,15 +42,14 @@ class ConnectionStream : public httplib::Stream {
   void get_local_ip_and_port(std::string&, int&) const override {}
   socket_t socket() const override { return connection_.socket(); }
 
+  /// The library takes sizes of chunks that others read differently, "0x10" or " 5" for instance.
+  void CheckChunks(bool chunked) { chunks_ = chunked ? std::optional<ChunkedFraming>(std::in_place) : std::nullopt; }
+  bool AtEndOfChunks() const { return !chunks_ || chunks_->complete(); }
+
  private:
   Connection& connection_;
+  std::optional<ChunkedFraming> chunks_;
 };
-
-std::string LowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 HttpRequest ToRequest(const httplib::Request& raw) {
   HttpRequest request;
@@ -60,11 +69,6 @@ void Fill(const HttpResponse& response, httplib::Response& raw) {
   for (const auto& [name, value] : response.headers) {
     raw.set_header(name, value);
   }
-}
-
-bool HasBody(const httplib::Request& raw) {
-  return raw.has_header("Transfer-Encoding") ||
-         (raw.has_header("Content-Length") && raw.get_header_value("Content-Length") != "0");
 }
 
 /// Parses the requests of one connection with cpp-httplib and hands them to the handler.
@@ -99,23 +103,7 @@ class RequestLoop : private httplib::Server {
   }
 
   void Run() {
-    bool open = true;
-    while (open && connection_.WaitForRequest()) {
-      connection_.BeginRequest(kMaxHeadBytes);
-      const bool stopping = connection_.IsStopping();
-      close_ = true;  // until the request is parsed: without that the start of the next one is unknown
-      bool close_requested = false;
-      const bool answered =
-          process_request(stream_, stopping, close_requested, [this, stopping](httplib::Request& raw) {
-            close_ = stopping;
-            raw.ranges.clear();
-            // A body that no handler reads would otherwise be parsed as the next request.
-            if (HasBody(raw) && !TakesBody(raw.method)) {
-              CloseWithUnreadBody();
-            }
-            connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
-          });
-      open = connection_.Flush() && answered && !close_requested && !close_;
+    while (connection_.WaitForRequest() && ServeOne()) {
     }
   }
 
@@ -123,6 +111,41 @@ class RequestLoop : private httplib::Server {
   static bool TakesBody(const std::string& method) {
     return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
   }
+
+  // Is there a next request on this connection?
+  bool ServeOne() {
+    const bool stopping = connection_.IsStopping();
+    stream_.CheckChunks(false);
+    try {
+      const std::optional<std::string_view> head = connection_.ReadHead();
+      if (!head) {
+        return false;
+      }
+      head_ = ParseRequestHead(*head);
+    } catch (const Problem& problem) {
+      HttpRequest nothing;
+      nothing.remote_address = RemoteAddress(connection_.socket());
+      connection_.DrainInputOnClose();
+      WriteLastResponse(handler_.Refuse(nothing, problem), connection_);
+      return false;
+    }
+    close_ = true;  // until the library has parsed it too: without that the start of the next one is unknown
+    bool close_requested = false;
+    const bool answered = process_request(stream_, stopping, close_requested, [this, stopping](httplib::Request& raw) {
+      close_ = stopping || !head_.keep_alive;
+      raw.ranges.clear();
+      raw.headers.erase("Expect");  // answered when the request is admitted
+      // A body that no handler reads would otherwise be parsed as the next request.
+      if (HasBody() && !TakesBody(raw.method)) {
+        CloseWithUnreadBody();
+      }
+      stream_.CheckChunks(head_.framing == BodyFraming::kChunked);
+      connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
+    });
+    return connection_.Flush() && answered && !close_requested && !close_;
+  }
+
+  bool HasBody() const { return head_.framing == BodyFraming::kChunked || head_.content_length > 0; }
 
   void CloseWithUnreadBody() {
     close_ = true;
@@ -143,7 +166,7 @@ class RequestLoop : private httplib::Server {
     HttpRequest request = ToRequest(raw);
     if (const std::optional<HttpResponse> refusal = handler_.Admit(request)) {
       Fill(*refusal, answer);
-      if (HasBody(raw)) {
+      if (HasBody()) {
         CloseWithUnreadBody();
       }
       return;
@@ -161,25 +184,26 @@ class RequestLoop : private httplib::Server {
 
   // Without Content-Length, or with compression, the body may grow up to the limit.
   std::size_t BytesToReserve(const httplib::Request& raw) const {
-    if (!HasBody(raw)) {
+    if (!HasBody()) {
       return 0;
     }
-    const bool announced = raw.has_header("Content-Length") && !raw.has_header("Content-Encoding");
-    return announced
-               ? std::min<std::size_t>(raw.get_header_value<std::uint64_t>("Content-Length"), limits_.max_body_bytes)
-               : limits_.max_body_bytes;
+    const bool announced = head_.framing == BodyFraming::kLength && !raw.has_header("Content-Encoding");
+    return announced ? std::min<std::size_t>(head_.content_length, limits_.max_body_bytes) : limits_.max_body_bytes;
   }
 
   void ReadBody(const httplib::Request& raw, const httplib::Response& answer, const httplib::ContentReader& reader,
                 bool reserved, HttpRequest& request) {
-    if (!HasBody(raw)) {
+    if (!HasBody()) {
       return;
     }
-    if (raw.get_header_value<std::uint64_t>("Content-Length") > limits_.max_body_bytes) {
+    if (head_.content_length > limits_.max_body_bytes) {
       throw TooLarge();
     }
     if (!reserved) {
       throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
+    }
+    if (head_.expects_continue && !connection_.SendContinue()) {
+      throw ProblemOfStatus(408);
     }
     bool exceeded = false;
     const bool complete =
@@ -190,10 +214,14 @@ class RequestLoop : private httplib::Server {
     if (!complete && answer.status == 415) {
       throw ProblemOfStatus(415);
     }
-    if (!complete) {
+    if (!complete && connection_.timed_out()) {
+      throw ProblemOfStatus(408);
+    }
+    if (!complete || !stream_.AtEndOfChunks()) {
       throw Problem(400, "malformed_body",
-                    raw.is_multipart_form_data() ? "The multipart/form-data body is malformed."
-                                                 : "The body ended before it was complete.");
+                    raw.is_multipart_form_data()
+                        ? "The multipart/form-data body is malformed."
+                        : "The body ended before it was complete, or its chunks are malformed.");
     }
   }
 
@@ -233,6 +261,7 @@ class RequestLoop : private httplib::Server {
   const HttpLimits& limits_;
   BodyBudget& budget_;
   HttpHandler& handler_;
+  RequestHead head_;
   bool close_ = false;
 };
 

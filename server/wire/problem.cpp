@@ -26,6 +26,8 @@ Problem ProblemOfStatus(int status) {
   switch (status) {
     case 404:
       return Problem(404, "not_found", "Nothing is served at this path; /openapi.yaml lists the calls.");
+    case 408:
+      return Problem(408, "request_timeout", "The request did not arrive in time; send it at once.");
     case 413:
       return Problem(413, "body_too_large", "The body is larger than this server accepts.");
     case 414:

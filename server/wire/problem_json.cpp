@@ -6,7 +6,6 @@
 #include "server/wire/strict_json.h"
 
 namespace floorloc {
-namespace {
 
 const char* StatusTitle(int status) {
   switch (status) {
@@ -18,8 +17,12 @@ const char* StatusTitle(int status) {
       return "Not Found";
     case 405:
       return "Method Not Allowed";
+    case 408:
+      return "Request Timeout";
     case 409:
       return "Conflict";
+    case 411:
+      return "Length Required";
     case 413:
       return "Content Too Large";
     case 414:
@@ -28,20 +31,26 @@ const char* StatusTitle(int status) {
       return "Unsupported Media Type";
     case 416:
       return "Range Not Satisfiable";
+    case 417:
+      return "Expectation Failed";
     case 422:
       return "Unprocessable Content";
     case 429:
       return "Too Many Requests";
+    case 431:
+      return "Request Header Fields Too Large";
     case 500:
       return "Internal Server Error";
+    case 501:
+      return "Not Implemented";
     case 503:
       return "Service Unavailable";
+    case 505:
+      return "HTTP Version Not Supported";
     default:
       return "Error";
   }
 }
-
-}  // namespace
 
 std::string FormatProblem(const Problem& problem) {
   return ToText({{"type", "about:blank"},

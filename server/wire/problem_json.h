@@ -7,6 +7,9 @@
 
 namespace floorloc {
 
+/// "Not Found" for 404.
+const char* StatusTitle(int status);
+
 /// {"type","title","status","detail","code"}
 std::string FormatProblem(const Problem& problem);
 

@@ -235,7 +235,8 @@ def main():
     boards = ["9x6\x000.025", "8x6\x000.03\0DICT_4X4_50\x000.02\x000.1,0.3,-0.1,0.1\x000.36,-0.03,1.571\0auto",
               "999x0\0-1\0\0\0\0nan,0,0"]
     corpus = {**files, **server_texts(), **journal_pieces(), "survey_folder": [whole_survey(files)],
-              "image": images(), "image_header": images(), "http": http_requests(), "api": api_calls(),
+              "image": images(), "image_header": images(), "http": http_requests(),
+              "request_head": http_requests(), "api": api_calls(),
               "calibrate_options": boards, "map_content": map_changes(), "map_file": [map_file()]}
     for name, seeds in corpus.items():
         folder = pathlib.Path(sys.argv[1]) / name

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/http/connection.h"
+#include "server/wire/http_message.h"
+
+namespace floorloc {
+
+/// Answers what never became a request of the HTTP library, and says that the connection closes.
+void WriteLastResponse(const HttpResponse& response, Connection& connection);
+
+}  // namespace floorloc
