@@ -28,6 +28,7 @@ RouterOptions MakeRouterOptions(const ServerConfig& config) {
   }
   options.protect_reads = config.protect_reads;
   options.max_requests_per_s = config.limits.max_requests_per_s;
+  options.max_failed_logins = config.limits.max_failed_logins;
   return options;
 }
 

@@ -94,11 +94,11 @@ HttpResponse HandleAsset(const std::string& name, const HttpRequest& request) {
 }  // namespace
 
 void AddSystemRoutes(AppState& state, Router& router) {
-  router.Add({"GET", "/livez", RouteAccess::kPublic, {}, [](const HttpRequest&) {
+  router.Add({"GET", "/livez", RouteAccess::kHealth, {}, [](const HttpRequest&) {
                 return JsonResponse(200, R"({"status":"alive"})");
               }});
   router.Add(
-      {"GET", "/readyz", RouteAccess::kPublic, {}, [&state](const HttpRequest&) { return HandleReadiness(state); }});
+      {"GET", "/readyz", RouteAccess::kHealth, {}, [&state](const HttpRequest&) { return HandleReadiness(state); }});
   router.Add(
       {"GET", "/metrics", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return HandleMetrics(state); }});
   router.Add({"GET", "/openapi.yaml", RouteAccess::kPublic, {}, [](const HttpRequest&) {

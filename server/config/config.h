@@ -19,6 +19,7 @@ struct ServerLimits {
   int max_vehicles = 2000;
   double vehicle_timeout_s = 86400.0;  ///< a vehicle without messages for longer expires; 0: never
   double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
+  int max_failed_logins = 10;          ///< per client address and minute; 0: no limit
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

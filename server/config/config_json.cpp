@@ -53,6 +53,9 @@ void ReadLimits(JsonObject object, ServerLimits& limits) {
   ReadWhole(object, "max_image_pixels", {1, 1'000'000'000}, limits.max_image_pixels);
   ReadWhole(object, "max_rectifier_bytes", {1, kMaxBytes}, limits.max_rectifier_bytes);
   ReadWhole(object, "max_connections", {1, 100'000}, limits.http.max_connections);
+  ReadWhole(object, "max_connections_per_address", {1, 100'000}, limits.http.max_connections_per_address);
+  ReadWhole(object, "reserved_connections", {0, 1000}, limits.http.reserved_connections);
+  ReadWhole(object, "max_failed_logins", {0, 1'000'000}, limits.max_failed_logins);
   ReadWhole(object, "max_vehicles", {1, 1'000'000}, limits.max_vehicles);
   ReadNotNegative(object, "vehicle_timeout_s", limits.vehicle_timeout_s);
   ReadNotNegative(object, "max_requests_per_s", limits.max_requests_per_s);

@@ -36,15 +36,13 @@ Clock::time_point After(std::chrono::duration<double> duration) {
 Connection::Connection(int socket, int stop_event, const ConnectionTimeouts& timeouts)
     : socket_(socket), stop_event_(stop_event), timeouts_(timeouts), deadline_(After(timeouts.request)) {}
 
-Connection::~Connection() {
-  if (drain_on_close_) {
-    DrainInput();
-  }
-  ::close(socket_);
-}
+Connection::~Connection() { ::close(socket_); }
 
 // Closing a socket with unread input resets the connection, and the client may lose the response.
-void Connection::DrainInput() const {
+void Connection::Drain() const {
+  if (!drain_on_close_) {
+    return;
+  }
   ::shutdown(socket_, SHUT_WR);
   const auto deadline = After(std::min<std::chrono::duration<double>>(kDrainTime, timeouts_.request));
   std::string buffer(kBufferBytes, '\0');

@@ -46,8 +46,10 @@ class Connection {
   /// Did the client take longer than it may to send the request?
   bool timed_out() const { return timed_out_; }
 
-  /// On close, discards what the client is still sending for a moment, so that it can read the response.
+  /// Before the end, Drain() has to discard what the client is still sending, so that it can read the response.
   void DrainInputOnClose() { drain_on_close_ = true; }
+  /// Discards input for a moment, if that was asked for.
+  void Drain() const;
 
   int socket() const { return socket_; }
 
@@ -56,7 +58,6 @@ class Connection {
 
   bool WaitFor(short events) const;
   ssize_t Receive();
-  void DrainInput() const;
 
   int socket_;
   int stop_event_;

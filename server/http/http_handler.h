@@ -15,6 +15,8 @@ class HttpHandler {
 
   /// Called before the body of a request is read. A response rejects it, and the body stays unread.
   virtual std::optional<HttpResponse> Admit(const HttpRequest& head) = 0;
+  /// Is this the call of a health check? It is answered when all connections are taken.
+  virtual bool IsHealthCheck(const HttpRequest& head) const = 0;
   /// Answers a complete request.
   virtual HttpResponse Handle(HttpRequest request) = 0;
   /// The response to what the HTTP layer itself rejects (too large, malformed, ...).

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <list>
@@ -18,8 +17,10 @@
 #include <vector>
 
 #include "core/geometry/option_check.h"
+#include "server/http/address_group.h"
 #include "server/http/body_budget.h"
 #include "server/http/connection.h"
+#include "server/http/connection_table.h"
 #include "server/http/listener.h"
 #include "server/http/raw_response.h"
 #include "server/http/request_loop.h"
@@ -36,6 +37,8 @@ struct HttpServer::Impl {
       : options(server_options),
         handler(server_handler),
         budget(options.limits.max_bodies_bytes),
+        context{options.limits, budget, handler},
+        table(options.limits),
         stop_event(::eventfd(0, EFD_CLOEXEC)),
         listener(Listen(options.host, options.port)) {
     timeouts.idle = std::chrono::duration<double>(options.limits.idle_timeout_s);
@@ -49,17 +52,18 @@ struct HttpServer::Impl {
   }
 
   void Accept();
-  void Run(int socket);
+  void Run(int socket, std::unique_ptr<ConnectionPlace> place);
   void Reject(int socket);
   void JoinFinished();
 
   HttpServerOptions options;
   HttpHandler& handler;
   BodyBudget budget;
+  ServingContext context;
+  ConnectionTable table;
   ConnectionTimeouts timeouts;
   FileDescriptor stop_event;
   Listener listener;
-  std::atomic<int> active{0};
   std::list<std::thread> threads;
   std::mutex mutex;
   std::vector<std::thread::id> finished;  // guarded by mutex
@@ -67,22 +71,26 @@ struct HttpServer::Impl {
 
 // Runs in the accepting thread, so it must not block on the client.
 void HttpServer::Impl::Reject(int socket) {
-  const Overload problem("too_many_connections", "The server has reached its limit of connections; try again later.");
   ConnectionTimeouts at_once;
   at_once.idle = at_once.request = std::chrono::duration<double>(0.0);
   Connection connection(socket, stop_event.get(), at_once);
   connection.DrainInputOnClose();
-  WriteLastResponse(handler.Refuse({}, problem), connection);
+  WriteLastResponse(handler.Refuse({}, TooManyConnections()), connection);
+  connection.Drain();
 }
 
-void HttpServer::Impl::Run(int socket) {
+void HttpServer::Impl::Run(int socket, std::unique_ptr<ConnectionPlace> place) {
+  ConnectionTimeouts patience = timeouts;
+  if (place->reserved()) {
+    patience.idle = patience.request = std::chrono::duration<double>(options.limits.reserved_timeout_s);
+  }
+  Connection connection(socket, stop_event.get(), patience);
   try {
-    Connection connection(socket, stop_event.get(), timeouts);
-    ServeRequests(connection, options.limits, budget, handler);
+    ServeRequests(connection, *place, context);
   } catch (const std::exception& error) {
     spdlog::error("a connection was dropped: {}", error.what());
   }
-  active.fetch_sub(1);
+  place.reset();  // before the socket is closed, and its number is given to another connection
   const std::lock_guard lock(mutex);
   finished.push_back(std::this_thread::get_id());
 }
@@ -96,15 +104,15 @@ void HttpServer::Impl::Accept() {
     }
     return;
   }
-  if (active.load() >= options.limits.max_connections) {
+  std::unique_ptr<ConnectionPlace> place =
+      table.Take(socket, AddressGroup(RemoteAddress(socket)), ConnectionTable::Clock::now());
+  if (place == nullptr) {
     Reject(socket);
     return;
   }
-  active.fetch_add(1);
   try {
-    threads.emplace_back([this, socket] { Run(socket); });
+    threads.emplace_back([this, socket, place = std::move(place)]() mutable { Run(socket, std::move(place)); });
   } catch (const std::system_error& error) {
-    active.fetch_sub(1);
     spdlog::warn("cannot start a thread for a connection: {}", error.what());
     Reject(socket);
   }
@@ -135,7 +143,7 @@ HttpServer::~HttpServer() = default;
 
 int HttpServer::port() const { return impl_->listener.port; }
 
-int HttpServer::connections() const { return impl_->active.load(); }
+int HttpServer::connections() const { return impl_->table.size(); }
 
 void HttpServer::Serve() {
   while (impl_->WaitForConnection()) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/rate_limiter.h"
 
-#include <algorithm>
-
 namespace floorloc {
 namespace {
 
@@ -15,15 +13,11 @@ bool RateLimiter::Allow(const std::string& client, TimePoint now) {
     return true;
   }
   const std::lock_guard lock(mutex_);
-  if (buckets_.size() >= kMaxClients) {
+  if (buckets_.size() >= kMaxClients && !buckets_.contains(client)) {
     DropFullBuckets(now);
   }
-  const double burst = std::max(1.0, rate_per_s_);
-  const auto [it, inserted] = buckets_.try_emplace(client, Bucket{burst, now});
-  Bucket& bucket = it->second;
-  const double elapsed_s = std::chrono::duration<double>(now - bucket.updated).count();
-  bucket.tokens = std::min(burst, bucket.tokens + elapsed_s * rate_per_s_);
-  bucket.updated = now;
+  Bucket& bucket = buckets_.try_emplace(client, Bucket{burst_, now}).first->second;
+  bucket = {TokensOf(bucket, now), now};
   if (bucket.tokens < 1.0) {
     return false;
   }
@@ -31,12 +25,19 @@ bool RateLimiter::Allow(const std::string& client, TimePoint now) {
   return true;
 }
 
-// A bucket is full again after max(1 s, 1/rate); then it is equivalent to a new one.
+bool RateLimiter::WouldAllow(const std::string& client, TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  const auto it = buckets_.find(client);
+  return rate_per_s_ <= 0.0 || it == buckets_.end() || TokensOf(it->second, now) >= 1.0;
+}
+
+double RateLimiter::TokensOf(const Bucket& bucket, TimePoint now) const {
+  return std::min(burst_, bucket.tokens + std::chrono::duration<double>(now - bucket.updated).count() * rate_per_s_);
+}
+
+// A full bucket is equivalent to a new one.
 void RateLimiter::DropFullBuckets(TimePoint now) {
-  const double full_after_s = std::max(1.0, 1.0 / rate_per_s_);
-  std::erase_if(buckets_, [&](const auto& entry) {
-    return std::chrono::duration<double>(now - entry.second.updated).count() > full_after_s;
-  });
+  std::erase_if(buckets_, [&](const auto& entry) { return TokensOf(entry.second, now) >= burst_; });
 }
 
 }  // namespace floorloc

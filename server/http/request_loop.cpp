@@ -74,8 +74,13 @@ void Fill(const HttpResponse& response, httplib::Response& raw) {
 /// Parses the requests of one connection with cpp-httplib and hands them to the handler.
 class RequestLoop : private httplib::Server {
  public:
-  RequestLoop(Connection& connection, const HttpLimits& limits, BodyBudget& budget, HttpHandler& handler)
-      : connection_(connection), stream_(connection), limits_(limits), budget_(budget), handler_(handler) {
+  RequestLoop(Connection& connection, ConnectionPlace& place, const ServingContext& context)
+      : connection_(connection),
+        place_(place),
+        stream_(connection),
+        limits_(context.limits),
+        budget_(context.budget),
+        handler_(context.handler) {
     // Any path, including line breaks.
     static const std::string kAnything = R"([\s\S]*)";
     const HandlerWithContentReader with_body = [this](const httplib::Request& raw, httplib::Response& answer,
@@ -97,14 +102,17 @@ class RequestLoop : private httplib::Server {
         answer.set_header("Connection", "close");
       }
     });
-    set_payload_max_length(limits.max_body_bytes);
-    set_keep_alive_timeout(static_cast<time_t>(limits.idle_timeout_s));
+    set_payload_max_length(limits_.max_body_bytes);
+    set_keep_alive_timeout(static_cast<time_t>(limits_.idle_timeout_s));
     set_keep_alive_max_count(std::numeric_limits<std::int32_t>::max());
   }
 
   void Run() {
     while (connection_.WaitForRequest() && ServeOne()) {
+      place_.SetWaiting(true);
     }
+    place_.SetWaiting(true);
+    connection_.Drain();
   }
 
  private:
@@ -121,6 +129,7 @@ class RequestLoop : private httplib::Server {
       if (!head) {
         return false;
       }
+      place_.SetWaiting(false);
       head_ = ParseRequestHead(*head);
     } catch (const Problem& problem) {
       HttpRequest nothing;
@@ -132,7 +141,7 @@ class RequestLoop : private httplib::Server {
     close_ = true;  // until the library has parsed it too: without that the start of the next one is unknown
     bool close_requested = false;
     const bool answered = process_request(stream_, stopping, close_requested, [this, stopping](httplib::Request& raw) {
-      close_ = stopping || !head_.keep_alive;
+      close_ = stopping || !head_.keep_alive || place_.reserved();
       raw.ranges.clear();
       raw.headers.erase("Expect");  // answered when the request is admitted
       // A body that no handler reads would otherwise be parsed as the next request.
@@ -152,19 +161,25 @@ class RequestLoop : private httplib::Server {
     connection_.DrainInputOnClose();
   }
 
+  std::optional<HttpResponse> Admit(const HttpRequest& request) {
+    return place_.reserved() && !handler_.IsHealthCheck(request)
+               ? std::optional(handler_.Refuse(request, TooManyConnections()))
+               : handler_.Admit(request);
+  }
+
   HandlerResponse HandleWithoutBody(const httplib::Request& raw, httplib::Response& answer) {
     if (TakesBody(raw.method)) {
       return HandlerResponse::Unhandled;
     }
     HttpRequest request = ToRequest(raw);
-    const std::optional<HttpResponse> refusal = handler_.Admit(request);
+    const std::optional<HttpResponse> refusal = Admit(request);
     Fill(refusal ? *refusal : handler_.Handle(std::move(request)), answer);
     return HandlerResponse::Handled;
   }
 
   void HandleWithBody(const httplib::Request& raw, httplib::Response& answer, const httplib::ContentReader& reader) {
     HttpRequest request = ToRequest(raw);
-    if (const std::optional<HttpResponse> refusal = handler_.Admit(request)) {
+    if (const std::optional<HttpResponse> refusal = Admit(request)) {
       Fill(*refusal, answer);
       if (HasBody()) {
         CloseWithUnreadBody();
@@ -257,6 +272,7 @@ class RequestLoop : private httplib::Server {
   }
 
   Connection& connection_;
+  ConnectionPlace& place_;
   ConnectionStream stream_;
   const HttpLimits& limits_;
   BodyBudget& budget_;
@@ -267,8 +283,12 @@ class RequestLoop : private httplib::Server {
 
 }  // namespace
 
-void ServeRequests(Connection& connection, const HttpLimits& limits, BodyBudget& budget, HttpHandler& handler) {
-  RequestLoop(connection, limits, budget, handler).Run();
+void ServeRequests(Connection& connection, ConnectionPlace& place, const ServingContext& context) {
+  RequestLoop(connection, place, context).Run();
+}
+
+Overload TooManyConnections() {
+  return {"too_many_connections", "The server has reached its limit of connections; try again later."};
 }
 
 }  // namespace floorloc

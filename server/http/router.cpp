@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/geometry/option_check.h"
+#include "server/http/address_group.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {
@@ -72,10 +73,14 @@ std::optional<std::map<std::string, std::string>> MatchPattern(std::string_view 
 
 void RouterOptions::Check() const {
   RequireOption(max_requests_per_s >= 0.0, "max_requests_per_s must be positive; 0: no limit");
+  RequireOption(max_failed_logins >= 0, "max_failed_logins must be positive; 0: no limit");
 }
 
 Router::Router(RouterOptions options, Metrics& metrics)
-    : options_(std::move(options)), metrics_(metrics), rate_limiter_(options_.max_requests_per_s) {
+    : options_(std::move(options)),
+      metrics_(metrics),
+      rate_limiter_(options_.max_requests_per_s),
+      login_limiter_(options_.max_failed_logins) {
   options_.Check();
 }
 
@@ -100,18 +105,20 @@ Router::Found Router::Find(const HttpRequest& request) const {
   return found;
 }
 
+// The rate is limited first: refused logins and unknown paths count as well.
 void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
+  const RouteAccess access = found.route == nullptr ? RouteAccess::kRead : found.route->access;
+  const std::string client = AddressGroup(head.remote_address);
+  const bool limited = access == RouteAccess::kRead || access == RouteAccess::kWrite;
+  if (limited && !rate_limiter_.Allow(client, Clock::now())) {
+    throw Problem(429, "rate_limited", "Too many requests from this address; slow down.", Problem::Retry::kSoon);
+  }
   if (found.route == nullptr) {
     throw found.allow.empty() ? ProblemOfStatus(404)
                               : Problem(405, "method_not_allowed", "This path supports " + found.allow + " only.");
   }
-  const RouteAccess access = found.route->access;
-  const bool guarded = access == RouteAccess::kWrite || (access == RouteAccess::kRead && options_.protect_reads);
-  if (guarded && !options_.token.Allows(head.Header("authorization"))) {
-    throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
-  }
-  if (access != RouteAccess::kPublic && !rate_limiter_.Allow(head.remote_address, Clock::now())) {
-    throw Problem(429, "rate_limited", "Too many requests from this address; slow down.", Problem::Retry::kSoon);
+  if (access == RouteAccess::kWrite || (access == RouteAccess::kRead && options_.protect_reads)) {
+    CheckLogin(client, head.Header("authorization"));
   }
   CheckContentType(*found.route, head);
   if (found.route->admit) {
@@ -119,6 +126,29 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
     request.path_parameters = found.parameters;
     found.route->admit(request);
   }
+}
+
+void Router::CheckLogin(const std::string& client, const std::string& authorization) {
+  if (options_.token.empty()) {
+    return;
+  }
+  if (authorization.empty()) {
+    throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
+  }
+  switch (login_limiter_.Judge(client, options_.token.Allows(authorization), Clock::now())) {
+    case LoginLimiter::Verdict::kAllowed:
+      return;
+    case LoginLimiter::Verdict::kRefused:
+      throw Problem(401, "unauthorized", "The header Authorization is not 'Bearer TOKEN' with this server's token.");
+    case LoginLimiter::Verdict::kLocked:
+      throw Problem(429, "too_many_failed_logins",
+                    "Too many wrong tokens came from this address; try again in a minute.", Problem::Retry::kSoon);
+  }
+}
+
+bool Router::IsHealthCheck(const HttpRequest& head) const {
+  const Found found = Find(head);
+  return found.route != nullptr && found.route->access == RouteAccess::kHealth;
 }
 
 std::optional<HttpResponse> Router::Admit(const HttpRequest& head) {

@@ -8,6 +8,7 @@
 
 #include "server/http/access.h"
 #include "server/http/http_handler.h"
+#include "server/http/login_limiter.h"
 #include "server/http/metrics.h"
 #include "server/http/rate_limiter.h"
 
@@ -15,7 +16,8 @@ namespace floorloc {
 
 /// Access to a route when the server has a token.
 enum class RouteAccess {
-  kPublic,  ///< health and the web page
+  kHealth,  ///< health checks: answered whatever others do
+  kPublic,  ///< the web page
   kRead,    ///< changes nothing: needs the token only with protect_reads
   kWrite,   ///< needs the token
 };
@@ -34,6 +36,7 @@ struct RouterOptions {
   AccessToken token;
   bool protect_reads = false;
   double max_requests_per_s = 0.0;  ///< per client address; 0: no limit
+  int max_failed_logins = 10;       ///< per client address and minute; 0: no limit
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -49,6 +52,7 @@ class Router : public HttpHandler {
   const std::vector<Route>& routes() const { return routes_; }
 
   std::optional<HttpResponse> Admit(const HttpRequest& head) override;
+  bool IsHealthCheck(const HttpRequest& head) const override;
   HttpResponse Handle(HttpRequest request) override;
   HttpResponse Refuse(const HttpRequest& request, const Problem& problem) override;
 
@@ -61,12 +65,14 @@ class Router : public HttpHandler {
 
   Found Find(const HttpRequest& request) const;
   void CheckAdmission(const Found& found, const HttpRequest& head);
+  void CheckLogin(const std::string& client, const std::string& authorization);
   HttpResponse Run(const HttpRequest& request, const std::function<HttpResponse()>& answer) const;
   void Count(const HttpRequest& request, const HttpResponse& response, double seconds) const;
 
   RouterOptions options_;
   Metrics& metrics_;
   RateLimiter rate_limiter_;
+  LoginLimiter login_limiter_;
   std::vector<Route> routes_;
 };
 

@@ -23,7 +23,8 @@ TEST(ConfigTest, ReadsEveryKey) {
     "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "deadline_ms": 120, "drain_s": 2, "open": true, "protect_reads": true,
     "log_level": "warning", "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
     "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
-               "max_connections": 50, "max_vehicles": 60, "vehicle_timeout_s": 65, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
+               "max_connections": 50, "max_connections_per_address": 51, "reserved_connections": 52,
+               "max_failed_logins": 53, "max_vehicles": 60, "vehicle_timeout_s": 65, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
                "request_timeout_s": 90}})");
   EXPECT_EQ(config.threads, 3);
   EXPECT_EQ(config.queue_length, 7);
@@ -40,6 +41,9 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.limits.max_image_pixels, 30);
   EXPECT_EQ(config.limits.max_rectifier_bytes, 40U);
   EXPECT_EQ(config.limits.http.max_connections, 50);
+  EXPECT_EQ(config.limits.http.max_connections_per_address, 51);
+  EXPECT_EQ(config.limits.http.reserved_connections, 52);
+  EXPECT_EQ(config.limits.max_failed_logins, 53);
   EXPECT_EQ(config.limits.max_vehicles, 60);
   EXPECT_EQ(config.limits.vehicle_timeout_s, 65.0);
   EXPECT_EQ(config.limits.max_requests_per_s, 70.5);

@@ -17,6 +17,9 @@ TEST(ServerOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("limits.max_body_bytes", &HttpLimits::max_body_bytes, {0})
       .Refuses("limits.max_bodies_bytes", &HttpLimits::max_bodies_bytes, {1})
       .Refuses("limits.max_connections", &HttpLimits::max_connections, {0, -1})
+      .Refuses("limits.max_connections_per_address", &HttpLimits::max_connections_per_address, {0})
+      .Refuses("limits.reserved_connections", &HttpLimits::reserved_connections, {-1})
+      .Refuses("reserved_timeout_s", &HttpLimits::reserved_timeout_s, {0.0})
       .Refuses("limits.idle_timeout_s", &HttpLimits::idle_timeout_s, {0.0})
       .Refuses("limits.request_timeout_s", &HttpLimits::request_timeout_s, {0.0});
   OptionTable<ServerLimits>()
@@ -24,6 +27,7 @@ TEST(ServerOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("limits.max_rectifier_bytes", &ServerLimits::max_rectifier_bytes, {0})
       .Refuses("limits.max_vehicles", &ServerLimits::max_vehicles, {0, -1})
       .Refuses("limits.vehicle_timeout_s", &ServerLimits::vehicle_timeout_s, {-1.0})
+      .Refuses("limits.max_failed_logins", &ServerLimits::max_failed_logins, {-1})
       .Refuses("limits.max_requests_per_s", &ServerLimits::max_requests_per_s, {-1.0});
   OptionTable<ServerConfig>()
       .Refuses("port", &ServerConfig::port, {-1, 65536})
@@ -37,7 +41,9 @@ TEST(ServerOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("max_image_pixels", &RectifierStoreOptions::max_image_pixels, {0})
       .Refuses("max_bytes", &RectifierStoreOptions::max_bytes, {0})
       .Refuses("max_cached", &RectifierStoreOptions::max_cached, {0});
-  OptionTable<RouterOptions>().Refuses("max_requests_per_s", &RouterOptions::max_requests_per_s, {-1.0});
+  OptionTable<RouterOptions>()
+      .Refuses("max_requests_per_s", &RouterOptions::max_requests_per_s, {-1.0})
+      .Refuses("max_failed_logins", &RouterOptions::max_failed_logins, {-1});
   OptionTable<VehicleRegistryOptions>()
       .Refuses("max_vehicles", &VehicleRegistryOptions::max_vehicles, {0})
       .Refuses("timeout_s", &VehicleRegistryOptions::timeout_s, {-1.0});

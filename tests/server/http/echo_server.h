@@ -22,6 +22,7 @@ class EchoHandler : public HttpHandler {
   std::optional<HttpResponse> Admit(const HttpRequest& head) override {
     return head.path == "/refused" ? std::optional(Refuse(head, Problem(401, "unauthorized", "No."))) : std::nullopt;
   }
+  bool IsHealthCheck(const HttpRequest& head) const override { return head.path == "/livez"; }
   HttpResponse Handle(HttpRequest request) override {
     if (request.path == "/wait") {
       waiting.set_value();
@@ -42,7 +43,12 @@ class EchoHandler : public HttpHandler {
 /// Sends raw bytes on a socket, for requests that no client library would send.
 class RawClient {
  public:
-  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  /// from: an address of this machine.
+  explicit RawClient(int port, const char* from = "127.0.0.1") : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from, &own.sin_addr);
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -52,7 +58,7 @@ class RawClient {
   void Send(const std::string& text) { ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL); }
   void CloseOutput() { ::shutdown(socket_.get(), SHUT_WR); }
   /// Waits for the next bytes.
-  std::string ReadSome() {
+  std::string ReadSome() const {
     std::array<char, 4096> buffer{};
     const ssize_t count = ::recv(socket_.get(), buffer.data(), buffer.size(), 0);
     return {buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0))};

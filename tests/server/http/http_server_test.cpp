@@ -140,19 +140,6 @@ TEST_F(HttpServerTest, LongPathsReachTheHandler) {
   EXPECT_EQ(client.Post("/a%0Ab", "", "text/plain")->body, "POST /a\nb ");
 }
 
-TEST_F(HttpServerTest, ConnectionsBeyondTheLimitGet503) {
-  std::vector<std::unique_ptr<httplib::Client>> clients;
-  for (int i = 0; i < 3; ++i) {
-    clients.push_back(std::make_unique<httplib::Client>("127.0.0.1", server_.port()));
-    clients.back()->set_keep_alive(true);
-    ASSERT_EQ(clients.back()->Get("/")->status, 200);
-  }
-  const std::string answer = Exchange("");
-  EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
-  EXPECT_THAT(answer, HasSubstr("too_many_connections"));
-  EXPECT_THAT(answer, HasSubstr("Retry-After: 1"));
-}
-
 TEST_F(HttpServerTest, AnswersWhatIsInFlightWhenItStops) {
   auto answer = std::async(std::launch::async, [this] {
     RawClient client(server_.port());
