@@ -114,7 +114,7 @@ LocalizeRequest ParseLocalizeQuery(const HttpRequest& request) {
 }
 
 LocalizeRequest ParseLocalizeJson(const std::string& text) {
-  const nlohmann::json json = ParseJson(text);
+  const nlohmann::json json = ParseJson(text, kMaxJsonBytesWithMask);
   JsonObject object(json, "");
   LocalizeRequest request;
   if (object.Has("vehicle")) {

@@ -86,7 +86,7 @@ nlohmann::json FormatCameraEstimate(const CameraEstimate& estimate, const FloorC
 }  // namespace
 
 VehicleRequest ParseVehicleRequest(const std::string& text) {
-  const nlohmann::json json = ParseJson(text);
+  const nlohmann::json json = ParseJson(text, kMaxJsonBytesWithMask);
   JsonObject object(json, "");
   VehicleRequest request;
   request.map = object.Text("map");

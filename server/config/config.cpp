@@ -13,7 +13,7 @@
 namespace floorloc {
 namespace {
 
-constexpr std::uint64_t kMaxConfigBytes = 1u << 20;
+constexpr std::uint64_t kMaxConfigBytes = kMaxJsonBytes;
 
 }  // namespace
 

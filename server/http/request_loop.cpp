@@ -12,6 +12,7 @@
 #include "server/http/raw_response.h"
 #include "server/wire/chunked_framing.h"
 #include "server/wire/header_text.h"
+#include "server/wire/multipart.h"
 #include "server/wire/request_head.h"
 
 // Included after Eigen: httplib.h includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
@@ -21,7 +22,6 @@ namespace floorloc {
 namespace {
 
 constexpr std::size_t kBodyOverheadBytes = std::size_t{64} << 10;  // chunk sizes, part headers
-constexpr std::size_t kMaxParts = 16;
 
 class ConnectionStream : public httplib::Stream {
  public:
@@ -51,7 +51,7 @@ class ConnectionStream : public httplib::Stream {
   std::optional<ChunkedFraming> chunks_;
 };
 
-HttpRequest ToRequest(const httplib::Request& raw) {
+HttpRequest ToRequest(const httplib::Request& raw, const std::string& content_type) {
   HttpRequest request;
   request.method = raw.method;
   request.path = raw.path;
@@ -59,6 +59,9 @@ HttpRequest ToRequest(const httplib::Request& raw) {
   request.remote_address = raw.remote_addr;
   for (const auto& [name, value] : raw.headers) {
     request.headers.emplace(LowerCase(name), value);
+  }
+  if (!content_type.empty()) {
+    request.headers["content-type"] = content_type;
   }
   return request;
 }
@@ -92,7 +95,7 @@ class RequestLoop : private httplib::Server {
         [this](const httplib::Request& raw, httplib::Response& answer) { return HandleWithoutBody(raw, answer); });
     set_error_handler([this](const httplib::Request& raw, httplib::Response& answer) {
       if (answer.body.empty()) {
-        Fill(handler_.Refuse(ToRequest(raw), ProblemOfStatus(answer.status)), answer);
+        Fill(handler_.Refuse(ToRequest(raw, content_type_), ProblemOfStatus(answer.status)), answer);
       }
     });
     set_post_routing_handler([this](const httplib::Request&, httplib::Response& answer) {
@@ -144,6 +147,8 @@ class RequestLoop : private httplib::Server {
       close_ = stopping || !head_.keep_alive || place_.reserved();
       raw.ranges.clear();
       raw.headers.erase("Expect");  // answered when the request is admitted
+      content_type_ = raw.get_header_value("Content-Type");
+      raw.headers.erase("Content-Type");  // the library would take bodies with parts apart in its own way
       // A body that no handler reads would otherwise be parsed as the next request.
       if (HasBody() && !TakesBody(raw.method)) {
         CloseWithUnreadBody();
@@ -171,14 +176,14 @@ class RequestLoop : private httplib::Server {
     if (TakesBody(raw.method)) {
       return HandlerResponse::Unhandled;
     }
-    HttpRequest request = ToRequest(raw);
+    HttpRequest request = ToRequest(raw, content_type_);
     const std::optional<HttpResponse> refusal = Admit(request);
     Fill(refusal ? *refusal : handler_.Handle(std::move(request)), answer);
     return HandlerResponse::Handled;
   }
 
   void HandleWithBody(const httplib::Request& raw, httplib::Response& answer, const httplib::ContentReader& reader) {
-    HttpRequest request = ToRequest(raw);
+    HttpRequest request = ToRequest(raw, content_type_);
     if (const std::optional<HttpResponse> refusal = Admit(request)) {
       Fill(*refusal, answer);
       if (HasBody()) {
@@ -188,7 +193,7 @@ class RequestLoop : private httplib::Server {
     }
     const BodyReservation reservation(budget_, BytesToReserve(raw));
     try {
-      ReadBody(raw, answer, reader, reservation.ok(), request);
+      ReadBody(answer, reader, reservation.ok(), request);
     } catch (const Problem& problem) {
       CloseWithUnreadBody();
       Fill(handler_.Refuse(request, problem), answer);
@@ -206,8 +211,8 @@ class RequestLoop : private httplib::Server {
     return announced ? std::min<std::size_t>(head_.content_length, limits_.max_body_bytes) : limits_.max_body_bytes;
   }
 
-  void ReadBody(const httplib::Request& raw, const httplib::Response& answer, const httplib::ContentReader& reader,
-                bool reserved, HttpRequest& request) {
+  void ReadBody(const httplib::Response& answer, const httplib::ContentReader& reader, bool reserved,
+                HttpRequest& request) {
     if (!HasBody()) {
       return;
     }
@@ -217,12 +222,14 @@ class RequestLoop : private httplib::Server {
     if (!reserved) {
       throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
     }
+    if (head_.framing == BodyFraming::kLength) {
+      request.body.reserve(head_.content_length);  // growing would need up to three times as much
+    }
     if (head_.expects_continue && !connection_.SendContinue()) {
       throw ProblemOfStatus(408);
     }
     bool exceeded = false;
-    const bool complete =
-        raw.is_multipart_form_data() ? ReadParts(reader, request, exceeded) : ReadPlain(reader, request, exceeded);
+    const bool complete = ReadPlain(reader, request, exceeded);
     if (exceeded) {
       throw TooLarge();
     }
@@ -233,10 +240,11 @@ class RequestLoop : private httplib::Server {
       throw ProblemOfStatus(408);
     }
     if (!complete || !stream_.AtEndOfChunks()) {
-      throw Problem(400, "malformed_body",
-                    raw.is_multipart_form_data()
-                        ? "The multipart/form-data body is malformed."
-                        : "The body ended before it was complete, or its chunks are malformed.");
+      throw Problem(400, "malformed_body", "The body ended before it was complete, or its chunks are malformed.");
+    }
+    if (request.ContentType() == "multipart/form-data") {
+      request.parts = ParseMultipart(request.body, request.Header("content-type"));
+      request.body = std::string();
     }
   }
 
@@ -254,23 +262,6 @@ class RequestLoop : private httplib::Server {
     });
   }
 
-  bool ReadParts(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {
-    std::size_t total = 0;
-    const auto begin_part = [&](const httplib::MultipartFormData& part) {
-      exceeded = exceeded || request.parts.size() >= kMaxParts;
-      request.parts.push_back({part.name, part.content_type, ""});
-      return !exceeded;
-    };
-    return reader(begin_part, [&](const char* data, std::size_t size) {
-      total += size;
-      exceeded = exceeded || total > limits_.max_body_bytes;
-      if (!exceeded) {
-        request.parts.back().content.append(data, size);
-      }
-      return !exceeded;
-    });
-  }
-
   Connection& connection_;
   ConnectionPlace& place_;
   ConnectionStream stream_;
@@ -278,6 +269,7 @@ class RequestLoop : private httplib::Server {
   BodyBudget& budget_;
   HttpHandler& handler_;
   RequestHead head_;
+  std::string content_type_;
   bool close_ = false;
 };
 

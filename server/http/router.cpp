@@ -9,6 +9,7 @@
 
 #include "core/geometry/option_check.h"
 #include "server/http/address_group.h"
+#include "server/wire/number_text.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {
@@ -33,6 +34,9 @@ std::string RouteMethod(const HttpRequest& request) { return request.method == "
 
 void CheckContentType(const Route& route, const HttpRequest& head) {
   const std::string type = head.ContentType();
+  if (type == "application/json" && ParseFinite(head.Header("content-length")) > kMaxJsonBytesWithMask) {
+    throw Problem(413, "json_too_large", "The JSON text is larger than any call needs.");
+  }
   if (route.body_types.empty() ||
       std::find(route.body_types.begin(), route.body_types.end(), type) != route.body_types.end()) {
     return;
@@ -194,6 +198,8 @@ HttpResponse Router::Run(const HttpRequest& request, const std::function<HttpRes
     return answer();
   } catch (const Problem& problem) {
     return ToResponse(problem);
+  } catch (const OversizedJson& error) {
+    return ToResponse(Problem(413, "json_too_large", error.what()));
   } catch (const MalformedJson& error) {
     return ToResponse(Problem(400, "malformed_json", error.what()));
   } catch (const JsonError& error) {

@@ -20,6 +20,6 @@ bool ConsistsOf(std::string_view text, std::string_view extra) {
 
 bool IsMapName(std::string_view name) { return ConsistsOf(name, "_-"); }
 
-bool IsVehicleId(std::string_view id) { return ConsistsOf(id, "_.-"); }
+bool IsVehicleId(std::string_view id) { return id != "." && id != ".." && ConsistsOf(id, "_.-"); }
 
 }  // namespace floorloc

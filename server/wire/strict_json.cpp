@@ -1,31 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/wire/strict_json.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 namespace floorloc {
 namespace {
 
-// No request nests deeper than 5. Each level costs 75 bytes of memory for one of text, which the limit of a body
-// does not bound: 16 MiB of brackets took 1.2 GB.
-constexpr int kMaxDepth = 32;
+// No request nests deeper than 5. A value takes some 50 times the memory of its text.
+constexpr int kMaxDepth = 16;
+constexpr std::size_t kMaxQuotedBytes = 64;
 
-bool IsTooDeep(const std::string& text) {
+// What a text would cost, known before anything is allocated.
+struct JsonShape {
+  int depth = 0;                             // up to kMaxDepth + 1
+  std::size_t bytes_outside_of_strings = 0;  // quotes included
+};
+
+JsonShape ShapeOf(const std::string& text) {
+  JsonShape shape;
   int depth = 0;
   bool in_string = false;
-  for (std::size_t i = 0; i < text.size() && depth <= kMaxDepth; ++i) {
+  for (std::size_t i = 0; i < text.size() && shape.depth <= kMaxDepth; ++i) {
     const char c = text[i];
+    if (in_string && c != '"') {
+      i += c == '\\' ? 1U : 0U;
+      continue;
+    }
+    ++shape.bytes_outside_of_strings;
     if (c == '"') {
       in_string = !in_string;
-    } else if (in_string) {
-      i += c == '\\' ? 1U : 0U;
     } else {
       depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+      shape.depth = std::max(shape.depth, depth);
     }
   }
-  return depth > kMaxDepth;
+  return shape;
 }
+
+void CheckSize(const std::string& text, std::size_t max_bytes) {
+  if (text.size() > max_bytes) {
+    throw OversizedJson("The JSON text is larger than " + std::to_string(max_bytes) + " bytes.");
+  }
+  const JsonShape shape = ShapeOf(text);
+  if (shape.depth > kMaxDepth) {
+    throw MalformedJson("The JSON text is nested deeper than " + std::to_string(kMaxDepth) + " levels.");
+  }
+  if (shape.bytes_outside_of_strings > kMaxJsonBytes) {
+    throw OversizedJson("The JSON text has more than " + std::to_string(kMaxJsonBytes) + " bytes outside of strings.");
+  }
+}
+
+// Readers take the first or the last of two keys: nobody knows which one was meant.
+class DuplicateKeys {
+ public:
+  bool operator()(int, nlohmann::json::parse_event_t event, const nlohmann::json& value) {
+    using Event = nlohmann::json::parse_event_t;
+    if (event == Event::object_start) {
+      keys_.emplace_back();
+    } else if (event == Event::object_end) {
+      keys_.pop_back();
+    } else if (event == Event::key && !keys_.back().insert(value.get<std::string>()).second) {
+      throw MalformedJson("The key '" + value.get<std::string>().substr(0, kMaxQuotedBytes) + "' is given twice.");
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::set<std::string>> keys_;  // of the objects around the current place
+};
 
 double ReadNumber(const nlohmann::json& value, const std::string& path) {
   if (!value.is_number() || !std::isfinite(value.get<double>())) {
@@ -40,12 +85,11 @@ std::string ToText(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-nlohmann::json ParseJson(const std::string& text) {
-  if (IsTooDeep(text)) {
-    throw MalformedJson("The JSON text is nested deeper than " + std::to_string(kMaxDepth) + " levels.");
-  }
+nlohmann::json ParseJson(const std::string& text, std::size_t max_bytes) {
+  CheckSize(text, max_bytes);
   try {
-    return nlohmann::json::parse(text);
+    DuplicateKeys duplicates;
+    return nlohmann::json::parse(text, std::ref(duplicates));
   } catch (const nlohmann::json::parse_error& error) {
     throw MalformedJson("The text is not valid JSON at byte " + std::to_string(error.byte) + ".");
   } catch (const nlohmann::json::exception&) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <set>
@@ -22,11 +23,23 @@ class MalformedJson : public JsonError {
   using JsonError::JsonError;
 };
 
+/// The text is larger than any call needs.
+class OversizedJson : public JsonError {
+ public:
+  using JsonError::JsonError;
+};
+
+inline constexpr std::size_t kMaxJsonBytes = std::size_t{256} << 10;
+/// Of calls that take a mask of 1 MiB as base64. Outside of strings, which cost no more than they are long, such a text
+/// may have kMaxJsonBytes too.
+inline constexpr std::size_t kMaxJsonBytesWithMask = std::size_t{2} << 20;
+
 /// Compact JSON text. NaN and infinity become null, invalid UTF-8 becomes U+FFFD.
 std::string ToText(const nlohmann::json& value);
 
-/// Throws MalformedJson with the position of the first error.
-nlohmann::json ParseJson(const std::string& text);
+/// Throws OversizedJson, or MalformedJson with the position of the first error. Nesting beyond 16 levels and a key that
+/// an object has twice are malformed.
+nlohmann::json ParseJson(const std::string& text, std::size_t max_bytes = kMaxJsonBytes);
 
 /// Strict reader of one JSON object: every getter checks the type, RejectUnknownKeys() throws for keys that were not
 /// read. The JSON value must outlive the reader. All errors are JsonError with the path of the field.

@@ -112,6 +112,13 @@ def whole_survey(files):
     return "\0".join(files[name][-1] for name in names)
 
 
+def multipart_bodies():
+    part = '--1/2\r\nContent-Disposition: form-data; name={}\r\n\r\n{{}}\r\n'
+    quoted = part.format('"request"; filename="a\\"b.json"') + part.format("image\r\nContent-Type: a/b")
+    return ['multipart/form-data; boundary="1/2"\0' + quoted + "--1/2--\r\n",
+            "Multipart/Form-Data; charset=utf-8; BOUNDARY=1/2\0preamble\r\n" + quoted + "--1/2 \r\n--1/2--epilogue"]
+
+
 def http_requests():
     def request(line, headers=(), body=b""):
         head = "".join(f"{header}\r\n" for header in (line + " HTTP/1.1", "Host: x", *headers))
@@ -236,7 +243,8 @@ def main():
               "999x0\0-1\0\0\0\0nan,0,0"]
     corpus = {**files, **server_texts(), **journal_pieces(), "survey_folder": [whole_survey(files)],
               "image": images(), "image_header": images(), "http": http_requests(),
-              "request_head": http_requests(), "api": api_calls(),
+              "request_head": http_requests(), "multipart": multipart_bodies(),
+              "api": api_calls(),
               "calibrate_options": boards, "map_content": map_changes(), "map_file": [map_file()]}
     for name, seeds in corpus.items():
         folder = pathlib.Path(sys.argv[1]) / name

@@ -13,6 +13,9 @@ TEST(NamesTest, AreSafeInUrlsAndFileNames) {
     EXPECT_FALSE(IsMapName(wrong)) << wrong;
     EXPECT_FALSE(IsVehicleId(wrong)) << wrong;
   }
+  EXPECT_FALSE(IsVehicleId("."));
+  EXPECT_FALSE(IsVehicleId(".."));
+  EXPECT_TRUE(IsVehicleId("..."));
   EXPECT_FALSE(IsMapName("a.b"));
   EXPECT_FALSE(IsMapName(std::string(65, 'a')));
   EXPECT_TRUE(IsMapName(std::string(64, 'a')));
