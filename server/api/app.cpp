@@ -56,4 +56,10 @@ App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
   AddWebRoutes(router_);
 }
 
+void App::ReloadToken() {
+  if (!state_.config.token_file.empty()) {
+    router_.SetToken(ReadTokenFile(state_.config.token_file));
+  }
+}
+
 }  // namespace floorloc

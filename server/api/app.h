@@ -38,6 +38,9 @@ class App {
   /// Throws InputError or std::invalid_argument when the configuration, the token or the maps folder is wrong.
   App(const ServerConfig& config, const std::filesystem::path& maps_folder);
 
+  /// Reads the token file again, if there is one. Throws InputError, and the old token stays.
+  void ReloadToken();
+
   AppState& state() { return state_; }
   Router& router() { return router_; }
 

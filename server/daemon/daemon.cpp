@@ -3,9 +3,12 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <functional>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 #include <thread>
@@ -16,19 +19,25 @@
 namespace floorloc {
 namespace {
 
-/// SIGTERM and SIGINT: blocked in this and every later thread, received by sigwait.
-class StopSignals {
+/// SIGTERM, SIGINT and SIGHUP: blocked in this and every later thread, received by sigwait.
+class Signals {
  public:
-  StopSignals() {
-    ::sigemptyset(&set_);
-    ::sigaddset(&set_, SIGTERM);
-    ::sigaddset(&set_, SIGINT);
-    ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+  Signals() {
+    ::sigemptyset(&stop_);
+    ::sigaddset(&stop_, SIGTERM);
+    ::sigaddset(&stop_, SIGINT);
+    all_ = stop_;
+    ::sigaddset(&all_, SIGHUP);
+    ::pthread_sigmask(SIG_BLOCK, &all_, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads any more must not end the server
   }
 
-  void Wait() const {
+  /// Calls reload for each SIGHUP until another signal comes.
+  void WaitForStop(const std::function<void()>& reload) const {
     int signal = 0;
-    ::sigwait(&set_, &signal);
+    while (::sigwait(&all_, &signal) == 0 && signal == SIGHUP) {
+      reload();
+    }
   }
 
   /// Returns after that time, or earlier on a second signal.
@@ -36,12 +45,23 @@ class StopSignals {
     timespec time{};
     time.tv_sec = static_cast<time_t>(std::floor(seconds));
     time.tv_nsec = static_cast<long>(1e9 * (seconds - std::floor(seconds)));
-    ::sigtimedwait(&set_, nullptr, &time);
+    ::sigtimedwait(&stop_, nullptr, &time);
   }
 
  private:
-  sigset_t set_{};
+  sigset_t stop_{};
+  sigset_t all_{};
 };
+
+void Reload(App& app) {
+  try {
+    app.ReloadToken();
+    spdlog::info("SIGHUP: {}", app.state().config.token_file.empty() ? "there is no token file to read again"
+                                                                     : "the token file was read again");
+  } catch (const std::exception& error) {
+    spdlog::error("SIGHUP: the old token stays: {}", error.what());
+  }
+}
 
 void StartLogging(const std::string& level) {
   static const char* const kLogger = "floorloc";
@@ -80,12 +100,27 @@ void WarnWhenOpen(const ServerConfig& config) {
   }
 }
 
-void Serve(App& app, const StopSignals& signals) {
+// Each connection is an open file, and many systems allow 1,024 unless asked for more.
+void AllowOpenFiles(const HttpLimits& limits) {
+  constexpr int kOwnFiles = 256;  // maps, log, listener
+  const auto wanted = static_cast<rlim_t>(limits.max_connections + limits.reserved_connections + kOwnFiles);
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted) {
+    return;
+  }
+  limit.rlim_cur = std::min(wanted, limit.rlim_max);
+  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur < wanted) {
+    spdlog::warn("this process may open {} files only: lower limits.max_connections, or raise ulimit -n to {}",
+                 limit.rlim_cur, wanted);
+  }
+}
+
+void Serve(App& app, const Signals& signals) {
   AppState& state = app.state();
   HttpServer server({state.config.host, state.config.port, state.config.limits.http}, app.router());
   state.count_connections = [&server] { return server.connections(); };
   std::thread stopper([&] {
-    signals.Wait();
+    signals.WaitForStop([&app] { Reload(app); });
     spdlog::info("stopping");
     state.draining = true;
     signals.WaitFor(state.config.drain_s);
@@ -103,7 +138,7 @@ int RunDaemon(const DaemonOptions& options) {
   ServerConfig config = options.config_file.empty() ? ServerConfig{} : ReadServerConfig(options.config_file);
   SetListenAddress(options.listen, config);
   StartLogging(config.log_level);
-  const StopSignals signals;
+  const Signals signals;
   // One thread per request: OpenCV's own threads would compete with the other requests for cores.
   cv::setNumThreads(1);
   App app(config, options.maps_folder);
@@ -111,6 +146,7 @@ int RunDaemon(const DaemonOptions& options) {
     return PrintCheck(app.state().catalog);
   }
   WarnWhenOpen(config);
+  AllowOpenFiles(config.limits.http);
   Serve(app, signals);
   return 0;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <stdexcept>
 
 #include "server/daemon/daemon.h"
 
@@ -19,6 +20,9 @@ int main(int argc, char** argv) {
   }
   try {
     return floorloc::RunDaemon(options);
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "floorloc-server: " << error.what() << '\n';
+    return 2;  // an option, or one that needs another one
   } catch (const std::exception& error) {
     std::cerr << "floorloc-server: " << error.what() << '\n';
     return 1;

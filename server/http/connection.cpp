@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include "server/wire/problem.h"
 #include "server/wire/request_head.h"
 
 namespace floorloc {
@@ -19,6 +18,7 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{64} << 10;
 constexpr std::size_t kMaxDrainedBytes = std::size_t{64} << 20;
 constexpr std::chrono::milliseconds kDrainTime{1000};
+constexpr std::chrono::milliseconds kDrainTimeWhenStopping{100};
 
 using Clock = std::chrono::steady_clock;
 
@@ -44,7 +44,8 @@ void Connection::Drain() const {
     return;
   }
   ::shutdown(socket_, SHUT_WR);
-  const auto deadline = After(std::min<std::chrono::duration<double>>(kDrainTime, timeouts_.request));
+  const auto deadline = After(
+      std::min<std::chrono::duration<double>>(IsStopping() ? kDrainTimeWhenStopping : kDrainTime, timeouts_.request));
   std::string buffer(kBufferBytes, '\0');
   std::size_t drained = 0;
   while (drained < kMaxDrainedBytes) {
@@ -79,7 +80,7 @@ bool Connection::WaitForRequest() {
 }
 
 std::optional<std::string_view> Connection::ReadHead() {
-  deadline_ = After(timeouts_.request);
+  SetDeadline();
   responding_ = false;
   timed_out_ = false;
   budget_ = 0;
@@ -94,7 +95,7 @@ std::optional<std::string_view> Connection::ReadHead() {
     }
   } while (!end && Receive() > 0);
   if (timed_out_) {
-    throw ProblemOfStatus(408);
+    throw TimeoutProblem();
   }
   if (!end && input_.empty()) {
     return std::nullopt;
@@ -106,13 +107,34 @@ std::optional<std::string_view> Connection::ReadHead() {
   return std::string_view(input_).substr(input_used_, *end);
 }
 
-bool Connection::WaitFor(short events) const {
-  pollfd waiting{socket_, events, 0};
-  int ready = 0;
-  do {
-    ready = ::poll(&waiting, 1, MillisecondsUntil(deadline_));
-  } while (ready < 0 && errno == EINTR);
-  return ready > 0;
+// A stop of the server shortens the wait: no client may delay it.
+bool Connection::WaitFor(short events) {
+  while (Clock::now() < deadline_) {
+    std::array<pollfd, 2> waiting{pollfd{socket_, events, 0}, pollfd{stop_deadline_ ? -1 : stop_event_, POLLIN, 0}};
+    const int ready = ::poll(waiting.data(), waiting.size(), MillisecondsUntil(deadline_));
+    if (ready < 0 && errno != EINTR) {
+      return false;
+    }
+    if (ready > 0 && waiting[1].revents != 0) {
+      stop_deadline_ = After(timeouts_.stop);
+      deadline_ = std::min(deadline_, *stop_deadline_);
+    }
+    if (ready > 0 && waiting[0].revents != 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void Connection::SetDeadline() {
+  deadline_ = After(timeouts_.request);
+  if (stop_deadline_) {
+    deadline_ = std::min(deadline_, *stop_deadline_ + std::chrono::duration_cast<Clock::duration>(timeouts_.stop));
+  }
+}
+
+Problem Connection::TimeoutProblem() const {
+  return stop_deadline_ ? Overload("draining", "The server is stopping.") : ProblemOfStatus(408);
 }
 
 // Appends to the input.
@@ -161,7 +183,7 @@ bool Connection::SendContinue() {
 
 bool Connection::Flush() {
   if (!output_.empty() && !responding_) {
-    deadline_ = After(timeouts_.request);
+    SetDeadline();
     responding_ = true;
   }
   std::size_t sent = 0;

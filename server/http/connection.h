@@ -9,11 +9,14 @@
 #include <string>
 #include <string_view>
 
+#include "server/wire/problem.h"
+
 namespace floorloc {
 
 struct ConnectionTimeouts {
   std::chrono::duration<double> idle{60.0};     ///< between two requests
   std::chrono::duration<double> request{30.0};  ///< for a whole request, and again for its response
+  std::chrono::duration<double> stop{1.0};      ///< for both, once the server stops
 };
 
 /// A buffered TCP connection. Every wait has a deadline, and reads fail beyond the request's byte limit, so that
@@ -45,6 +48,8 @@ class Connection {
   bool SendContinue();
   /// Did the client take longer than it may to send the request?
   bool timed_out() const { return timed_out_; }
+  /// The problem of a request that did not arrive in time.
+  Problem TimeoutProblem() const;
 
   /// Before the end, Drain() has to discard what the client is still sending, so that it can read the response.
   void DrainInputOnClose() { drain_on_close_ = true; }
@@ -56,13 +61,15 @@ class Connection {
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool WaitFor(short events) const;
+  bool WaitFor(short events);
+  void SetDeadline();
   ssize_t Receive();
 
   int socket_;
   int stop_event_;
   ConnectionTimeouts timeouts_;
   Clock::time_point deadline_;
+  std::optional<Clock::time_point> stop_deadline_;  // once the server stops
   std::size_t budget_ = 0;
   bool responding_ = false;
   bool timed_out_ = false;

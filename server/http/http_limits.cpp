@@ -13,6 +13,7 @@ void HttpLimits::Check() const {
   RequireOption(reserved_connections >= 0, "limits.reserved_connections must not be negative");
   RequireOption(reserved_timeout_s > 0.0, "reserved_timeout_s must be positive");
   RequireOption(idle_timeout_s > 0.0, "limits.idle_timeout_s must be positive");
+  RequireOption(stop_timeout_s > 0.0, "stop_timeout_s must be positive");
   RequireOption(request_timeout_s > 0.0, "limits.request_timeout_s must be positive");
 }
 

@@ -15,6 +15,7 @@ struct HttpLimits {
   double reserved_timeout_s = 2.0;        ///< of these, to send a request: a health check is one packet
   double idle_timeout_s = 60.0;           ///< of a keep-alive connection
   double request_timeout_s = 30.0;        ///< to send a request, and again to receive its response
+  double stop_timeout_s = 1.0;            ///< the same once the server stops: no client delays that for long
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -29,6 +29,7 @@ namespace floorloc {
 namespace {
 
 constexpr std::chrono::milliseconds kAcceptRetry{50};
+constexpr std::chrono::milliseconds kAtOnce{1};  // what the socket's buffer takes without waiting
 
 }  // namespace
 
@@ -43,6 +44,7 @@ struct HttpServer::Impl {
         listener(Listen(options.host, options.port)) {
     timeouts.idle = std::chrono::duration<double>(options.limits.idle_timeout_s);
     timeouts.request = std::chrono::duration<double>(options.limits.request_timeout_s);
+    timeouts.stop = std::chrono::duration<double>(options.limits.stop_timeout_s);
   }
 
   bool WaitForConnection() const {
@@ -72,7 +74,7 @@ struct HttpServer::Impl {
 // Runs in the accepting thread, so it must not block on the client.
 void HttpServer::Impl::Reject(int socket) {
   ConnectionTimeouts at_once;
-  at_once.idle = at_once.request = std::chrono::duration<double>(0.0);
+  at_once.idle = at_once.request = kAtOnce;
   Connection connection(socket, stop_event.get(), at_once);
   connection.DrainInputOnClose();
   WriteLastResponse(handler.Refuse({}, TooManyConnections()), connection);

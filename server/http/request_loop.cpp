@@ -226,7 +226,7 @@ class RequestLoop : private httplib::Server {
       request.body.reserve(head_.content_length);  // growing would need up to three times as much
     }
     if (head_.expects_continue && !connection_.SendContinue()) {
-      throw ProblemOfStatus(408);
+      throw connection_.TimeoutProblem();
     }
     bool exceeded = false;
     const bool complete = ReadPlain(reader, request, exceeded);
@@ -237,7 +237,7 @@ class RequestLoop : private httplib::Server {
       throw ProblemOfStatus(415);
     }
     if (!complete && connection_.timed_out()) {
-      throw ProblemOfStatus(408);
+      throw connection_.TimeoutProblem();
     }
     if (!complete || !stream_.AtEndOfChunks()) {
       throw Problem(400, "malformed_body", "The body ended before it was complete, or its chunks are malformed.");

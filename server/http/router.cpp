@@ -83,12 +83,23 @@ void RouterOptions::Check() const {
 Router::Router(RouterOptions options, Metrics& metrics)
     : options_(std::move(options)),
       metrics_(metrics),
+      token_(options_.token),
       rate_limiter_(options_.max_requests_per_s),
       login_limiter_(options_.max_failed_logins) {
   options_.Check();
 }
 
 void Router::Add(Route route) { routes_.push_back(std::move(route)); }
+
+void Router::SetToken(AccessToken token) {
+  const std::lock_guard lock(token_mutex_);
+  token_ = std::move(token);
+}
+
+AccessToken Router::Token() const {
+  const std::lock_guard lock(token_mutex_);
+  return token_;
+}
 
 Router::Found Router::Find(const HttpRequest& request) const {
   std::set<std::string> methods;
@@ -133,13 +144,14 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
 }
 
 void Router::CheckLogin(const std::string& client, const std::string& authorization) {
-  if (options_.token.empty()) {
+  const AccessToken token = Token();
+  if (token.empty()) {
     return;
   }
   if (authorization.empty()) {
     throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
   }
-  switch (login_limiter_.Judge(client, options_.token.Allows(authorization), Clock::now())) {
+  switch (login_limiter_.Judge(client, token.Allows(authorization), Clock::now())) {
     case LoginLimiter::Verdict::kAllowed:
       return;
     case LoginLimiter::Verdict::kRefused:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,8 @@ class Router : public HttpHandler {
 
   /// Only before serving: not thread-safe.
   void Add(Route route);
+  /// From now on this token is required.
+  void SetToken(AccessToken token);
   const std::vector<Route>& routes() const { return routes_; }
 
   std::optional<HttpResponse> Admit(const HttpRequest& head) override;
@@ -65,12 +68,15 @@ class Router : public HttpHandler {
 
   Found Find(const HttpRequest& request) const;
   void CheckAdmission(const Found& found, const HttpRequest& head);
+  AccessToken Token() const;
   void CheckLogin(const std::string& client, const std::string& authorization);
   HttpResponse Run(const HttpRequest& request, const std::function<HttpResponse()>& answer) const;
   void Count(const HttpRequest& request, const HttpResponse& response, double seconds) const;
 
   RouterOptions options_;
   Metrics& metrics_;
+  mutable std::mutex token_mutex_;
+  AccessToken token_;  // guarded by token_mutex_
   RateLimiter rate_limiter_;
   LoginLimiter login_limiter_;
   std::vector<Route> routes_;

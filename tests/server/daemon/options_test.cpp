@@ -21,6 +21,7 @@ TEST(ServerOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("limits.reserved_connections", &HttpLimits::reserved_connections, {-1})
       .Refuses("reserved_timeout_s", &HttpLimits::reserved_timeout_s, {0.0})
       .Refuses("limits.idle_timeout_s", &HttpLimits::idle_timeout_s, {0.0})
+      .Refuses("stop_timeout_s", &HttpLimits::stop_timeout_s, {0.0})
       .Refuses("limits.request_timeout_s", &HttpLimits::request_timeout_s, {0.0});
   OptionTable<ServerLimits>()
       .Refuses("limits.max_image_pixels", &ServerLimits::max_image_pixels, {0, -1})
