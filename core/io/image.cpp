@@ -12,6 +12,7 @@
 
 #include "core/io/encoded_image.h"
 #include "core/io/input_error.h"
+#include "core/io/jpeg_decoder.h"
 #include "core/io/text_file.h"
 
 namespace floorloc {
@@ -81,19 +82,24 @@ cv::Mat To8Bits(const cv::Mat& image) {
   return highest;
 }
 
+// imdecode only reads the buffer, but cv::Mat has no const header.
+cv::Mat DecodePng(std::span<const std::uint8_t> bytes, int flags) {
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
+  try {
+    return cv::imdecode(buffer, flags | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 // shrink: reduction factor of the flags.
 cv::Mat Decode(std::span<const std::uint8_t> bytes, int flags, const cv::Size& expected,
                const std::filesystem::path& source, int shrink = 1) {
   const ImageHeader header = CheckBeforeDecoding(bytes, expected, source);
   flags |= header.bits == 16 ? cv::IMREAD_ANYDEPTH : 0;
-  // imdecode only reads the buffer, but cv::Mat has no const header.
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
-  cv::Mat decoded;
-  try {
-    decoded = cv::imdecode(buffer, flags | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    decoded.release();
-  }
+  const bool color = (flags & cv::IMREAD_COLOR) != 0;
+  const cv::Mat decoded =
+      header.format == ImageFormat::kJpeg ? DecodeJpeg(bytes, {color, shrink}) : DecodePng(bytes, flags);
   // Some decoders round reduced sizes up, others down.
   if (std::abs(decoded.cols * shrink - expected.width) >= shrink ||
       std::abs(decoded.rows * shrink - expected.height) >= shrink) {
