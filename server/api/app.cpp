@@ -24,7 +24,7 @@ ComputePoolOptions PoolOptions(const ServerConfig& config) {
 RouterOptions MakeRouterOptions(const ServerConfig& config) {
   RouterOptions options;
   if (!config.token_file.empty()) {
-    options.token = ReadTokenFile(config.token_file);
+    options.tokens = ReadTokenFile(config.token_file);
   }
   options.protect_reads = config.protect_reads;
   options.max_requests_per_s = config.limits.max_requests_per_s;
@@ -58,7 +58,7 @@ App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
 
 void App::ReloadToken() {
   if (!state_.config.token_file.empty()) {
-    router_.SetToken(ReadTokenFile(state_.config.token_file));
+    router_.SetTokens(ReadTokenFile(state_.config.token_file));
   }
 }
 

@@ -123,7 +123,7 @@ void AddTrackingRoutes(AppState& state, Router& router) {
               [&state](const HttpRequest& request) { return HandleOdometry(state, request); }});
   router.Add({"POST",
               "/v1/vehicles/{id}/initialpose",
-              RouteAccess::kWrite,
+              RouteAccess::kChange,
               {"application/json"},
               [&state](const HttpRequest& request) { return HandleInitialPose(state, request); }});
 }

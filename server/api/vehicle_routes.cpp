@@ -76,13 +76,13 @@ void AddVehicleRoutes(AppState& state, Router& router) {
   router.Add(
       {"GET", "/v1/vehicles", RouteAccess::kRead, {}, [&state](const HttpRequest&) { return HandleVehicles(state); }});
   router.Add(
-      {"PUT", "/v1/vehicles/{id}", RouteAccess::kWrite, {"application/json"}, [&state](const HttpRequest& request) {
+      {"PUT", "/v1/vehicles/{id}", RouteAccess::kChange, {"application/json"}, [&state](const HttpRequest& request) {
          return RegisterVehicle(state, request);
        }});
   router.Add({"GET", "/v1/vehicles/{id}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return HandleVehicle(state, request);
               }});
-  router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kWrite, {}, [&state](const HttpRequest& request) {
+  router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kChange, {}, [&state](const HttpRequest& request) {
                 return RemoveVehicle(state, request);
               }});
 }

@@ -32,6 +32,14 @@ std::vector<std::string_view> SplitPath(std::string_view path) {
 
 std::string RouteMethod(const HttpRequest& request) { return request.method == "HEAD" ? "GET" : request.method; }
 
+bool IsChange(RouteAccess access) { return access == RouteAccess::kWrite || access == RouteAccess::kChange; }
+
+std::string Printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c <= ' ' || c > '~'; }, '?');
+  return text;
+}
+
 void CheckContentType(const Route& route, const HttpRequest& head) {
   const std::string type = head.ContentType();
   if (type == "application/json" && ParseFinite(head.Header("content-length")) > kMaxJsonBytesWithMask) {
@@ -83,7 +91,7 @@ void RouterOptions::Check() const {
 Router::Router(RouterOptions options, Metrics& metrics)
     : options_(std::move(options)),
       metrics_(metrics),
-      token_(options_.token),
+      tokens_(std::make_shared<const AccessTokens>(options_.tokens)),
       rate_limiter_(options_.max_requests_per_s),
       login_limiter_(options_.max_failed_logins) {
   options_.Check();
@@ -91,14 +99,14 @@ Router::Router(RouterOptions options, Metrics& metrics)
 
 void Router::Add(Route route) { routes_.push_back(std::move(route)); }
 
-void Router::SetToken(AccessToken token) {
-  const std::lock_guard lock(token_mutex_);
-  token_ = std::move(token);
+void Router::SetTokens(AccessTokens tokens) {
+  const std::lock_guard lock(tokens_mutex_);
+  tokens_ = std::make_shared<const AccessTokens>(std::move(tokens));
 }
 
-AccessToken Router::Token() const {
-  const std::lock_guard lock(token_mutex_);
-  return token_;
+std::shared_ptr<const AccessTokens> Router::Tokens() const {
+  const std::lock_guard lock(tokens_mutex_);
+  return tokens_;
 }
 
 Router::Found Router::Find(const HttpRequest& request) const {
@@ -124,7 +132,7 @@ Router::Found Router::Find(const HttpRequest& request) const {
 void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
   const RouteAccess access = found.route == nullptr ? RouteAccess::kRead : found.route->access;
   const std::string client = AddressGroup(head.remote_address);
-  const bool limited = access == RouteAccess::kRead || access == RouteAccess::kWrite;
+  const bool limited = access == RouteAccess::kRead || IsChange(access);
   if (limited && !rate_limiter_.Allow(client, Clock::now())) {
     throw Problem(429, "rate_limited", "Too many requests from this address; slow down.", Problem::Retry::kSoon);
   }
@@ -132,8 +140,8 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
     throw found.allow.empty() ? ProblemOfStatus(404)
                               : Problem(405, "method_not_allowed", "This path supports " + found.allow + " only.");
   }
-  if (access == RouteAccess::kWrite || (access == RouteAccess::kRead && options_.protect_reads)) {
-    CheckLogin(client, head.Header("authorization"));
+  if (IsChange(access) || (access == RouteAccess::kRead && options_.protect_reads)) {
+    CheckLogin(found, client, head);
   }
   CheckContentType(*found.route, head);
   if (found.route->admit) {
@@ -143,23 +151,38 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
   }
 }
 
-void Router::CheckLogin(const std::string& client, const std::string& authorization) {
-  const AccessToken token = Token();
-  if (token.empty()) {
+void Router::CheckLogin(const Found& found, const std::string& client, const HttpRequest& head) {
+  const std::shared_ptr<const AccessTokens> tokens = Tokens();
+  if (tokens->empty()) {
     return;
   }
+  const std::string authorization = head.Header("authorization");
   if (authorization.empty()) {
     throw Problem(401, "unauthorized", "This call needs the header 'Authorization: Bearer TOKEN'.");
   }
-  switch (login_limiter_.Judge(client, token.Allows(authorization), Clock::now())) {
+  const Principal* who = tokens->Find(authorization);
+  switch (login_limiter_.Judge(client, who != nullptr, Clock::now())) {
     case LoginLimiter::Verdict::kAllowed:
-      return;
+      break;
     case LoginLimiter::Verdict::kRefused:
-      throw Problem(401, "unauthorized", "The header Authorization is not 'Bearer TOKEN' with this server's token.");
+      throw Problem(401, "unauthorized", "The header Authorization is not 'Bearer TOKEN' with a token of this server.");
     case LoginLimiter::Verdict::kLocked:
       throw Problem(429, "too_many_failed_logins",
                     "Too many wrong tokens came from this address; try again in a minute.", Problem::Retry::kSoon);
   }
+  const auto id = found.parameters.find("id");
+  if (IsChange(found.route->access) && !who->MayChangeVehicle(id == found.parameters.end() ? "" : id->second)) {
+    throw Problem(403, "forbidden", "This token is not for this vehicle.");
+  }
+}
+
+// Who did what; the log says when. A path may contain anything, and a line of the log is one line.
+void Router::Audit(const HttpRequest& request, int status) const {
+  const std::shared_ptr<const AccessTokens> tokens = Tokens();
+  const Principal* who = tokens->Find(request.Header("authorization"));
+  spdlog::info("audit: {} by {} ({}) from {} -> {}", request.method + " " + Printable(request.path),
+               who == nullptr ? "anybody" : who->name, who == nullptr ? "no token" : ToString(who->role),
+               request.remote_address, status);
 }
 
 bool Router::IsHealthCheck(const HttpRequest& head) const {
@@ -217,9 +240,9 @@ HttpResponse Router::Run(const HttpRequest& request, const std::function<HttpRes
   } catch (const JsonError& error) {
     return ToResponse(Problem(422, "invalid_field", error.what()));
   } catch (const std::exception& error) {
-    spdlog::error("{} {} failed: {}", request.method, request.path, error.what());
+    spdlog::error("{} {} failed: {}", request.method, Printable(request.path), error.what());
   } catch (...) {
-    spdlog::error("{} {} failed with an unknown exception", request.method, request.path);
+    spdlog::error("{} {} failed with an unknown exception", request.method, Printable(request.path));
   }
   return ToResponse(Problem(500, "internal_error", "The server failed to answer; its log says why."));
 }
@@ -229,8 +252,12 @@ void Router::Count(const HttpRequest& request, const HttpResponse& response, dou
   metrics_.CountRequest({found.route == nullptr ? "unmatched" : found.route->pattern,
                          found.route == nullptr ? "" : found.route->method, response.status},
                         seconds);
-  spdlog::debug("{} {} {} -> {} ({:.1f} ms)", request.remote_address, request.method, request.path, response.status,
-                1e3 * seconds);
+  const bool is_login_refused = response.status == 401 || response.status == 429;  // as many as somebody likes
+  if (found.route != nullptr && found.route->access == RouteAccess::kChange && !is_login_refused) {
+    Audit(request, response.status);
+  }
+  spdlog::debug("{} {} {} -> {} ({:.1f} ms)", request.remote_address, request.method, Printable(request.path),
+                response.status, 1e3 * seconds);
 }
 
 }  // namespace floorloc

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -20,7 +21,8 @@ enum class RouteAccess {
   kHealth,  ///< health checks: answered whatever others do
   kPublic,  ///< the web page
   kRead,    ///< changes nothing: needs the token only with protect_reads
-  kWrite,   ///< needs the token
+  kWrite,   ///< messages of a vehicle: needs a token that may change it
+  kChange,  ///< the same, and the log says who did it
 };
 
 struct Route {
@@ -34,7 +36,7 @@ struct Route {
 };
 
 struct RouterOptions {
-  AccessToken token;
+  AccessTokens tokens;
   bool protect_reads = false;
   double max_requests_per_s = 0.0;  ///< per client address; 0: no limit
   int max_failed_logins = 10;       ///< per client address and minute; 0: no limit
@@ -50,8 +52,8 @@ class Router : public HttpHandler {
 
   /// Only before serving: not thread-safe.
   void Add(Route route);
-  /// From now on this token is required.
-  void SetToken(AccessToken token);
+  /// From now on one of these tokens is required.
+  void SetTokens(AccessTokens tokens);
   const std::vector<Route>& routes() const { return routes_; }
 
   std::optional<HttpResponse> Admit(const HttpRequest& head) override;
@@ -68,15 +70,16 @@ class Router : public HttpHandler {
 
   Found Find(const HttpRequest& request) const;
   void CheckAdmission(const Found& found, const HttpRequest& head);
-  AccessToken Token() const;
-  void CheckLogin(const std::string& client, const std::string& authorization);
+  std::shared_ptr<const AccessTokens> Tokens() const;
+  void CheckLogin(const Found& found, const std::string& client, const HttpRequest& head);
+  void Audit(const HttpRequest& request, int status) const;
   HttpResponse Run(const HttpRequest& request, const std::function<HttpResponse()>& answer) const;
   void Count(const HttpRequest& request, const HttpResponse& response, double seconds) const;
 
   RouterOptions options_;
   Metrics& metrics_;
-  mutable std::mutex token_mutex_;
-  AccessToken token_;  // guarded by token_mutex_
+  mutable std::mutex tokens_mutex_;
+  std::shared_ptr<const AccessTokens> tokens_;  // guarded by tokens_mutex_
   RateLimiter rate_limiter_;
   LoginLimiter login_limiter_;
   std::vector<Route> routes_;

@@ -5,6 +5,7 @@
 They are valid, or nearly so: a fuzzer finds the way into a parser by itself, but slowly."""
 
 import base64
+import hashlib
 import itertools
 import json
 import pathlib
@@ -110,6 +111,12 @@ def survey_files():
 def whole_survey(files):
     names = ["camera_yaml", "floor_yaml", "frames_csv", "tum", "imu_csv", "control_points", "known_distances", "tum"]
     return "\0".join(files[name][-1] for name in names)
+
+
+def token_files():
+    token = hashlib.sha256(b"test").hexdigest()
+    return ["0123456789abcdef0123456789abcdef\n",
+            f"# name role hash ids\nline vehicle {token} agv7,line-*\noffice operator {token[::-1]}\nboss admin {'0' * 64}\n"]
 
 
 def multipart_bodies():
@@ -244,7 +251,7 @@ def main():
     corpus = {**files, **server_texts(), **journal_pieces(), "survey_folder": [whole_survey(files)],
               "image": images(), "image_header": images(), "http": http_requests(),
               "request_head": http_requests(), "multipart": multipart_bodies(),
-              "api": api_calls(),
+              "tokens": token_files(), "api": api_calls(),
               "calibrate_options": boards, "map_content": map_changes(), "map_file": [map_file()]}
     for name, seeds in corpus.items():
         folder = pathlib.Path(sys.argv[1]) / name

@@ -113,13 +113,13 @@ TEST(ConfigTest, IsNotOpenToTheWorldByAccident) {
 }
 
 TEST(AccessTokenTest, ComparesTheWholeToken) {
-  const AccessToken token("0123456789abcdef");
-  EXPECT_TRUE(token.Allows("Bearer 0123456789abcdef"));
+  const AccessTokens token("0123456789abcdef");
+  EXPECT_NE(token.Find("Bearer 0123456789abcdef"), nullptr);
   for (const char* wrong : {"", "Bearer ", "0123456789abcdef", "Bearer 0123456789abcde", "Bearer 0123456789abcdeg",
                             "Bearer 0123456789abcdef0123456789abcdef", "bearer 0123456789abcdef"}) {
-    EXPECT_FALSE(token.Allows(wrong)) << wrong;
+    EXPECT_EQ(token.Find(wrong), nullptr) << wrong;
   }
-  EXPECT_TRUE(AccessToken().Allows(""));
+  EXPECT_TRUE(AccessTokens().empty());
 }
 
 TEST(AccessTokenTest, TheFileBelongsToItsOwnerOnly) {
@@ -131,13 +131,66 @@ TEST(AccessTokenTest, TheFileBelongsToItsOwnerOnly) {
     std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   };
   write("0123456789abcdef\n");
-  EXPECT_TRUE(ReadTokenFile(file).Allows("Bearer 0123456789abcdef"));
+  EXPECT_NE(ReadTokenFile(file).Find("Bearer 0123456789abcdef"), nullptr);
   std::filesystem::permissions(file, std::filesystem::perms::group_read, std::filesystem::perm_options::add);
   EXPECT_THROW(ReadTokenFile(file), InputError);
   write("short");
   EXPECT_THROW(ReadTokenFile(file), InputError);
   write("0123456789 abcdef");
   EXPECT_THROW(ReadTokenFile(file), InputError);
+}
+
+class TokenLinesTest : public testing::Test {
+ protected:
+  AccessTokens Read(const std::string& text) {
+    const auto file = folder_.path() / "tokens";
+    std::ofstream(file) << text;
+    std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    return ReadTokenFile(file);
+  }
+  TemporaryFolder folder_;
+};
+
+// printf %s test | sha256sum; printf %s secret | sha256sum
+const std::string kHashOfTest = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08";
+const std::string kHashOfSecret = "2BB80D537B1DA3E38BD30361AA855686BDE0EACD7162FEF6A25FE97BF527A25B";
+
+TEST_F(TokenLinesTest, TokensHaveNamesRolesAndIds) {
+  const AccessTokens tokens =
+      Read("# comment\n\nline-3 vehicle " + kHashOfTest + " agv7,line3-*\r\noffice  operator\t" + kHashOfSecret + "\n");
+  const Principal* vehicle = tokens.Find("Bearer test");
+  const Principal* office = tokens.Find("Bearer secret");
+  ASSERT_TRUE(vehicle != nullptr && office != nullptr);
+  EXPECT_EQ(tokens.Find("Bearer " + kHashOfTest), nullptr);
+  EXPECT_EQ(vehicle->name, "line-3");
+  EXPECT_EQ(office->role, Role::kOperator);
+  for (const char* own : {"agv7", "line3-", "line3-a"}) {
+    EXPECT_TRUE(vehicle->MayChangeVehicle(own)) << own;
+  }
+  for (const char* other : {"agv70", "agv", "line3", "", "LINE3-a"}) {
+    EXPECT_FALSE(vehicle->MayChangeVehicle(other)) << other;
+  }
+  EXPECT_TRUE(office->MayChangeVehicle("anything"));
+}
+
+TEST_F(TokenLinesTest, BadLinesAreNamed) {
+  for (const auto& [line, named] :
+       std::vector<std::pair<std::string, std::string>>{{"office operator abc", "NAME ROLE SHA256"},
+                                                        {"office operator", "NAME ROLE SHA256"},
+                                                        {"office operator " + kHashOfTest + " a b", "NAME ROLE SHA256"},
+                                                        {"office boss " + kHashOfTest, "vehicle, operator or admin"},
+                                                        {"office/1 admin " + kHashOfTest, "name"},
+                                                        {"v vehicle " + kHashOfTest, "ids"},
+                                                        {"v vehicle " + kHashOfTest + " a,,b", "ids"},
+                                                        {"v vehicle " + kHashOfTest + " a*b", "ids"},
+                                                        {"v admin " + kHashOfTest + " a", "ids"},
+                                                        {"first admin " + kHashOfTest, "earlier line"},
+                                                        {"other admin " + kHashOfSecret, "earlier line"}}) {
+    const std::string text = "first admin " + kHashOfSecret + "\n" + line + "\n";
+    EXPECT_THAT([&] { Read(text); }, ThrowsMessage<InputError>(testing::AllOf(HasSubstr(":2: "), HasSubstr(named))))
+        << line;
+  }
+  EXPECT_THROW(Read("# nothing\n# at all\n"), InputError);
 }
 
 }  // namespace
