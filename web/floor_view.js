@@ -5,7 +5,7 @@ import * as L from "/web/leaflet.esm.min.js";
 import { tileTemplate } from "/web/api.js";
 
 const FIXES_SHOWN = 60;
-const COLOURS = { localized: "#128a5b", ambiguous: "#b97800", tracking_odometry: "#1f6fb2", lost: "#c0392b" };
+const COLOURS = { localized: "#128a5b", ambiguous: "#b97800", tracking_odometry: "#1f6fb2", lost: "#c0392b", stale: "#7d8a90" };
 const EMPTY_TILE = "data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==";
 
 /// Leaflet's zoom 0 is the mosaic's coarsest level, whose tiles are tile_px * resolution * 2^max_zoom metres wide.

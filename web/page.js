@@ -52,9 +52,10 @@ function fillList(element, items, emptyText) {
 
 function showVehicles(vehicles) {
   const now = Date.now() / 1000;
-  const items = vehicles.map(({ id, pose, status, odometry, last_fix: fix }) => {
+  const items = vehicles.map(({ id, pose, status, silent_s: silent, odometry, last_fix: fix }) => {
     const lastSeen = fix ? age(now - fix.received) : "no fix yet";
-    const text = pose ? `${status.replaceAll("_", " ")}, ${lastSeen}` : lastSeen;
+    const state = status === "stale" ? `silent for ${Math.round(silent)} s` : status.replaceAll("_", " ");
+    const text = pose ? `${state}, ${lastSeen}` : lastSeen;
     const alert = odometry?.health === "rejected" ? `. Odometry rejected: ${odometry.cure}` : "";
     return listItem(id, text + alert, pose ? status : fix?.status ?? "");
   });

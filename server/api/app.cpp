@@ -44,6 +44,8 @@ AppState::AppState(const ServerConfig& server_config, const std::filesystem::pat
       catalog(maps_folder, config.localizer),
       rectifiers(StoreOptions(config.limits)),
       vehicles({static_cast<std::size_t>(config.limits.max_vehicles), config.limits.vehicle_timeout_s}),
+      event_source(catalog, vehicles, fixes, config.limits.stale_after_s),
+      events({}, [this] { return event_source.Collect(); }),
       pool(PoolOptions(config)) {}
 
 App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
@@ -52,6 +54,7 @@ App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
   AddMapRoutes(state_, router_);
   AddVehicleRoutes(state_, router_);
   AddTrackingRoutes(state_, router_);
+  AddEventRoutes(state_, router_);
   AddLocalizeRoute(state_, router_);
   AddWebRoutes(router_);
 }

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <functional>
 
+#include "server/api/event_source.h"
 #include "server/config/config.h"
+#include "server/http/event_streams.h"
 #include "server/http/metrics.h"
 #include "server/http/router.h"
 #include "server/serving/compute_pool.h"
@@ -29,6 +31,8 @@ struct AppState {
   FixHistory fixes;
   std::atomic<bool> draining{false};
   std::function<int()> count_connections = [] { return 0; };  ///< set before serving
+  EventSource event_source;  ///< of the thread of events
+  EventStreams events;
   ComputePool pool;  ///< last, so destroyed first: its jobs use the members above
 };
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/api/camera_json.h"
+#include "server/serving/map_quality.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {
@@ -76,6 +77,22 @@ std::string FormatMap(const LoadedMap& map) {
     json["floor"] = FormatFloor(info.camera().floor);
   }
   return ToText(json);
+}
+
+std::string FormatQuality(const LoadedMap& map) {
+  constexpr double kCellM = 1.0;
+  nlohmann::json cells = nlohmann::json::array();
+  for (const QualityCell& cell : MeasureQuality(map.localizer->map().keypoints, kCellM)) {
+    cells.push_back({{"x", kCellM * cell.x},
+                     {"y", kCellM * cell.y},
+                     {"keypoints", cell.keypoints},
+                     {"observations", cell.observations},
+                     {"distinctiveness", cell.distinctiveness}});
+  }
+  return ToText({{"map", map.name},
+                 {"map_version", map.info().content_version},
+                 {"cell_m", kCellM},
+                 {"cells", std::move(cells)}});
 }
 
 std::string FormatReport(const LoadedMap& map) {

@@ -15,5 +15,7 @@ std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& m
 std::string FormatMap(const LoadedMap& map);
 /// The build report stored in the map; {} when it has none.
 std::string FormatReport(const LoadedMap& map);
+/// Per square metre of floor: keypoints, and how good they are.
+std::string FormatQuality(const LoadedMap& map);
 
 }  // namespace floorloc

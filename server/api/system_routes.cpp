@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "schema/embedded.h"
 #include "server/api/routes.h"
+#include "server/api/vehicle_json.h"
 #include "web/assets.h"
 
 namespace floorloc {
@@ -12,15 +13,18 @@ constexpr const char* kContentSecurityPolicy =
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 std::vector<Gauge> VehicleGauges(const AppState& state) {
-  std::map<TrackingState, int> counts = {
-      {TrackingState::kLocalized, 0}, {TrackingState::kTrackingOdometry, 0}, {TrackingState::kLost, 0}};
+  std::map<std::string, int> counts = {{kStaleStatus, 0}};
+  for (const TrackingState status :
+       {TrackingState::kLocalized, TrackingState::kTrackingOdometry, TrackingState::kLost}) {
+    counts[ToString(status)] = 0;
+  }
   for (const VehicleState& vehicle : state.vehicles.All()) {
-    ++counts[vehicle.session->View().state()];
+    ++counts[StatusOf(vehicle.session->View(), state.config.limits.stale_after_s)];
   }
   std::vector<Gauge> gauges;
   for (const auto& [status, count] : counts) {
     gauges.push_back({"floorloc_vehicles_by_status", "Registered vehicles, by status.", static_cast<double>(count),
-                      std::string("status=\"") + ToString(status) + '"'});
+                      "status=\"" + status + '"'});
   }
   return gauges;
 }
@@ -50,6 +54,7 @@ std::vector<Gauge> ReadGauges(const AppState& state) {
       {"floorloc_maps_failed", "Maps that could not be loaded.", total - ready},
       {"floorloc_vehicles", "Registered vehicles.", static_cast<double>(state.vehicles.size())},
       {"floorloc_connections", "Open connections.", static_cast<double>(state.count_connections())},
+      {"floorloc_event_streams", "Viewers of events.", static_cast<double>(state.events.size())},
       {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
       {"floorloc_queue_depth", "Localizations that wait for a thread.", static_cast<double>(state.pool.QueueDepth())}};
   for (const std::vector<Gauge>& more : std::vector{VehicleGauges(state), OdometryGauges(state)}) {

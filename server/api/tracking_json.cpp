@@ -100,6 +100,8 @@ Eigen::Matrix3d ReadCovariance(JsonObject& object) {
 
 void AddFused(const VehicleView& view, const MapLabel& map, nlohmann::json& answer) {
   answer["status"] = ToString(view.state());
+  answer["epoch"] = view.epoch;
+  answer["age_s"] = view.silent_s;
   answer["since_fix"] = FormatSinceFix(view);
   answer["odometry"] = FormatOdometryTrust(view);
   answer["next"] = {{"seconds", view.next.seconds}, {"metres", view.next.metres}};

@@ -6,6 +6,7 @@
 
 #include "core/io/trajectory.h"
 #include "server/api/camera_json.h"
+#include "server/api/image_call.h"
 #include "server/api/localize_json.h"
 #include "server/api/pose_json.h"
 #include "server/api/tracking_json.h"
@@ -29,16 +30,15 @@ VehicleGate ParseGate(JsonObject object) {
   return gate;
 }
 
-nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, const MapInfo* map) {
-  const PoseLabel label = {state.vehicle->map, map != nullptr ? map->content_version : "",
-                           view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
-  return {
-      {"id", state.vehicle->id},
-      {"map", state.vehicle->map},
-      {"status", ToString(view.state())},
-      {"odometry", FormatOdometryTrust(view)},
-      {"pose", view.fused ? FormatPose(label, view.fused->map_from_base, view.fused->covariance) : nlohmann::json()},
-      {"last_fix", state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json()}};
+nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, const MapInfo* map,
+                             double stale_after_s) {
+  nlohmann::json json = FormatLivePose(state, view, map, stale_after_s);
+  json["id"] = state.vehicle->id;
+  json["map"] = state.vehicle->map;
+  json["odometry"] = FormatOdometryTrust(view);
+  json["last_heard"] = UnixTimeNow() - view.silent_s;
+  json["last_fix"] = state.last_fix ? FormatFixRecord(*state.last_fix) : nlohmann::json();
+  return json;
 }
 
 // The vehicle's own mask, or that which its map has of its camera.
@@ -104,10 +104,26 @@ VehicleRequest ParseVehicleRequest(const std::string& text) {
   return request;
 }
 
-nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map) {
+std::string StatusOf(const VehicleView& view, double stale_after_s) {
+  const bool stale = view.silent_s > stale_after_s && view.state() != TrackingState::kLost;
+  return stale ? kStaleStatus : ToString(view.state());
+}
+
+nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, const MapInfo* map,
+                              double stale_after_s) {
+  const PoseLabel label = {state.vehicle->map, map != nullptr ? map->content_version : "",
+                           view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
+  return {
+      {"status", StatusOf(view, stale_after_s)},
+      {"pose", view.fused ? FormatPose(label, view.fused->map_from_base, view.fused->covariance) : nlohmann::json()},
+      {"silent_s", view.silent_s},
+      {"epoch", view.epoch}};
+}
+
+nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map, double stale_after_s) {
   const Vehicle& vehicle = *state.vehicle;
   const VehicleView view = state.session->View();
-  nlohmann::json json = FormatSummary(state, view, map);
+  nlohmann::json json = FormatSummary(state, view, map, stale_after_s);
   json["camera"] = FormatCamera(vehicle.camera.camera.camera);
   json["floor"] = FormatFloor(vehicle.camera.camera.floor);
   json["correct_camera"] = vehicle.camera.correct;
@@ -121,8 +137,8 @@ nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map) {
   return json;
 }
 
-nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map) {
-  return FormatSummary(state, state.session->View(), map);
+nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map, double stale_after_s) {
+  return FormatSummary(state, state.session->View(), map, stale_after_s);
 }
 
 }  // namespace floorloc

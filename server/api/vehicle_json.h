@@ -20,8 +20,16 @@ struct VehicleRequest {
 VehicleRequest ParseVehicleRequest(const std::string& text);
 
 /// map: as served now, the vehicle's pose and the correction of its camera refer to it; null when it is not served.
-nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map);
+nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map, double stale_after_s);
 /// FormatVehicle without registration and counts.
-nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map);
+nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map, double stale_after_s);
+/// What changes with every message: status, pose, silence.
+nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, const MapInfo* map,
+                              double stale_after_s);
+
+/// The status of a vehicle that was silent for longer: its pose is not to be relied on.
+inline constexpr const char* kStaleStatus = "stale";
+/// stale_after_s: see ServerLimits.
+std::string StatusOf(const VehicleView& view, double stale_after_s);
 
 }  // namespace floorloc

@@ -18,7 +18,7 @@ const MapInfo* InfoOf(const std::shared_ptr<const LoadedMap>& map) {
 
 nlohmann::json Describe(const AppState& state, const VehicleState& vehicle) {
   const auto map = state.catalog.Find(vehicle.vehicle->map);
-  return FormatVehicle(vehicle, InfoOf(map));
+  return FormatVehicle(vehicle, InfoOf(map), state.config.limits.stale_after_s);
 }
 
 // Prepares the camera for the map; for one that is not served, as it was given.
@@ -46,7 +46,8 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
   const JobLabel label = MakeLabel(request, "address/" + request.remote_address, WorkClass::kSearch);
   RunInPool(state, label, [&] { PrepareCamera(InfoOf(map), state.rectifiers, &vehicle); });
   const Registration registration = state.vehicles.Put(std::move(vehicle));
-  return JsonResponse(registration.created ? 201 : 200, ToText(FormatVehicle(registration.state, InfoOf(map))));
+  return JsonResponse(registration.created ? 201 : 200,
+                      ToText(FormatVehicle(registration.state, InfoOf(map), state.config.limits.stale_after_s)));
 }
 
 HttpResponse HandleVehicle(const AppState& state, const HttpRequest& request) {
@@ -57,7 +58,7 @@ HttpResponse HandleVehicles(const AppState& state) {
   nlohmann::json vehicles = nlohmann::json::array();
   for (const VehicleState& vehicle : state.vehicles.All()) {
     const auto map = state.catalog.Find(vehicle.vehicle->map);
-    vehicles.push_back(FormatVehicleSummary(vehicle, InfoOf(map)));
+    vehicles.push_back(FormatVehicleSummary(vehicle, InfoOf(map), state.config.limits.stale_after_s));
   }
   return JsonResponse(200, ToText({{"vehicles", std::move(vehicles)}}));
 }

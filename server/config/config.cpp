@@ -25,6 +25,7 @@ void ServerLimits::Check() const {
   RequireOption(max_rectifier_bytes >= 1, "limits.max_rectifier_bytes must be at least 1");
   RequireOption(max_vehicles >= 1, "limits.max_vehicles must be at least 1");
   RequireOption(vehicle_timeout_s >= 0.0, "limits.vehicle_timeout_s must be positive; 0: never");
+  RequireOption(stale_after_s > 0.0, "limits.stale_after_s must be positive");
   RequireOption(max_failed_logins >= 0, "limits.max_failed_logins must be positive; 0: no limit");
   RequireOption(max_requests_per_s >= 0.0, "limits.max_requests_per_s must be positive; 0: no limit");
 }

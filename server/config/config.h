@@ -18,6 +18,7 @@ struct ServerLimits {
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras
   int max_vehicles = 2000;
   double vehicle_timeout_s = 86400.0;  ///< a vehicle without messages for longer expires; 0: never
+  double stale_after_s = 10.0;         ///< a vehicle's pose is stale when it was silent for longer
   double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
   int max_failed_logins = 10;          ///< per client address and minute; 0: no limit
 

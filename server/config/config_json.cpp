@@ -58,6 +58,7 @@ void ReadLimits(JsonObject object, ServerLimits& limits) {
   ReadWhole(object, "max_failed_logins", {0, 1'000'000}, limits.max_failed_logins);
   ReadWhole(object, "max_vehicles", {1, 1'000'000}, limits.max_vehicles);
   ReadNotNegative(object, "vehicle_timeout_s", limits.vehicle_timeout_s);
+  ReadPositive(object, "stale_after_s", limits.stale_after_s);
   ReadNotNegative(object, "max_requests_per_s", limits.max_requests_per_s);
   ReadPositive(object, "idle_timeout_s", limits.http.idle_timeout_s);
   ReadPositive(object, "request_timeout_s", limits.http.request_timeout_s);

@@ -44,6 +44,8 @@ class Connection {
   /// Buffers; -1 on timeout.
   ssize_t Write(const char* data, std::size_t size);
   bool Flush();
+  /// Forgets what was written and not flushed.
+  void DiscardOutput() { output_.clear(); }
   /// Tells the client to send its body.
   bool SendContinue();
   /// Did the client take longer than it may to send the request?

@@ -156,7 +156,19 @@ class RequestLoop : private httplib::Server {
       stream_.CheckChunks(head_.framing == BodyFraming::kChunked);
       connection_.AllowBody(limits_.max_body_bytes + kBodyOverheadBytes);
     });
+    if (stream_response_) {
+      StartStream();
+      return false;
+    }
     return connection_.Flush() && answered && !close_requested && !close_;
+  }
+
+  // The library has answered with an empty body instead.
+  void StartStream() {
+    connection_.DiscardOutput();
+    if (WriteStreamHead(*stream_response_, connection_)) {
+      stream_response_->take_over(connection_.socket());
+    }
   }
 
   bool HasBody() const { return head_.framing == BodyFraming::kChunked || head_.content_length > 0; }
@@ -178,7 +190,11 @@ class RequestLoop : private httplib::Server {
     }
     HttpRequest request = ToRequest(raw, content_type_);
     const std::optional<HttpResponse> refusal = Admit(request);
-    Fill(refusal ? *refusal : handler_.Handle(std::move(request)), answer);
+    const HttpResponse response = refusal ? *refusal : handler_.Handle(std::move(request));
+    Fill(response, answer);
+    if (response.take_over && raw.method == "GET") {
+      stream_response_ = response;
+    }
     return HandlerResponse::Handled;
   }
 
@@ -271,6 +287,7 @@ class RequestLoop : private httplib::Server {
   RequestHead head_;
   std::string content_type_;
   bool close_ = false;
+  std::optional<HttpResponse> stream_response_;  // whose body others write
 };
 
 }  // namespace

@@ -62,12 +62,15 @@ void VehicleSession::RestartIfExpiredLocked() {
   last_message_time_ = Clock::now().time_since_epoch().count();
 }
 
-VehicleView VehicleSession::ViewLocked() const { return {tracker_.Estimate(), tracker_.Next(), counts_}; }
+VehicleView VehicleSession::ViewLocked() const {
+  return {tracker_.Estimate(), tracker_.Next(), counts_, SecondsSinceLastMessage(),
+          epoch_ + poses_set_ + counts_.reanchored};
+}
 
 VehicleView VehicleSession::View() {
   const std::lock_guard lock(mutex_);
   if (Expired()) {
-    return {std::nullopt, {}, counts_};
+    return {std::nullopt, {}, counts_, SecondsSinceLastMessage(), epoch_ + poses_set_ + counts_.reanchored};
   }
   return ViewLocked();
 }
@@ -146,6 +149,7 @@ VehicleView VehicleSession::SetPose(PoseFix pose, std::optional<std::int64_t> st
     RestartLocked();
   }
   tracker_.SetPose(pose);
+  ++poses_set_;
   unstamped_pose_.reset();
   pose_set_ns_ = pose.stamp_ns;
   if (!stamp_ns && !stamps_.Newest()) {

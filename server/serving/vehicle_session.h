@@ -48,6 +48,8 @@ struct VehicleView {
   std::optional<FusedPose> fused;  ///< empty before the first fix
   NextFrame next;
   VehicleCounts counts;
+  double silent_s = 0.0;    ///< since the last message
+  std::uint64_t epoch = 0;  ///< grows with each discontinuity of the pose: set by hand, found elsewhere, clock jump
 
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
 };
@@ -105,6 +107,8 @@ class VehicleSession {
   /// What the fixes tell of the camera's errors.
   CameraEstimate Camera();
   double SecondsSinceLastMessage() const;
+  /// Changes with every message.
+  std::int64_t LastMessageTime() const { return last_message_time_.load(); }
   bool Expired() const { return timeout_s_ > 0.0 && SecondsSinceLastMessage() > timeout_s_; }
 
  private:
@@ -135,6 +139,7 @@ class VehicleSession {
   std::optional<PoseFix> unstamped_pose_;    // from SetPose before the first message
   int frames_before_history_ = 0;
   std::uint64_t epoch_ = 0;  // incremented when the history restarts
+  std::uint64_t poses_set_ = 0;
   VehicleCounts counts_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,6 +40,9 @@ struct HttpResponse {
   std::string content_type;
   std::string body;
   std::map<std::string, std::string> headers;
+  /// Set: the body is not this one, but what is written to the connection from now on. Called when the head was sent;
+  /// the socket is open during the call only: make a copy.
+  std::function<void(int socket)> take_over = nullptr;
 };
 
 }  // namespace floorloc

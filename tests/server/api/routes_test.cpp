@@ -35,6 +35,17 @@ TEST_F(RoutesTest, DescribesOneMap) {
   ExpectProblem(client_.Get("/v1/maps/..%2Fhall"), 404, "not_found");
 }
 
+TEST_F(RoutesTest, TellsTheQualityOfTheFloor) {
+  const json quality = Json(client_.Get("/v1/maps/hall/quality"));
+  int keypoints = 0;
+  for (const json& cell : quality["cells"]) {
+    keypoints += cell["keypoints"].get<int>();
+    EXPECT_GE(cell["observations"].get<double>(), 1.0);
+  }
+  EXPECT_EQ(keypoints, Json(client_.Get("/v1/maps/hall"))["layers"][0]["keypoints"]);
+  EXPECT_EQ(quality["map_version"], Json(client_.Get("/v1/maps/hall"))["version"]);
+}
+
 TEST_F(RoutesTest, ServesTilesWithTheVersionAsETag) {
   const auto tile = client_.Get("/v1/maps/hall/tiles/1/-1/2.jpg");
   EXPECT_EQ(tile.status, 200);
@@ -145,9 +156,10 @@ TEST_F(RoutesTest, DocumentAndRoutesAgree) {
   client_.Post("/v1/vehicles/a/initialpose", R"({"x":0,"y":0,"yaw":0})", "application/json");
   for (const std::string target : {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps",
                                    "/v1/maps/hall", "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report",
-                                   "/v1/maps/hall/fixes", "/v1/vehicles", "/v1/vehicles/a"}) {
+                                   "/v1/maps/hall/quality", "/v1/maps/hall/fixes", "/v1/vehicles", "/v1/vehicles/a"}) {
     client_.Get(target);
   }
+  client_.Stream("/v1/events", [](const std::string& text) { return !text.empty(); });
   client_.Delete("/v1/vehicles/a");
   EXPECT_EQ(client_.contract().exercised(), client_.contract().DocumentedOperations());
 }

@@ -24,7 +24,7 @@ TEST(ConfigTest, ReadsEveryKey) {
     "log_level": "warning", "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
     "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
                "max_connections": 50, "max_connections_per_address": 51, "reserved_connections": 52,
-               "max_failed_logins": 53, "max_vehicles": 60, "vehicle_timeout_s": 65, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
+               "max_failed_logins": 53, "max_vehicles": 60, "vehicle_timeout_s": 65, "stale_after_s": 66, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
                "request_timeout_s": 90}})");
   EXPECT_EQ(config.threads, 3);
   EXPECT_EQ(config.queue_length, 7);
@@ -46,6 +46,7 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.limits.max_failed_logins, 53);
   EXPECT_EQ(config.limits.max_vehicles, 60);
   EXPECT_EQ(config.limits.vehicle_timeout_s, 65.0);
+  EXPECT_EQ(config.limits.stale_after_s, 66.0);
   EXPECT_EQ(config.limits.max_requests_per_s, 70.5);
   EXPECT_EQ(config.limits.http.idle_timeout_s, 80.0);
   EXPECT_EQ(config.limits.http.request_timeout_s, 90.0);

@@ -28,6 +28,7 @@ TEST(ServerOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("limits.max_rectifier_bytes", &ServerLimits::max_rectifier_bytes, {0})
       .Refuses("limits.max_vehicles", &ServerLimits::max_vehicles, {0, -1})
       .Refuses("limits.vehicle_timeout_s", &ServerLimits::vehicle_timeout_s, {-1.0})
+      .Refuses("limits.stale_after_s", &ServerLimits::stale_after_s, {0.0})
       .Refuses("limits.max_failed_logins", &ServerLimits::max_failed_logins, {-1})
       .Refuses("limits.max_requests_per_s", &ServerLimits::max_requests_per_s, {-1.0});
   OptionTable<ServerConfig>()

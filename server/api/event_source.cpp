@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/api/event_source.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "server/api/localize_json.h"
+#include "server/api/tracking_json.h"
+#include "server/api/vehicle_json.h"
+#include "server/wire/strict_json.h"
+
+namespace floorloc {
+namespace {
+
+// An event of a vehicle; the data begin with its id and map.
+Event MakeEvent(const char* type, const Vehicle& vehicle, nlohmann::json data) {
+  data["vehicle"] = vehicle.id;
+  data["map"] = vehicle.map;
+  return {type, vehicle.map, vehicle.id, ToText(data)};
+}
+
+}  // namespace
+
+std::vector<Event> EventSource::Collect() {
+  std::vector<Event> events;
+  if (!begun_) {
+    begun_ = true;
+    last_fix_ = fixes_.last_sequence();
+  }
+  std::set<std::string> present;
+  for (const VehicleState& vehicle : vehicles_.All()) {
+    present.insert(vehicle.vehicle->id);
+    AddVehicle(vehicle, &events);
+  }
+  std::erase_if(seen_, [&](const auto& seen) {
+    if (present.contains(seen.first)) {
+      return false;
+    }
+    events.push_back({"vehicle", "", seen.first, ToText({{"vehicle", seen.first}, {"change", "removed"}})});
+    return true;
+  });
+  AddFixes(&events);
+  return events;
+}
+
+void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<Event>* events) {
+  Seen& seen = seen_[vehicle.vehicle->id];
+  const std::int64_t last_message = vehicle.session->LastMessageTime();
+  const bool news = seen.session != vehicle.session || seen.last_message != last_message;
+  const bool turns_stale = seen.status != kStaleStatus && vehicle.session->SecondsSinceLastMessage() > stale_after_s_;
+  if (!news && !turns_stale) {
+    return;
+  }
+  const VehicleView view = vehicle.session->View();
+  if (seen.session != vehicle.session) {
+    seen = {};
+    seen.session = vehicle.session;
+    seen.rejected = view.counts.rejected;
+    events->push_back(MakeEvent("vehicle", *vehicle.vehicle, {{"change", "registered"}}));
+  }
+  seen.last_message = last_message;
+  AddChanges(vehicle, view, &seen, events);
+  if (view.fused) {
+    const auto map = maps_.Find(vehicle.vehicle->map);
+    const MapInfo* info = map != nullptr && map->ready() ? &map->info() : nullptr;
+    events->push_back(MakeEvent("pose", *vehicle.vehicle, FormatLivePose(vehicle, view, info, stale_after_s_)));
+  }
+}
+
+void EventSource::AddChanges(const VehicleState& vehicle, const VehicleView& view, Seen* seen,
+                             std::vector<Event>* events) const {
+  for (const FixRejection reason : view.counts.rejected.Values()) {
+    const std::uint64_t count = view.counts.rejected[reason];
+    if (reason != FixRejection::kNone && count > seen->rejected[reason]) {
+      events->push_back(MakeEvent("rejection", *vehicle.vehicle,
+                                  {{"reason", ToString(reason)}, {"count", count - seen->rejected[reason]}}));
+    }
+  }
+  seen->rejected = view.counts.rejected;
+  std::string status = StatusOf(view, stale_after_s_);
+  if (status != seen->status) {
+    events->push_back(MakeEvent("status", *vehicle.vehicle,
+                                {{"status", status}, {"before", seen->status}, {"silent_s", view.silent_s}}));
+    seen->status = std::move(status);
+  }
+  const nlohmann::json odometry = FormatOdometryTrust(view);
+  std::string health = odometry.is_null() ? "" : odometry["health"].get<std::string>();
+  if (health != seen->odometry) {
+    if (!health.empty()) {
+      events->push_back(MakeEvent("odometry", *vehicle.vehicle, odometry));
+    }
+    seen->odometry = std::move(health);
+  }
+}
+
+void EventSource::AddFixes(std::vector<Event>* events) {
+  std::vector<FixRecord> fixes;
+  for (const auto& map : maps_.All()) {
+    for (FixRecord& fix : fixes_.Since(map->name, last_fix_)) {
+      fixes.push_back(std::move(fix));
+    }
+  }
+  std::sort(fixes.begin(), fixes.end(), [](const FixRecord& a, const FixRecord& b) { return a.sequence < b.sequence; });
+  for (const FixRecord& fix : fixes) {
+    nlohmann::json data = FormatFixRecord(fix);
+    data["map"] = fix.map;
+    events->push_back({"fix", fix.map, fix.vehicle, ToText(data)});
+    last_fix_ = fix.sequence;
+  }
+}
+
+}  // namespace floorloc

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/http/event_streams.h"
+#include "server/serving/fix_history.h"
+#include "server/serving/map_catalog.h"
+#include "server/serving/vehicle_registry.h"
+
+namespace floorloc {
+
+/// Turns what happened to vehicles and fixes since the last call into events. Costs nothing while nobody asks: it
+/// compares the vehicles with what it saw last. Not thread-safe.
+class EventSource {
+ public:
+  /// Refers to all, which must outlive it. stale_after_s: see ServerLimits.
+  EventSource(const MapCatalog& maps, const VehicleRegistry& vehicles, const FixHistory& fixes, double stale_after_s)
+      : maps_(maps), vehicles_(vehicles), fixes_(fixes), stale_after_s_(stale_after_s) {}
+
+  /// The first call after a pause tells all vehicles' poses.
+  std::vector<Event> Collect();
+
+ private:
+  struct Seen {
+    std::shared_ptr<VehicleSession> session;
+    std::int64_t last_message = 0;
+    std::string status;
+    std::string odometry;  // health
+    EnumCounts<FixRejection> rejected;
+  };
+
+  void AddVehicle(const VehicleState& vehicle, std::vector<Event>* events);
+  void AddChanges(const VehicleState& vehicle, const VehicleView& view, Seen* seen, std::vector<Event>* events) const;
+  void AddFixes(std::vector<Event>* events);
+
+  const MapCatalog& maps_;
+  const VehicleRegistry& vehicles_;
+  const FixHistory& fixes_;
+  const double stale_after_s_;
+  std::map<std::string, Seen> seen_;
+  std::uint64_t last_fix_ = 0;
+  bool begun_ = false;
+};
+
+}  // namespace floorloc
