@@ -9,6 +9,7 @@
 
 #include "core/io/delimited_text.h"
 #include "core/io/input_error.h"
+#include "core/io/stamp_range.h"
 #include "core/io/survey.h"
 
 namespace floorloc {
@@ -77,9 +78,10 @@ std::array<double, kCount> Numbers(std::span<const std::string_view> fields, int
 void CheckIncreasing(std::int64_t stamp_ns, std::int64_t previous_ns, int line, const std::filesystem::path& source) {
   if (stamp_ns <= previous_ns) {
     throw InputError(source, line,
-                     "the time stamp " + FormatSeconds(stamp_ns) +
-                         " s is not later than the one before; sort the rows by time and delete "
-                         "duplicates");
+                     "the time stamp " + FormatSeconds(stamp_ns) + " s is not later than the one before, " +
+                         FormatSeconds(previous_ns) +
+                         " s; sort the rows by time and delete duplicates, or where the clock was set, cut the "
+                         "recording there");
   }
 }
 
@@ -129,9 +131,9 @@ std::vector<SurveyFrame> ParseFramesCsv(const std::string& text, const std::file
     const std::vector<std::string_view> fields = FieldsOf(line, columns, source);
     const std::optional<std::int64_t> stamp_ns = ParseSeconds(std::string(fields[0]));
     if (!stamp_ns) {
-      throw InputError(
-          source, line.number,
-          "the time stamp '" + std::string(fields[0]) + "' is not a number of seconds; correct or delete the row");
+      throw InputError(source, line.number,
+                       "the time stamp '" + std::string(fields[0]) + "' is not a number of seconds; " +
+                           HintAboutUnit(fields[0]).value_or("correct or delete the row"));
     }
     SurveyFrame frame{*stamp_ns, FilenameOf(fields[1], line.number, source)};
     if (!frames.empty() && bad_frames == BadFramePolicy::kThrow) {

@@ -9,6 +9,7 @@
 
 #include "core/io/delimited_text.h"
 #include "core/io/input_error.h"
+#include "core/io/stamp_range.h"
 #include "core/io/text_file.h"
 
 namespace floorloc {
@@ -55,9 +56,9 @@ Eigen::Quaterniond CheckedRotation(const Eigen::Quaterniond& q, const Row& row) 
 
 void AppendInOrder(Trajectory& trajectory, const StampedPose3& pose, const Row& row) {
   if (!trajectory.empty() && pose.stamp_ns <= trajectory.back().stamp_ns) {
-    row.Fail("the time stamp " + FormatSeconds(pose.stamp_ns) +
-             " s is not later than the one before; sort the rows "
-             "by time and delete duplicates");
+    row.Fail("the time stamp " + FormatSeconds(pose.stamp_ns) + " s is not later than the one before, " +
+             FormatSeconds(trajectory.back().stamp_ns) +
+             " s; sort the rows by time and delete duplicates, or where the clock was set, cut the recording there");
   }
   trajectory.push_back(pose);
 }
@@ -70,7 +71,8 @@ StampedPose3 ParseTumRow(const Row& row) {
   }
   const std::optional<std::int64_t> stamp_ns = ParseSeconds(std::string(fields[0]));
   if (!stamp_ns) {
-    row.Fail("the time stamp is not a number of seconds; correct or delete the row");
+    row.Fail("the time stamp is not a number of seconds; " +
+             HintAboutUnit(fields[0]).value_or("correct or delete the row"));
   }
   const auto n = ParsePoseNumbers(fields, row);
   return {*stamp_ns, {n[0], n[1], n[2]}, CheckedRotation({n[6], n[3], n[4], n[5]}, row)};

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/io/input_error.h"
+#include "core/io/stamp_range.h"
 
 namespace floorloc {
 namespace {
@@ -194,7 +195,11 @@ void CountFramesWithOdometry(const std::vector<BuildFrame>& frames, int index, c
   }
   const std::string file = (survey.folder / "odometry.tum").string();
   if (all > 0 && with == 0) {
-    throw InputError(file, "has no pose at the time of any frame; check that both use the same clock, or remove it");
+    const auto apart = CompareClocks(StampRange::Of(survey.frames), StampRange::Of(survey.odometry), "odometry");
+    throw InputError(
+        file, "has no pose at the time of any frame; " +
+                  (apart ? apart->sentence + ": " + apart->cure : std::string("check that both use the same clock")) +
+                  ", or remove it");
   }
   if (with < all) {
     warnings->push_back(file + ": has no pose at the time of " + std::to_string(all - with) + " of " +

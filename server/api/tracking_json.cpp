@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/io/stamp_range.h"
 #include "core/io/trajectory.h"
 #include "server/api/camera_json.h"
 #include "server/api/localize_json.h"
@@ -26,9 +27,11 @@ constexpr std::size_t kMaxIncrements = 1000;
 constexpr double kInitialSigmaM = 0.1;
 constexpr double kInitialSigmaRad = 0.1;
 
-std::int64_t CheckStamp(const std::optional<std::int64_t>& stamp_ns, const std::string& path) {
+// text: as it was sent.
+std::int64_t CheckStamp(const std::optional<std::int64_t>& stamp_ns, const std::string& path, const std::string& text) {
   if (!stamp_ns) {
-    throw JsonError(path + " must be a Unix time in seconds, from -4e9 to 4e9.");
+    const std::optional<std::string> unit = HintAboutUnit(text);
+    throw JsonError(path + " must be a time in seconds, from -4e9 to 4e9" + (unit ? "; " + *unit : "") + ".");
   }
   return *stamp_ns;
 }
@@ -37,9 +40,10 @@ std::int64_t CheckStamp(const std::optional<std::int64_t>& stamp_ns, const std::
 std::int64_t ReadStamp(JsonObject& object) {
   const std::string path = object.PathOf("stamp");
   if (object.Value("stamp").is_string()) {
-    return CheckStamp(ParseStampNs(object.Text("stamp")), path);
+    const std::string text = object.Text("stamp");
+    return CheckStamp(ParseStampNs(text), path, text);
   }
-  return CheckStamp(ToStampNs(object.Number("stamp")), path);
+  return CheckStamp(ToStampNs(object.Number("stamp")), path, object.Value("stamp").dump());
 }
 
 Pose2 MakeMotion(const std::vector<double>& step, const std::string& path) {
@@ -143,7 +147,7 @@ FrameRequest ParseFrameQuery(const HttpRequest& request) {
     throw Problem(400, "invalid_parameter", "stamp must be the time of the image, in seconds.");
   }
   FrameRequest frame;
-  frame.stamp_ns = CheckStamp(ParseStampNs(*stamp), "stamp");
+  frame.stamp_ns = CheckStamp(ParseStampNs(*stamp), "stamp", *stamp);
   if (const std::optional<std::string> odometry = request.QueryValue("odometry")) {
     frame.motion = ParseQueryMotion(*odometry);
   }
