@@ -17,17 +17,23 @@ struct Arguments {
   bool json = false;
 };
 
-void Print(const std::vector<CheckFinding>& findings) {
-  for (const CheckFinding& finding : findings) {
-    std::printf("%-6s %-9s %s\n", finding.status == CheckStatus::kWrong ? "WRONG" : ToString(finding.status),
+void Print(const std::vector<Finding>& findings) {
+  for (const Finding& finding : findings) {
+    std::printf("%-8s %-9s %s\n", finding.status == FindingStatus::kWrong ? "WRONG" : ToString(finding.status),
                 finding.about.c_str(), finding.sentence.c_str());
+    if (!finding.cure.empty()) {
+      std::printf("%-8s %-9s -> %s\n", "", "", finding.cure.c_str());
+    }
   }
 }
 
-void PrintJson(const std::vector<CheckFinding>& findings) {
+void PrintJson(const std::vector<Finding>& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const CheckFinding& finding : findings) {
-    list.push_back({{"about", finding.about}, {"status", ToString(finding.status)}, {"sentence", finding.sentence}});
+  for (const Finding& finding : findings) {
+    list.push_back({{"about", finding.about},
+                    {"status", ToString(finding.status)},
+                    {"sentence", finding.sentence},
+                    {"cure", finding.cure}});
   }
   std::cout << nlohmann::ordered_json{{"status", ToString(WorstOf(findings))}, {"findings", std::move(list)}}.dump(2)
             << "\n";
@@ -40,9 +46,9 @@ void Run(const Arguments& a) {
                             [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
   FuseFramesOptions options;
   options.run.progress = ProgressOutput::Stderr();
-  const std::vector<CheckFinding> findings = CheckDrive(drive, FuseFrames(localizer, drive, options));
+  const std::vector<Finding> findings = CheckDrive(drive, FuseFrames(localizer, WithoutForeignClocks(drive), options));
   a.json ? PrintJson(findings) : Print(findings);
-  if (WorstOf(findings) == CheckStatus::kWrong) {
+  if (WorstOf(findings) == FindingStatus::kWrong) {
     throw CLI::RuntimeError(kRobotIsWrong);
   }
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/input_error.h"
+#include "core/io/stamp_range.h"
 #include "core/map/camera_correction.h"
 
 namespace floorloc {
@@ -147,10 +148,25 @@ void CheckImuAxes(const Survey& survey) {
   }
 }
 
+void CheckClocks(const Survey& survey, bool use_imu) {
+  const StampRange images = StampRange::Of(survey.frames);
+  const auto check = [&](const auto& list, const char* file, const char* name) {
+    const auto apart = list.empty() ? std::nullopt : CompareClocks(images, StampRange::Of(list), name);
+    if (apart) {
+      throw InputError(survey.folder / file, apart->sentence + "; " + apart->cure + ", or leave " + name + " out");
+    }
+  };
+  check(survey.odometry, "odometry.tum", "odometry");
+  if (use_imu) {
+    check(survey.imu, "imu.csv", "the IMU");
+  }
+}
+
 void FuseFramesOptions::Check() const { tracker.Check(); }
 
 FusedDrive FuseFrames(const Localizer& localizer, const Survey& survey, const FuseFramesOptions& options) {
   options.Check();
+  CheckClocks(survey, options.use_imu);
   if (options.use_imu) {
     CheckImuAxes(survey);
   }

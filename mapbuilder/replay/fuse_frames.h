@@ -40,9 +40,13 @@ struct FusedDrive {
 /// Throws InputError when gravity shows that the axes of imu.csv are not those of the base frame.
 void CheckImuAxes(const Survey& survey);
 
+/// Throws InputError, with both ranges and what to do, when the stamps of odometry.tum or of a used imu.csv do not
+/// overlap those of the images.
+void CheckClocks(const Survey& survey, bool use_imu);
+
 /// Replays a recorded drive through a vehicle's tracker as it would have run online: messages in order of time, without
 /// look-ahead. Uses odometry and IMU if the folder has them. Throws InputError, also when the IMU's axes are not those
-/// of the base frame.
+/// of the base frame, or clocks are foreign.
 FusedDrive FuseFrames(const Localizer& localizer, const Survey& survey, const FuseFramesOptions& options);
 
 /// One line of the --results file: the localization result with the fused pose and the outcome of the fix.

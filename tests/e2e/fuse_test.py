@@ -90,8 +90,24 @@ class Fused(Scratch):
         code, findings = self.check_drive(folder)
         self.assertEqual(code, 3)
         self.assertEqual(findings["odometry"]["status"], "wrong")
-        self.assertIn("change the sign of dx and dy", findings["odometry"]["sentence"])
+        self.assertIn("change the sign of dx and dy", findings["odometry"]["cure"])
         self.assertEqual(findings["gyro"]["status"], "ok")
+
+    def test_odometry_of_another_epoch_is_named_and_not_fused(self):
+        folder = self.without("odometry.tum")
+        rows = [row.split() for row in (DRIVE / "odometry.tum").read_text().splitlines() if not row.startswith("#")]
+        start = float(rows[0][0])
+        (folder / "odometry.tum").write_text(
+            "".join(" ".join([f"{float(t) - start + 40.0:.6f}", *rest]) + "\n" for t, *rest in rows))
+        code, findings = self.check_drive(folder)
+        self.assertEqual(code, 3)
+        self.assertEqual(findings["clock"]["status"], "wrong")
+        self.assertRegex(findings["clock"]["sentence"], r"^images are stamped from \S+ to \S+ s, odometry from 40.0 to")
+        self.assertEqual(findings["odometry"]["status"], "unknown")
+        self.assertEqual(findings["floor"]["status"], "ok")
+        result = run("localize", "--map", self.map, "--frames", folder, "--out", self.folder / "out.tum", "--fuse")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn(findings["clock"]["sentence"], result.stderr)
 
     def test_dense_poses_come_at_the_rate_of_the_sensors_and_do_not_jump(self):
         out, _, _ = self.fuse("--dense")

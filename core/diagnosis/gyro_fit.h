@@ -3,9 +3,14 @@
 
 #include <vector>
 
-#include "mapbuilder/replay/fuse_frames.h"
-
 namespace floorloc {
+
+/// From one fix to the next.
+struct GyroTurn {
+  double seconds = 0.0;
+  double by_fixes_rad = 0.0;
+  double by_gyro_rad = 0.0;
+};
 
 /// A gyro's turns about z against those of the fixes: true = scale * (measured - bias).
 struct GyroFit {
@@ -14,8 +19,8 @@ struct GyroFit {
   double turned_rad = 0.0;  ///< by the fixes, all turns together
 };
 
-/// By pairs of localized frames in a row, at most max_pair_s apart: least squares over those that agree (RANSAC), so
-/// that wrong fixes and a vehicle that is carried away do not count.
-GyroFit FitGyro(const std::vector<ImuSample>& imu, const std::vector<FusedFrame>& frames, double max_pair_s);
+/// Least squares over the turns that agree (RANSAC), so that wrong fixes and a vehicle that is carried away do not
+/// count.
+GyroFit FitGyro(const std::vector<GyroTurn>& turns);
 
 }  // namespace floorloc
