@@ -20,6 +20,8 @@ class ClockOffset {
   /// A fix later than the last one. Returns true when another offset was found, not when one is only known better.
   bool AddFix(const PoseFix& fix, const WheelHypotheses& wheels);
   void Clear();
+  /// Starts with an offset that was found before.
+  void ResumeAt(std::int64_t offset_ns) { offset_ns_ = offset_ns; }
   std::int64_t offset_ns() const { return offset_ns_; }
 
  private:

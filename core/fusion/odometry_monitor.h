@@ -34,6 +34,8 @@ class OdometryMonitor {
   bool Trusted() const { return !rejected_; }
   /// How much later the wheels are stamped than the images.
   std::int64_t offset_ns() const { return clock_.offset_ns(); }
+  /// Starts with an offset that was found before.
+  void ResumeOffset(std::int64_t offset_ns) { clock_.ResumeAt(offset_ns); }
   /// Scale and yaw scale are those of the fault that was found, else 1.
   OdometryTrust Trust() const;
 

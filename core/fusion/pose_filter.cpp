@@ -25,6 +25,24 @@ PoseFilter::PoseFilter(const PoseFilterOptions& options)
       monitor_(options.monitor),
       doubt_(options.monitor) {}
 
+// Before there is more to tell, what was resumed.
+std::optional<LearntOdometry> PoseFilter::Learnt() const {
+  if (!has_pose_ || monitor_.Trust().health == OdometryHealth::kLearning) {
+    return history_.resumed();
+  }
+  if (!monitor_.Trusted()) {
+    return std::nullopt;
+  }
+  LearntOdometry learnt = LearntIn(history_.newest());
+  learnt.offset_ns = monitor_.offset_ns();
+  return learnt;
+}
+
+void PoseFilter::Resume(const LearntOdometry& learnt) {
+  history_.Resume(learnt);
+  monitor_.ResumeOffset(learnt.offset_ns);
+}
+
 // Clock jump of the sender: keeps the estimate, restamped, and drops the history.
 void PoseFilter::RestartAt(std::int64_t stamp_ns) {
   FilterState state = history_.StateAt(*history_.newest_ns());

@@ -30,6 +30,8 @@ class PoseFilter : public PoseFuser {
   std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const override {
     return history_.MotionBetween(from_ns, to_ns);
   }
+  std::optional<LearntOdometry> Learnt() const override;
+  void Resume(const LearntOdometry& learnt) override;
 
   /// The full state at the newest message; empty before there is a pose.
   std::optional<FilterState> State() const;

@@ -7,6 +7,7 @@
 
 #include "core/fusion/filter_options.h"
 #include "core/fusion/fused_pose.h"
+#include "core/fusion/learnt_odometry.h"
 #include "core/fusion/measurements.h"
 
 namespace floorloc {
@@ -43,6 +44,11 @@ class PoseFuser {
   virtual std::optional<FusedPose> Estimate() const = 0;
   /// At a time within the history or after the newest message; empty for earlier times.
   virtual std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const = 0;
+  /// What was learnt of wheels that agree with the fixes; empty: nothing, or by a method that does not learn.
+  virtual std::optional<LearntOdometry> Learnt() const { return std::nullopt; }
+  /// Starts with what was learnt before; to be called before the first message.
+  virtual void Resume(const LearntOdometry& /*learnt*/) {}
+
   /// Motion of the base between two times without the fixes in between; empty for times before the history.
   virtual std::optional<Pose2> MotionBetween(std::int64_t from_ns, std::int64_t to_ns) const = 0;
 };

@@ -23,6 +23,9 @@ bool StateHistory::IsTooOld(std::int64_t stamp_ns) const {
 void StateHistory::Start(std::int64_t stamp_ns) {
   if (states_.empty()) {
     states_.push_back({InitialState(stamp_ns, options_)});
+    if (resumed_) {
+      floorloc::Resume(*resumed_, &states_.back().state);
+    }
   }
 }
 

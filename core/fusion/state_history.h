@@ -9,6 +9,7 @@
 #include "core/fusion/dead_reckoning.h"
 #include "core/fusion/filter_options.h"
 #include "core/fusion/filter_state.h"
+#include "core/fusion/learnt_odometry.h"
 #include "core/fusion/measurements.h"
 
 namespace floorloc {
@@ -32,6 +33,9 @@ class StateHistory {
   /// Adds the initial state unless there is a state. Messages before the first pose are kept too: they move
   /// odom_from_base.
   void Start(std::int64_t stamp_ns);
+  /// What the initial state knows of the wheels.
+  void Resume(const LearntOdometry& learnt) { resumed_ = learnt; }
+  const std::optional<LearntOdometry>& resumed() const { return resumed_; }
   /// A message of this time came: remembers states up to it and forgets the oldest ones.
   void Advance(std::int64_t stamp_ns);
   /// Replaces all states by one, which a fix may have set; the motion measurements stay.
@@ -80,6 +84,7 @@ class StateHistory {
   MotionRecord record_;
   std::deque<Checkpoint> states_;  // by time
   std::optional<std::int64_t> newest_ns_;
+  std::optional<LearntOdometry> resumed_;
 };
 
 }  // namespace floorloc

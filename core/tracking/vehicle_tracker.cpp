@@ -125,9 +125,18 @@ std::optional<CameraPrior> VehicleTracker::PriorOfCamera() const { return state_
 CameraEstimate VehicleTracker::Camera() const { return state_->camera.Estimate(); }
 
 void VehicleTracker::Restart() {
-  auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
-  restarted->camera = std::move(state_->camera);
-  state_ = std::move(restarted);
+  const LearntValues learnt = Learnt();
+  state_ = std::make_unique<State>(state_->options, state_->resolution_m);
+  Resume(learnt);
+}
+
+LearntValues VehicleTracker::Learnt() const { return {state_->fuser->Learnt(), state_->camera}; }
+
+void VehicleTracker::Resume(const LearntValues& learnt) {
+  state_->camera = learnt.camera;
+  if (learnt.odometry) {
+    state_->fuser->Resume(*learnt.odometry);
+  }
 }
 
 void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose); }

@@ -61,6 +61,12 @@ struct FrameOutcome {
   bool visual_used = false;  ///< false: an image from before the last one, or no visual odometry
 };
 
+/// What fixes taught about a vehicle beside its pose.
+struct LearntValues {
+  std::optional<LearntOdometry> odometry;
+  CameraEstimator camera;
+};
+
 /// Estimates the pose of one vehicle from its images, odometry and IMU. Not thread-safe. The caller localizes images
 /// between Prior() and AddFrame(): that is slow and needs no lock of the vehicle.
 class VehicleTracker {
@@ -81,8 +87,11 @@ class VehicleTracker {
   /// What is known of the camera's errors, for the next image's alignment (FrameSamples::SetCameraPrior).
   std::optional<CameraPrior> PriorOfCamera() const;
   CameraEstimate Camera() const;
-  /// Forgets everything but the camera.
+  /// Forgets everything but what was learnt.
   void Restart();
+  LearntValues Learnt() const;
+  /// Starts with what was learnt of the same vehicle and camera before; to be called before the first message.
+  void Resume(const LearntValues& learnt);
   /// Adds an image after its localization.
   FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
 

@@ -14,6 +14,11 @@ bool IsSame(const Vehicle& a, const Vehicle& b) {
          a.gate.max_distance_m == b.gate.max_distance_m && a.gate.max_angle_rad == b.gate.max_angle_rad;
 }
 
+// What was learnt is relative to the camera as its map corrects it.
+bool HasSameCamera(const Vehicle& a, const Vehicle& b) {
+  return CameraKey(a.in_map.rectifier->camera()) == CameraKey(b.in_map.rectifier->camera());
+}
+
 std::shared_ptr<VehicleSession> MakeSession(const Vehicle& vehicle, double timeout_s) {
   TrackerOptions options;
   options.filter.gates.max_distance_m = vehicle.gate.max_distance_m;
@@ -41,6 +46,9 @@ Registration VehicleRegistry::Put(Vehicle vehicle) {
     EvictLocked();
   }
   auto session = MakeSession(vehicle, options_.timeout_s);
+  if (known != vehicles_.end() && HasSameCamera(*known->second.vehicle, vehicle)) {
+    session->Resume(known->second.session->Learnt());
+  }
   const std::string id = vehicle.id;
   VehicleState& state = vehicles_[id];
   state = {std::make_shared<const Vehicle>(std::move(vehicle)), std::move(session), std::nullopt};

@@ -59,9 +59,9 @@ class VehicleRegistry {
   /// Throws std::invalid_argument when the options do not pass Check().
   explicit VehicleRegistry(const VehicleRegistryOptions& options);
 
-  /// Registers or replaces a vehicle. With unchanged map, camera and gate it keeps its pose, otherwise it restarts.
-  /// At max_vehicles, the vehicle with the oldest last message is evicted if it has expired; otherwise throws Problem
-  /// (409 too_many_vehicles).
+  /// Registers or replaces a vehicle. With unchanged map, camera and gate it keeps its pose, otherwise it restarts;
+  /// with an unchanged camera it keeps what was learnt of camera and odometry. At max_vehicles, the vehicle with the
+  /// oldest last message is evicted if it has expired; otherwise throws Problem (409 too_many_vehicles).
   Registration Put(Vehicle vehicle);
   /// False when the vehicle is not registered.
   bool Remove(const std::string& id);
