@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 
 #include "core/io/trajectory.h"
@@ -41,6 +43,17 @@ void CountFix(AppState& state, const std::string& map, const FixOutcome& fix) {
   }
 }
 
+// One line when the odometry is rejected, for another reason, or used again.
+void LogOdometry(const std::string& vehicle, const FrameReport& report) {
+  const std::optional<FusedPose>& fused = report.view.fused;
+  if (report.odometry_changed && fused && fused->odometry && fused->odometry->health == OdometryHealth::kRejected) {
+    const OdometryFault fault = fused->odometry->fault;
+    spdlog::warn("vehicle '{}': its odometry is rejected, {}. {}", vehicle, ToString(fault), CureOf(fault));
+  } else if (report.odometry_changed) {
+    spdlog::info("vehicle '{}': its odometry is not rejected any longer", vehicle);
+  }
+}
+
 std::string ClientOf(const std::string& vehicle) { return "vehicle/" + vehicle; }
 
 // An image that still waits for a thread gives way to the newer one.
@@ -78,6 +91,7 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
     return localized;
   });
   state.metrics.CountMessage({map->name, ToString(report.message)});
+  LogOdometry(vehicle.vehicle->id, report);
   if (report.fix) {
     CountFix(state, map->name, *report.fix);
   }

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/api/admission.h"
+#include "server/api/diagnosis_json.h"
 #include "server/api/image_call.h"
 #include "server/api/routes.h"
 #include "server/api/vehicle_json.h"
@@ -54,6 +55,10 @@ HttpResponse HandleVehicle(const AppState& state, const HttpRequest& request) {
   return JsonResponse(200, ToText(Describe(state, RequireVehicle(state, request.path_parameters.at("id")))));
 }
 
+HttpResponse HandleDiagnosis(const AppState& state, const HttpRequest& request) {
+  return JsonResponse(200, FormatDiagnosis(RequireVehicle(state, request.path_parameters.at("id"))));
+}
+
 HttpResponse HandleVehicles(const AppState& state) {
   nlohmann::json vehicles = nlohmann::json::array();
   for (const VehicleState& vehicle : state.vehicles.All()) {
@@ -82,6 +87,9 @@ void AddVehicleRoutes(AppState& state, Router& router) {
        }});
   router.Add({"GET", "/v1/vehicles/{id}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return HandleVehicle(state, request);
+              }});
+  router.Add({"GET", "/v1/vehicles/{id}/diagnosis", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return HandleDiagnosis(state, request);
               }});
   router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kChange, {}, [&state](const HttpRequest& request) {
                 return RemoveVehicle(state, request);

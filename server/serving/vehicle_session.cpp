@@ -18,6 +18,12 @@ std::int64_t UnixNowNs() {
       .count();
 }
 
+// Empty: the odometry is not rejected.
+std::optional<OdometryFault> RejectedFor(const VehicleView& view) {
+  const bool rejected = view.fused && view.fused->odometry && view.fused->odometry->health == OdometryHealth::kRejected;
+  return rejected ? std::optional(view.fused->odometry->fault) : std::nullopt;
+}
+
 bool IsUsed(MessageOutcome message) {
   return message == MessageOutcome::kUsed || message == MessageOutcome::kUsedLate ||
          message == MessageOutcome::kClockJump;
@@ -58,6 +64,7 @@ void VehicleSession::RestartLocked() {
 void VehicleSession::RestartIfExpiredLocked() {
   if (Expired()) {
     RestartLocked();
+    record_ = DriveRecord();
   }
   last_message_time_ = Clock::now().time_since_epoch().count();
 }
@@ -78,6 +85,21 @@ VehicleView VehicleSession::View() {
 CameraEstimate VehicleSession::Camera() {
   const std::lock_guard lock(mutex_);
   return tracker_.Camera();
+}
+
+LearntValues VehicleSession::Learnt() {
+  const std::lock_guard lock(mutex_);
+  return tracker_.Learnt();
+}
+
+void VehicleSession::Resume(const LearntValues& learnt) {
+  const std::lock_guard lock(mutex_);
+  tracker_.Resume(learnt);
+}
+
+DriveRecord VehicleSession::Record() {
+  const std::lock_guard lock(mutex_);
+  return record_;
 }
 
 // The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.
@@ -134,6 +156,7 @@ OdometryReport VehicleSession::AddOdometry(const std::vector<OdometryMessage>& i
   RestartIfExpiredLocked();
   OdometryReport report;
   for (const OdometryMessage& increment : increments) {
+    record_.AddOdometry(increment.stamp_ns);
     report.messages.push_back(AddIncrementLocked(increment));
     ++counts_.messages[report.messages.back()];
   }
@@ -190,6 +213,9 @@ std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const
   slot.stamp_ns = stamp_ns;
   // An image that is resent after an error repeats known odometry, but the image itself is new.
   const MessageOutcome odometry = motion ? AddIncrementLocked({stamp_ns, *motion}) : MessageOutcome::kDuplicate;
+  if (odometry != MessageOutcome::kDuplicate) {
+    record_.AddOdometry(stamp_ns);
+  }
   if (frames_.Contains(stamp_ns)) {
     slot.message = MessageOutcome::kDuplicate;
   } else {
@@ -214,8 +240,17 @@ FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& f
     report.fix->reason =
         report.message == MessageOutcome::kDuplicate ? FixRejection::kDuplicate : FixRejection::kTooOld;
   }
+  if (report.message != MessageOutcome::kDuplicate) {
+    record_.AddFrame(RecordedFrame::Of(slot.stamp_ns, found, tracker_.EstimateAt(slot.stamp_ns)));
+  }
   CountLocked(report);
   report.view = ViewLocked();
+  std::optional<OdometryFault> rejected_for = RejectedFor(report.view);
+  if (rejected_for_ && rejected_for == OdometryFault::kInconsistent) {
+    rejected_for = rejected_for_;  // an image that does not confirm what was named
+  }
+  report.odometry_changed = rejected_for_ != rejected_for;
+  rejected_for_ = rejected_for;
   return report;
 }
 

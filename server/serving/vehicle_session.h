@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/diagnosis/drive_record.h"
 #include "core/tracking/vehicle_tracker.h"
 #include "server/serving/message_stamps.h"
 
@@ -76,6 +77,7 @@ struct FrameReport {
   MessageOutcome message = MessageOutcome::kUsed;
   std::optional<FixOutcome> fix;  ///< empty: the image was not localized
   VehicleView view;
+  bool odometry_changed = false;  ///< is rejected, for another reason, or no longer, since the image before
 };
 
 struct OdometryReport {
@@ -106,6 +108,11 @@ class VehicleSession {
   VehicleView View();
   /// What the fixes tell of the camera's errors.
   CameraEstimate Camera();
+  LearntValues Learnt();
+  /// Starts with what was learnt of the same vehicle and camera before; to be called before the first message.
+  void Resume(const LearntValues& learnt);
+  /// The last images and odometry messages, whether they were used or not.
+  DriveRecord Record();
   double SecondsSinceLastMessage() const;
   /// Changes with every message.
   std::int64_t LastMessageTime() const { return last_message_time_.load(); }
@@ -141,6 +148,8 @@ class VehicleSession {
   std::uint64_t epoch_ = 0;  // incremented when the history restarts
   std::uint64_t poses_set_ = 0;
   VehicleCounts counts_;
+  DriveRecord record_;
+  std::optional<OdometryFault> rejected_for_;  // after the last image; empty: the odometry is not rejected
 };
 
 }  // namespace floorloc

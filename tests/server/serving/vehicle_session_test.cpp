@@ -100,6 +100,38 @@ TEST_F(VehicleSessionTest, EveryReasonToRejectIsReached) {
   }
 }
 
+// Also of what was refused: a clock of another epoch shows in nothing else.
+TEST_F(VehicleSessionTest, ItsRecordHasEveryMessage) {
+  Frame(1'700'000'000.0, FoundAt(Pose2(1, 2, 3)), std::nullopt);
+  EXPECT_EQ(Odometry(40.0), MessageOutcome::kTooOld);
+  Frame(1'700'000'001.0, FoundAt(Pose2(1, 2, 3)), Pose2());
+  Frame(1'700'000'001.0, FoundAt(Pose2(1, 2, 3)), Pose2());  // sent again
+  const DriveRecord record = session_.Record();
+  ASSERT_EQ(record.frames().size(), 2U);
+  EXPECT_TRUE(record.frames().back().IsLocalized());
+  EXPECT_EQ(record.odometry_stamps().size(), 2U);
+  EXPECT_EQ(record.odometry_stamps().Range().first_ns, Ns(40.0));
+  EXPECT_EQ(record.frames_since_odometry(), 1U);
+}
+
+// So that a log has a line for each change, not for each image.
+TEST_F(VehicleSessionTest, ItSaysWhenItsOdometryIsRejectedAndUsedAgain) {
+  std::vector<int> changes;
+  Pose2 truth;
+  for (int i = 0; i < 40; ++i) {
+    const Pose2 step(0.2, 0.0, 0.1);
+    truth = truth * step;
+    const bool reversed = i >= 5 && i < 15;
+    const FrameReport report = Frame(100.0 + i, FoundAt(truth), reversed ? Pose2(-0.2, 0.0, 0.1) : step);
+    if (report.odometry_changed) {
+      changes.push_back(i);
+    }
+  }
+  ASSERT_EQ(changes.size(), 2U) << testing::PrintToString(changes);
+  EXPECT_TRUE(changes[0] > 5 && changes[0] < 15) << changes[0];
+  EXPECT_GT(changes[1], 15);
+}
+
 // Whoever adds an enumerator before kCount gets a counter and must give it a name.
 template <typename Enum>
 void ExpectACounterAndANameForEach(Enum last) {
