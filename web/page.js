@@ -50,14 +50,30 @@ function fillList(element, items, emptyText) {
   element.replaceChildren(...items);
 }
 
+/// A line below a vehicle whose odometry its images contradict, with the cure and a link to the diagnosis.
+function odometryAlert(id, { health, cure }) {
+  const alert = document.createElement("p");
+  alert.className = `odometry-alert ${health}`;
+  alert.append(health === "rejected" ? `Odometry rejected. ${cure} ` : "Odometry suspect: the last images contradict it. ");
+  const link = document.createElement("a");
+  link.href = `/v1/vehicles/${encodeURIComponent(id)}/diagnosis`;
+  link.textContent = "Diagnosis";
+  link.target = "_blank";
+  alert.append(link);
+  return alert;
+}
+
 function showVehicles(vehicles) {
   const now = Date.now() / 1000;
   const items = vehicles.map(({ id, pose, status, silent_s: silent, odometry, last_fix: fix }) => {
     const lastSeen = fix ? age(now - fix.received) : "no fix yet";
     const state = status === "stale" ? `silent for ${Math.round(silent)} s` : status.replaceAll("_", " ");
     const text = pose ? `${state}, ${lastSeen}` : lastSeen;
-    const alert = odometry?.health === "rejected" ? `. Odometry rejected: ${odometry.cure}` : "";
-    return listItem(id, text + alert, pose ? status : fix?.status ?? "");
+    const item = listItem(id, text, pose ? status : fix?.status ?? "");
+    if (odometry?.health === "rejected" || odometry?.health === "suspect") {
+      item.append(odometryAlert(id, odometry));
+    }
+    return item;
   });
   fillList($("vehicles"), items, "No vehicle is registered.");
   const ids = vehicles.map(({ id }) => id);

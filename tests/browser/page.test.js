@@ -113,6 +113,32 @@ test("a vehicle is drawn where the server has it, coloured by what that is worth
   await takeScreenshot("vehicle");
 });
 
+test("odometry that images contradict is shown with its cure", async () => {
+  await registerVehicle(server.url, "reversed");
+  await registerVehicle(server.url, "doubtful");
+  const health = {
+    reversed: { health: "rejected", reason: "reversed", cure: "Change the sign of dx and dy." },
+    doubtful: { health: "suspect", reason: "", cure: "" },
+  };
+  await page.route("**/v1/vehicles", async (route) => {
+    const answer = await (await route.fetch()).json();
+    for (const vehicle of answer.vehicles) {
+      vehicle.odometry = health[vehicle.id] ?? vehicle.odometry;
+    }
+    await route.fulfill({ json: answer });
+  });
+  await page.goto(server.url);
+  const item = (id) => page.locator("#vehicles li").filter({ hasText: id });
+  await item("reversed").locator(".odometry-alert.rejected").waitFor();
+  assert.match(await item("reversed").textContent(), /Odometry rejected\. Change the sign of dx and dy\./);
+  assert.match(await item("doubtful").locator(".odometry-alert.suspect").textContent(), /^Odometry suspect/);
+  assert.equal(await page.locator(".odometry-alert").count(), 2, "others have no alert");
+  await takeScreenshot("odometry");
+  const href = await item("reversed").getByRole("link", { name: "Diagnosis" }).getAttribute("href");
+  const diagnosis = await (await fetch(server.url + href)).json();
+  assert.equal(diagnosis.vehicle, "reversed");
+});
+
 test("an image can be tried by hand", async () => {
   await registerVehicle(server.url, "by-hand");
   await page.goto(server.url);
