@@ -4,6 +4,7 @@
 #include "core/geometry/floor_plane.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/vision/features/features.h"
+#include "core/vision/image/ground_image.h"
 
 namespace floorloc {
 
@@ -13,6 +14,7 @@ struct FrameObservation {
   FrameSamples samples;         ///< to be aligned to the mosaic
   RectM roi;                    ///< region of interest of the camera, base frame
   double offset_sigma_m = 0.0;  ///< FloorPlane::offset_sigma_m of the camera
+  GroundImage floor;           ///< rectified, with what was left out
   double rectify_ms = 0.0;
   double features_ms = 0.0;
 };

@@ -193,15 +193,17 @@ Localizer::~Localizer() = default;
 
 const FloorMap& Localizer::map() const { return impl_->map; }
 
-FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw) const {
+FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw, const cv::Mat& left_out) const {
   Stopwatch stage;
-  const GroundImage image = rectifier.Rectify(raw);
+  const GroundImage floor = rectifier.Rectify(raw);
+  const GroundImage image = LeaveOut(floor, left_out);
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
   FrameObservation frame{impl_->extractor->Extract(image, prepared),
                          FrameSamples(image, prepared, rectifier),
                          rectifier.camera().floor.roi,
                          rectifier.camera().floor.offset_sigma_m,
+                         floor,
                          rectify_ms,
                          0.0};
   frame.features_ms = stage.LapMs();

@@ -32,8 +32,9 @@ class Localizer {
   Localizer& operator=(const Localizer&) = delete;
 
   /// Rectifies a frame and extracts its features. raw: CV_8UC1 of the size of the rectifier's camera; throws
-  /// std::invalid_argument otherwise.
-  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw) const;
+  /// std::invalid_argument otherwise. left_out: what is no floor beside the rectifier's mask, as
+  /// LearnedMaskState::left_out; may be empty.
+  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw, const cv::Mat& left_out = cv::Mat()) const;
   /// Searches near the prior, or the whole map without one. No global search when the prior fails: the caller decides.
   LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
   /// Searches near the prior, and the whole map when the frame is not localized there; result.used_prior says which

@@ -28,6 +28,27 @@ Sigmas SigmasOf(const FusedPose& pose) {
   return {LargestSigma(pose.covariance.topLeftCorner<2, 2>()), std::sqrt(pose.covariance(2, 2))};
 }
 
+// Where a view was taken, as far as it is known.
+struct ViewPose {
+  std::int64_t stamp_ns = 0;
+  std::optional<Pose2> map_from_base;  // by an accepted fix
+  Pose2 odom_from_base;                // by visual odometry
+  std::optional<int> chain;            // of visual odometry; empty: it was lost
+};
+
+ViewPose PoseOf(std::int64_t stamp_ns, const FrameOutcome& outcome, const LocalizationResult& found) {
+  ViewPose pose;
+  pose.stamp_ns = stamp_ns;
+  if (outcome.fix && outcome.fix->accepted) {
+    pose.map_from_base = found.map_from_base;
+  }
+  if (outcome.visual_used && outcome.visual.status != PlanarOdometryStatus::kLost) {
+    pose.odom_from_base = outcome.visual.odom_from_base;
+    pose.chain = outcome.visual.chain;
+  }
+  return pose;
+}
+
 }  // namespace
 
 void PriorOptions::Check() const {
@@ -48,6 +69,7 @@ void TrackerOptions::Check() const {
   prior.Check();
   next.Check();
   camera.Check();
+  mask.Check();
 }
 
 struct VehicleTracker::State {
@@ -56,13 +78,16 @@ struct VehicleTracker::State {
         resolution_m(resolution_m_in),
         fuser(MakePoseFuser(o.method, o.filter)),
         visual(VisualOptions(resolution_m_in)),
-        camera(o.camera) {}
+        camera(o.camera),
+        mask(o.mask) {}
 
   TrackerOptions options;
   double resolution_m;
   std::unique_ptr<PoseFuser> fuser;
   PlanarOdometry visual;
   CameraEstimator camera;
+  LearnedMask mask;
+  std::optional<ViewPose> reference;  // of the mask
   std::optional<std::int64_t> last_frame_ns;
   std::optional<std::int64_t> odometry_until_ns;
 
@@ -84,6 +109,35 @@ struct VehicleTracker::State {
     if (const auto& motion = outcome->visual.motion) {
       fuser->AddIncrement(MotionSource::kVision,
                           {motion->from_ns, motion->to_ns, motion->from_from_to, motion->covariance});
+    }
+  }
+
+  // The motion since the mask's reference by fixes, visual odometry and wheels; those that know it.
+  std::vector<Pose2> MotionsSinceReference(const ViewPose& now) const {
+    std::vector<Pose2> motions;
+    if (!reference) {
+      return motions;
+    }
+    if (reference->map_from_base && now.map_from_base) {
+      motions.push_back(reference->map_from_base->Between(*now.map_from_base));
+    }
+    if (reference->chain && reference->chain == now.chain) {
+      motions.push_back(reference->odom_from_base.Between(now.odom_from_base));
+    }
+    if (odometry_until_ns && *odometry_until_ns + kOdometryLagNs >= now.stamp_ns) {
+      if (const std::optional<Pose2> wheels = fuser->MotionBetween(reference->stamp_ns, now.stamp_ns)) {
+        motions.push_back(*wheels);
+      }
+    }
+    return motions;
+  }
+
+  void LearnMask(const ViewPose& now, const GroundImage& floor) {
+    if (floor.gray.empty() || (reference && now.stamp_ns <= reference->stamp_ns)) {
+      return;
+    }
+    if (mask.Add(floor, MotionsSinceReference(now))) {
+      reference = now;
     }
   }
 
@@ -109,6 +163,7 @@ MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
   const MessageOutcome outcome = state_->fuser->AddIncrement(MotionSource::kWheels, increment);
   if (outcome == MessageOutcome::kClockJump) {
     state_->visual.Reset();
+    state_->reference.reset();
     state_->last_frame_ns.reset();
     state_->odometry_until_ns.reset();
   }
@@ -126,7 +181,9 @@ CameraEstimate VehicleTracker::Camera() const { return state_->camera.Estimate()
 
 void VehicleTracker::Restart() {
   const LearntValues learnt = Learnt();
-  state_ = std::make_unique<State>(state_->options, state_->resolution_m);
+  auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
+  restarted->mask = std::move(state_->mask);
+  state_ = std::move(restarted);
   Resume(learnt);
 }
 
@@ -137,6 +194,13 @@ void VehicleTracker::Resume(const LearntValues& learnt) {
   if (learnt.odometry) {
     state_->fuser->Resume(*learnt.odometry);
   }
+}
+
+const LearnedMaskState& VehicleTracker::Mask() const { return state_->mask.State(); }
+
+void VehicleTracker::TakeMaskOf(const VehicleTracker& other) {
+  state_->mask = other.state_->mask.Clone();
+  state_->reference.reset();
 }
 
 void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose); }
@@ -160,6 +224,13 @@ FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& fea
   FrameOutcome outcome;
   state_->UpdateVisualOdometry(stamp_ns, features, &outcome);
   state_->ApplyFix(stamp_ns, found, &outcome);
+  return outcome;
+}
+
+FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& features, const GroundImage& floor,
+                                      const LocalizationResult& found) {
+  const FrameOutcome outcome = AddFrame(stamp_ns, features, found);
+  state_->LearnMask(PoseOf(stamp_ns, outcome, found), floor);
   return outcome;
 }
 

@@ -9,6 +9,7 @@
 #include "core/localization/frame_observation.h"
 #include "core/localization/localization_result.h"
 #include "core/localization/pose_prior.h"
+#include "core/odometry/learned_mask.h"
 #include "core/odometry/planar_odometry.h"
 #include "core/tracking/camera_estimator.h"
 
@@ -43,6 +44,7 @@ struct TrackerOptions {
   PriorOptions prior;
   NextFrameOptions next;
   CameraEstimatorOptions camera;
+  LearnedMaskOptions mask;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -92,8 +94,15 @@ class VehicleTracker {
   LearntValues Learnt() const;
   /// Starts with what was learnt of the same vehicle and camera before; to be called before the first message.
   void Resume(const LearntValues& learnt);
+  /// What was seen to travel with the camera: left_out is to be left out of the next image (Localizer::Observe).
+  const LearnedMaskState& Mask() const;
+  /// Takes over what a tracker of the same camera learnt of its view.
+  void TakeMaskOf(const VehicleTracker& other);
   /// Adds an image after its localization.
   FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
+  /// The same, and learns from it what travels with the camera. floor: FrameObservation::floor of the image.
+  FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const GroundImage& floor,
+                        const LocalizationResult& found);
 
   /// At the newest message; empty before the first fix.
   std::optional<FusedPose> Estimate() const;

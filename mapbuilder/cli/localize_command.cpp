@@ -90,6 +90,18 @@ void PrintMask(const MapInfo& info, const Survey& survey) {
   }
 }
 
+// Says what of the view travels with the camera; nothing when nothing does.
+void PrintLearnedMask(const FusedDrive& drive) {
+  if (drive.mask.share > 0.0) {
+    std::printf("%.1f %% of the view travels with the camera, by %d pairs of frames: %s\n", 100.0 * drive.mask.share,
+                drive.mask.pairs,
+                drive.mask.status == LearnedMaskStatus::kTooMuch
+                    ? "too much to be left out; mount the camera with a free view, or paint mask.png"
+                : drive.mask.left_out.empty() ? "not left out, as --no-learned-mask has it"
+                                              : "left out");
+  }
+}
+
 // Prints the numbers of states, rejections and relocalizations.
 void PrintFusionSummary(const FusedDrive& drive) {
   std::map<std::string, int> states, rejections;
@@ -110,6 +122,7 @@ void PrintFusionSummary(const FusedDrive& drive) {
     std::printf("       %d fixes rejected: %s\n", count, reason.c_str());
   }
   PrintCameraEstimate(drive);
+  PrintLearnedMask(drive);
 }
 
 template <typename Frames>
@@ -193,6 +206,10 @@ void AddFusionOptions(CLI::App& command, Arguments& a) {
   command.add_flag("--dense", a.fusion.dense, "Fused poses at every message, not at the frames only")->needs(fuse);
   command.add_flag("--no-imu", a.no_imu, "Leave imu.csv out")->needs(fuse);
   command.add_flag("!--no-visual-odometry", a.fusion.tracker.visual_odometry, "Leave the motion between images out")
+      ->needs(fuse);
+  command
+      .add_flag("!--no-learned-mask", a.fusion.tracker.mask.apply,
+                "Report what stands still in the images while the floor moves, but don't leave it out")
       ->needs(fuse);
 }
 

@@ -40,6 +40,7 @@ class Run {
       }
       progress.Advance();
     }
+    drive_.mask = tracker_.Mask();
     drive_.camera = tracker_.Camera();
     drive_.camera_off_px = LargestDisplacementPx(rectifier_.camera(), drive_.camera.errors.mean);
     return std::move(drive_);
@@ -90,11 +91,12 @@ class Run {
     FusedFrame fused;
     fused.localized.frame = frame;
     FrameObservation observation =
-        localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms));
+        localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms), tracker_.Mask().left_out);
     const std::optional<PosePrior> prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt;
     observation.samples.SetCameraPrior(tracker_.PriorOfCamera());
     fused.localized.result = localizer_.LocalizeWithGlobalFallback(observation, prior);
-    fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, fused.localized.result);
+    fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, observation.floor, fused.localized.result);
+    fused.learnt_share = tracker_.Mask().share;
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {
       drive_.poses.pop_back();  // pose of the same stamp, before the frame was applied
@@ -180,6 +182,7 @@ std::string ToJsonLine(const FusedFrame& frame) {
     json["reject_reason"] = ToString(frame.outcome.fix->reason);
     json["reanchored"] = frame.outcome.fix->reanchored;
   }
+  json["learnt_mask_share"] = frame.learnt_share;
   json["visual_odometry"] = ToString(frame.outcome.visual.status);
   json["fused"] = frame.pose ? ToJson(*frame.pose) : nlohmann::ordered_json();
   return json.dump();

@@ -28,12 +28,14 @@ struct FusedFrame {
   LocalizedFrame localized;
   FrameOutcome outcome;
   std::optional<FusedPose> pose;  ///< after the frame; empty before the first fix
+  double learnt_share = 0.0;      ///< LearnedMaskState::share after the frame
 };
 
 struct FusedDrive {
   std::vector<FusedFrame> frames;
   std::vector<FusedPose> poses;  ///< ordered by time: at the frames, or at every message
   CameraEstimate camera;         ///< at the end
+  LearnedMaskState mask;         ///< at the end
   double camera_off_px = 0.0;    ///< LargestDisplacementPx of its errors
 };
 

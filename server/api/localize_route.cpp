@@ -55,8 +55,12 @@ JobLabel LabelOf(const HttpRequest& request, bool near_prior) {
 
 LocalizeOutcome Localize(AppState& state, const JobLabel& label, const LocalizeCall& call, LocalizeJob job) {
   const LocalizeRequest& request = call.request;
-  const std::shared_ptr<const Vehicle> vehicle =
-      request.vehicle.empty() ? nullptr : RequireVehicle(state, request.vehicle).vehicle;
+  std::shared_ptr<const Vehicle> vehicle;
+  if (!request.vehicle.empty()) {
+    const VehicleState known = RequireVehicle(state, request.vehicle);
+    vehicle = known.vehicle;
+    job.mask = known.session->Mask();
+  }
   const CameraModel& model = (vehicle ? vehicle->camera.camera : *request.camera).camera;
   CheckImageHeader(job.bytes, model, state.config.limits.max_image_pixels);
   CheckMaskHeader(request.mask, model);

@@ -231,6 +231,7 @@ std::string FormatFrameResponse(const FrameReport& report, const FixRecord& reco
   answer["fix"] = FormatVehicleFix(report, record);
   answer["alternatives"] = FormatAlternatives(record);
   answer["camera_correction"] = FormatCorrection(outcome.correction);
+  answer["masked_share"] = outcome.masked_share;
   answer["timing_ms"] = FormatTiming(outcome);
   return ToText(answer);
 }

@@ -83,9 +83,9 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   const LocalizeOutcome outcome = RunInPool(state, job, [&] {
     const double waited_ms = MillisecondsSince(queued);
     const MapCamera camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
-    LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior, slot.camera_prior});
+    LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior, slot.camera_prior, slot.mask});
     const auto fusion = std::chrono::steady_clock::now();
-    report = vehicle.session->FinishFrame(slot, localized.features, localized.result);
+    report = vehicle.session->FinishFrame(slot, localized.features, localized.result, localized.floor);
     localized.queue_ms = waited_ms;
     localized.fusion_ms = MillisecondsSince(fusion);
     return localized;

@@ -10,6 +10,7 @@
 #include "server/api/localize_json.h"
 #include "server/api/pose_json.h"
 #include "server/api/tracking_json.h"
+#include "server/serving/localize_service.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {
@@ -48,6 +49,23 @@ nlohmann::json FormatMask(const Vehicle& vehicle) {
     return {};
   }
   return {{"masked_share", rectifier.masked_share()}, {"of", vehicle.camera.mask.empty() ? "map" : "vehicle"}};
+}
+
+// The registered camera, and what of its view is not looked at.
+nlohmann::json FormatVehicleCamera(const Vehicle& vehicle, const LearnedMaskState& learnt) {
+  const Rectifier& rectifier = *vehicle.in_map.rectifier;
+  nlohmann::json json = FormatCamera(vehicle.camera.camera.camera);
+  nlohmann::json by = nlohmann::json::array();
+  if (!rectifier.raw_mask().empty()) {
+    by.push_back(vehicle.camera.mask.empty() ? "map" : "registration");
+  }
+  if (!learnt.left_out.empty()) {
+    by.push_back("learnt");
+  }
+  json["masked_share"] = MaskedShare(rectifier, learnt);
+  json["masked_by"] = std::move(by);
+  json["learnt_mask"] = {{"status", ToString(learnt.status)}, {"share", learnt.share}, {"pairs", learnt.pairs}};
+  return json;
 }
 
 nlohmann::json FormatMessageCounts(const VehicleCounts& counts) {
@@ -124,7 +142,7 @@ nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map, doub
   const Vehicle& vehicle = *state.vehicle;
   const VehicleView view = state.session->View();
   nlohmann::json json = FormatSummary(state, view, map, stale_after_s);
-  json["camera"] = FormatCamera(vehicle.camera.camera.camera);
+  json["camera"] = FormatVehicleCamera(vehicle, state.session->Mask());
   json["floor"] = FormatFloor(vehicle.camera.camera.floor);
   json["correct_camera"] = vehicle.camera.correct;
   json["camera_correction"] = FormatCorrection(map != nullptr ? CorrectionOf(*map, vehicle.camera) : std::nullopt);

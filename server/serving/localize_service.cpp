@@ -32,6 +32,10 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+double MaskedShare(const Rectifier& rectifier, const LearnedMaskState& learnt) {
+  return 1.0 - (1.0 - rectifier.masked_share()) * (1.0 - learnt.LeftOutShare());
+}
+
 void CheckImageHeader(std::span<const std::uint8_t> bytes, const CameraModel& camera, std::int64_t max_pixels) {
   const std::optional<ImageHeader> header = ProbeImage(bytes);
   if (!header) {
@@ -55,10 +59,12 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
   const Localizer& localizer = *job.map->localizer;
-  FrameObservation observation = localizer.Observe(*job.camera.rectifier, image);
+  FrameObservation observation = localizer.Observe(*job.camera.rectifier, image, job.mask.left_out);
   observation.samples.SetCameraPrior(job.camera_prior);
   outcome.result = localizer.LocalizeWithGlobalFallback(observation, job.prior);
   outcome.features = std::move(observation.features);
+  outcome.floor = std::move(observation.floor);
+  outcome.masked_share = MaskedShare(*job.camera.rectifier, job.mask);
   outcome.correction = job.camera.correction;
   outcome.search = outcome.result.used_prior ? "prior" : "global";
   outcome.total_ms = MillisecondsSince(start);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/localization/localizer.h"
+#include "core/odometry/learned_mask.h"
 #include "server/serving/map_camera.h"
 #include "server/serving/map_catalog.h"
 
@@ -20,12 +21,15 @@ struct LocalizeJob {
   std::span<const std::uint8_t> bytes;
   std::optional<PosePrior> prior;
   std::optional<CameraPrior> camera_prior = std::nullopt;  ///< what the vehicle's earlier fixes tell of its camera
+  LearnedMaskState mask = {};                              ///< what it learnt of its view; is left out of the image
 };
 
 struct LocalizeOutcome {
   LocalizationResult result;
   Features features;                            ///< of the image, base frame
+  GroundImage floor;                            ///< the rectified image, with what was left out
   std::optional<AppliedCorrection> correction;  ///< of the camera, by the map
+  double masked_share = 0.0;                    ///< of the floor region in view, that was left out
   const char* search = "global";                ///< "prior" or "global"
   double queue_ms = 0.0;                        ///< waited for a thread; not part of total_ms
   double decode_ms = 0.0;
@@ -34,6 +38,9 @@ struct LocalizeOutcome {
 };
 
 double MillisecondsSince(std::chrono::steady_clock::time_point start);
+
+/// Share of the floor region in view that a camera's own mask and a learnt one take away, 0 to 1.
+double MaskedShare(const Rectifier& rectifier, const LearnedMaskState& learnt);
 
 /// Checks an encoded image against the camera from its header alone, before it is queued.
 /// Throws Problem: 413 image_too_large, 422 invalid_image or image_size_mismatch.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/geometry/option_check.h"
+#include "core/localization/camera_errors.h"
 #include "server/wire/problem.h"
 
 namespace floorloc {
@@ -15,8 +16,16 @@ bool IsSame(const Vehicle& a, const Vehicle& b) {
 }
 
 // What was learnt is relative to the camera as its map corrects it.
-bool HasSameCamera(const Vehicle& a, const Vehicle& b) {
+bool HasSameCameraInMap(const Vehicle& a, const Vehicle& b) {
   return CameraKey(a.in_map.rectifier->camera()) == CameraKey(b.in_map.rectifier->camera());
+}
+
+// What stands still in the images does not depend on the map.
+bool HasSameCamera(const Vehicle& a, const Vehicle& b) {
+  const FloorCamera& first = a.camera.camera;
+  const FloorCamera& second = b.camera.camera;
+  return first.camera.width_px == second.camera.width_px && first.camera.height_px == second.camera.height_px &&
+         CameraKey(first) == CameraKey(second);
 }
 
 std::shared_ptr<VehicleSession> MakeSession(const Vehicle& vehicle, double timeout_s) {
@@ -46,8 +55,11 @@ Registration VehicleRegistry::Put(Vehicle vehicle) {
     EvictLocked();
   }
   auto session = MakeSession(vehicle, options_.timeout_s);
-  if (known != vehicles_.end() && HasSameCamera(*known->second.vehicle, vehicle)) {
+  if (known != vehicles_.end() && HasSameCameraInMap(*known->second.vehicle, vehicle)) {
     session->Resume(known->second.session->Learnt());
+  }
+  if (known != vehicles_.end() && HasSameCamera(*known->second.vehicle, vehicle)) {
+    session->TakeMaskOf(*known->second.session);
   }
   const std::string id = vehicle.id;
   VehicleState& state = vehicles_[id];

@@ -60,8 +60,9 @@ class VehicleRegistry {
   explicit VehicleRegistry(const VehicleRegistryOptions& options);
 
   /// Registers or replaces a vehicle. With unchanged map, camera and gate it keeps its pose, otherwise it restarts;
-  /// with an unchanged camera it keeps what was learnt of camera and odometry. At max_vehicles, the vehicle with the
-  /// oldest last message is evicted if it has expired; otherwise throws Problem (409 too_many_vehicles).
+  /// with an unchanged camera it keeps what was learnt of camera, odometry and of what of its view travels with it. At
+  /// max_vehicles, the vehicle with the oldest last message is evicted if it has expired; otherwise throws Problem (409
+  /// too_many_vehicles).
   Registration Put(Vehicle vehicle);
   /// False when the vehicle is not registered.
   bool Remove(const std::string& id);

@@ -102,6 +102,16 @@ DriveRecord VehicleSession::Record() {
   return record_;
 }
 
+LearnedMaskState VehicleSession::Mask() {
+  const std::lock_guard lock(mutex_);
+  return tracker_.Mask();
+}
+
+void VehicleSession::TakeMaskOf(VehicleSession& other) {
+  const std::scoped_lock lock(mutex_, other.mutex_);
+  tracker_.TakeMaskOf(other.tracker_);
+}
+
 // The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.
 void VehicleSession::StampPoseLocked(std::int64_t stamp_ns) {
   if (unstamped_pose_) {
@@ -224,17 +234,18 @@ std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const
   slot.epoch = epoch_;
   slot.prior = tracker_.Prior(stamp_ns);
   slot.camera_prior = tracker_.PriorOfCamera();
+  slot.mask = tracker_.Mask();
   return slot;
 }
 
 FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& features,
-                                        const LocalizationResult& found) {
+                                        const LocalizationResult& found, const GroundImage& floor) {
   const std::lock_guard lock(mutex_);
   FrameReport report;
   report.message = slot.epoch == epoch_ ? slot.message : MessageOutcome::kTooOld;
   if (IsUsed(report.message)) {
     frames_.Add(slot.stamp_ns);
-    report.fix = tracker_.AddFrame(slot.stamp_ns, features, found).fix;
+    report.fix = tracker_.AddFrame(slot.stamp_ns, features, floor, found).fix;
   } else if (found.status == LocalizationStatus::kLocalized) {
     report.fix = FixOutcome();
     report.fix->reason =

@@ -70,6 +70,7 @@ struct FrameSlot {
   MessageOutcome message = MessageOutcome::kUsed;
   std::optional<PosePrior> prior;
   std::optional<CameraPrior> camera_prior;
+  LearnedMaskState mask;  ///< to be left out of the image
 };
 
 /// Outcome of an image.
@@ -102,8 +103,10 @@ class VehicleSession {
   /// this vehicle is being localized, still after max_wait_s.
   std::optional<FrameSlot> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion,
                                       double max_wait_s = 0.0);
-  /// Adds the result of localizing the image. features: of the image, base frame.
-  FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found);
+  /// Adds the result of localizing the image. features: of the image, base frame. floor: FrameObservation::floor of it,
+  /// from which the vehicle learns what travels with its camera; without it, it does not.
+  FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found,
+                          const GroundImage& floor = {});
 
   VehicleView View();
   /// What the fixes tell of the camera's errors.
@@ -113,6 +116,10 @@ class VehicleSession {
   void Resume(const LearntValues& learnt);
   /// The last images and odometry messages, whether they were used or not.
   DriveRecord Record();
+  /// What of the view travels with the camera.
+  LearnedMaskState Mask();
+  /// Takes over what another session of the same camera learnt of its view.
+  void TakeMaskOf(VehicleSession& other);
   double SecondsSinceLastMessage() const;
   /// Changes with every message.
   std::int64_t LastMessageTime() const { return last_message_time_.load(); }

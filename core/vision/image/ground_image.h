@@ -34,4 +34,7 @@ struct GroundImage {
   cv::Mat mask;  ///< CV_8UC1, 255 where the floor is visible
 };
 
+/// The image without what is left out (CV_8UC1 of any size, stretched over the image; not 0: no floor; may be empty).
+GroundImage LeaveOut(const GroundImage& image, const cv::Mat& left_out);
+
 }  // namespace floorloc

@@ -19,6 +19,16 @@ GroundGrid GroundGrid::FromFloor(const FloorPlane& floor) {
   return grid;
 }
 
+GroundImage LeaveOut(const GroundImage& image, const cv::Mat& left_out) {
+  if (left_out.empty()) {
+    return image;
+  }
+  cv::Mat kept;
+  cv::resize(left_out, kept, image.mask.size(), 0, 0, cv::INTER_NEAREST);
+  kept = (kept == 0) & image.mask;
+  return {image.grid, image.gray & kept, kept};
+}
+
 namespace {
 
 const FloorCamera& Checked(const FloorCamera& camera) {

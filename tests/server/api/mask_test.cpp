@@ -66,7 +66,10 @@ TEST_F(MaskTest, AVehicleThatRegistersItsMaskIsFoundWhereItIs) {
   ASSERT_EQ(client_.Put("/v1/vehicles/plain", unmasked.dump()).status, 201);
   ASSERT_EQ(client_.Put("/v1/vehicles/masked", body_.dump()).status, 201);
   EXPECT_TRUE(Json(client_.Get("/v1/vehicles/plain"))["mask"].is_null());
-  EXPECT_NEAR(Json(client_.Get("/v1/vehicles/masked"))["mask"]["masked_share"].get<double>(), 0.6, 0.15);
+  const json masked = Json(client_.Get("/v1/vehicles/masked"));
+  EXPECT_NEAR(masked["mask"]["masked_share"].get<double>(), 0.6, 0.15);
+  EXPECT_EQ(masked["camera"]["masked_share"], masked["mask"]["masked_share"]);
+  EXPECT_EQ(masked["camera"]["masked_by"], json::array({"registration"}));
   const std::string query = std::string(kLocalize) + "?vehicle=";
   const json wrong = Json(client_.Post(query + "plain", jpeg_, "image/jpeg"));
   EXPECT_EQ(wrong["status"], "localized");
@@ -86,6 +89,7 @@ TEST_F(MaskTest, ACameraWithoutAMaskGetsTheMapsOfItsSurvey) {
   ASSERT_EQ(client.Put("/v1/vehicles/plain", VehicleBody().dump()).status, 201);
   const json vehicle = Json(client.Get("/v1/vehicles/plain"));
   EXPECT_EQ(vehicle["mask"]["of"], "map");
+  EXPECT_EQ(vehicle["camera"]["masked_by"], json::array({"map"}));
   EXPECT_NEAR(vehicle["mask"]["masked_share"].get<double>(), 0.6, 0.15);
   const std::string query = std::string(kLocalize) + "?vehicle=";
   EXPECT_LT(ErrorM(Json(client.Post(query + "plain", jpeg_, "image/jpeg"))), 0.003);
@@ -107,6 +111,42 @@ TEST_F(MaskTest, TheSameMaskAgainKeepsTheVehicleAnotherBeginsAnew) {
   EXPECT_EQ(fixes(), 1);
   EXPECT_EQ(client_.Put("/v1/vehicles/a", VehicleBody().dump()).status, 200);
   EXPECT_EQ(fixes(), 0);
+}
+
+// A vehicle with a plate in view drives on by its wheels; no frame has to be found in the map.
+TEST_F(MaskTest, AVehicleLearnsWhatTravelsWithItsCamera) {
+  const SyntheticFloor& floor = SharedMaps().floor();
+  const cv::Rect plate(0, 240, 230, 240);
+  const cv::Mat part = floor.View(floor.BaseForView(0.9, 0.6, 2.0))(plate).clone();
+  const auto learnt = [&] { return Json(client_.Get("/v1/vehicles/a"))["camera"]; };
+  ASSERT_EQ(client_.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
+  EXPECT_EQ(learnt()["learnt_mask"], json({{"status", "learning"}, {"share", 0.0}, {"pairs", 0}}));
+  json frame;
+  Pose2 last = floor.BaseForView(0.6, 0.45, 0.0);
+  for (int i = 0; i < 28; ++i) {
+    const double angle = 0.4 * i;
+    const Pose2 pose = floor.BaseForView(0.6 + 0.2 * std::sin(angle), 0.45 + 0.14 * (1.0 - std::cos(angle)), 0.0);
+    const Pose2 step = last.Between(pose);
+    last = pose;
+    cv::Mat image = floor.View(pose);
+    part.copyTo(image(plate));
+    const std::string query = "/v1/vehicles/a/frames?stamp=" + std::to_string(100 + i) +
+                              "&odometry=" + std::to_string(step.x()) + "," + std::to_string(step.y()) + "," +
+                              std::to_string(step.yaw());
+    frame = Json(client_.Post(query, EncodeImage(image, ".jpg"), "image/jpeg"));
+  }
+  const json camera = learnt();
+  EXPECT_EQ(camera["learnt_mask"]["status"], "learnt") << camera;
+  EXPECT_GT(camera["masked_share"].get<double>(), 0.08);
+  EXPECT_EQ(camera["masked_by"], json::array({"learnt"}));
+  EXPECT_GT(frame["masked_share"].get<double>(), 0.05) << "it is left out already";
+  json body = VehicleBody();
+  body["gate"] = {{"max_distance_m", 0.5}};
+  ASSERT_EQ(client_.Put("/v1/vehicles/a", body.dump()).status, 200);
+  EXPECT_EQ(learnt(), camera) << "it is the same camera";
+  body["floor"]["roi"]["x_max"] = body["floor"]["roi"]["x_max"].get<double>() - 0.02;
+  ASSERT_EQ(client_.Put("/v1/vehicles/a", body.dump()).status, 200);
+  EXPECT_EQ(learnt()["masked_share"], 0.0) << "another view is learnt anew";
 }
 
 TEST_F(MaskTest, AMaskHoldsAtTheMapsResolutionToo) {

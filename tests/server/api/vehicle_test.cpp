@@ -23,7 +23,7 @@ TEST_F(VehicleTest, LivesFromPutToDelete) {
   EXPECT_EQ(client_.Put("/v1/vehicles/agv.7", body.dump()).status, 200);
   const json vehicle = Json(client_.Get("/v1/vehicles/agv.7"));
   EXPECT_EQ(vehicle["map"], "hall");
-  EXPECT_EQ(vehicle["camera"], body["camera"]);
+  EXPECT_EQ(AsRegistered(vehicle["camera"]), body["camera"]);
   EXPECT_EQ(vehicle["floor"], body["floor"]);
   EXPECT_EQ(vehicle["gate"]["max_distance_m"], 0.5);
   EXPECT_EQ(vehicle["gate"]["max_angle_rad"], 0.1745);
