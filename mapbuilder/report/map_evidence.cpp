@@ -29,7 +29,9 @@ RectM ExtentWithLostFrames(const MapEvidence& evidence) {
 }
 
 MapEvidence ReadMapEvidence(const MapDatabase& database) {
-  MapEvidence evidence{database.ReadMap(), database.ReadFrames(), database.ReadLinks(), {}};
+  MapEvidence evidence{database.ReadMap(), database.ReadFrames(), database.ReadLinks(), {}, {}};
+  evidence.copies = FindCameraCopies(evidence.map, evidence.frames,
+                                     [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
   evidence.build = ParseBuildReport(evidence.map.info.report_json);
   return evidence;
 }

@@ -5,6 +5,7 @@
 
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_report.h"
+#include "mapbuilder/report/camera_copies.h"
 
 namespace floorloc {
 
@@ -13,7 +14,8 @@ struct MapEvidence {
   FloorMap map;
   std::vector<MapFrame> frames;
   std::vector<MapLink> links;
-  BuildReport build;  ///< times are not in the map
+  BuildReport build;                 ///< times are not in the map
+  std::vector<CameraCopies> copies;  ///< what moved with a camera and is in the mosaic
 
   const RectM& RoiOf(const MapFrame& frame) const {
     return map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.roi;

@@ -107,6 +107,14 @@ Json GeometryJson(const MapEvidence& evidence, const MapQuality& quality) {
           {"control_points", control}};
 }
 
+Json CopiesJson(const MapEvidence& evidence) {
+  Json copies = Json::array();
+  for (const CameraCopies& of_survey : evidence.copies) {
+    copies.push_back({{"survey", of_survey.survey}, {"share_of_view", of_survey.share}, {"frames", of_survey.frames}});
+  }
+  return copies;
+}
+
 Json HeldOutJson(const MapEvidence& evidence) {
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   return {{"frames", score.frames},
@@ -132,6 +140,7 @@ std::string ReportJson(const MapEvidence& evidence, const MapQuality& quality, c
                   {"floor", FloorJson(quality)},
                   {"geometry", GeometryJson(evidence, quality)},
                   {"held_out", HeldOutJson(evidence)},
+                  {"camera_copies", CopiesJson(evidence)},
                   {"build", Json::parse(evidence.map.info.report_json)}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

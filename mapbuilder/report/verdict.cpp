@@ -84,6 +84,18 @@ bool AssessMasks(const BuildReport& build, const VerdictOptions& options, Verdic
   return severe;
 }
 
+// True when the mosaic shows what moved with a camera, and the build did not say so.
+bool AssessCopies(const MapEvidence& evidence, VerdictReasons* reasons) {
+  for (const CameraCopies& copies : evidence.copies) {
+    const bool several = evidence.map.info.cameras.size() > 1;
+    reasons->Add(true, PercentText(copies.share) + " of the view" +
+                           (several ? " of survey " + std::to_string(copies.survey + 1) : "") +
+                           " repeats in the mosaic at the same place of the frames: something that moves with the "
+                           "camera was taken for floor; build the map again with --mask, or without --no-auto-mask.");
+  }
+  return !evidence.copies.empty();
+}
+
 void AssessFloor(const MapQuality& quality, VerdictReasons* reasons) {
   double bare_m2 = 0.0, missing_m2 = 0.0, self_similar_m2 = 0.0, other_m2 = 0.0;
   for (const Zone& zone : quality.zones) {
@@ -232,7 +244,8 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   VerdictReasons reasons;
   AssessHeldOut(score, &reasons);
-  const bool lacks_mask = AssessMasks(evidence.build, options, &reasons);
+  const bool told = AssessMasks(evidence.build, options, &reasons);
+  const bool lacks_mask = told || AssessCopies(evidence, &reasons);
   const std::size_t for_masks = reasons.severe.size();
   AssessFrames(evidence.build, options, &reasons);
   AssessFloor(quality, &reasons);

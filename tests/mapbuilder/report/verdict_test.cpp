@@ -29,6 +29,15 @@ TEST(VerdictTest, AnUntestedMapIsNotSimplyTrusted) {
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
 }
 
+TEST(VerdictTest, AMapThatShowsAPartOfTheRobotIsNotToBeUsed) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.copies = {{0, 400, 0.11, {}}};
+  const Verdict verdict = VerdictOf(evidence);
+  EXPECT_EQ(verdict.trust, Trust::kResurvey);
+  EXPECT_EQ(verdict.headline, "Do not use this map yet: build it again with a mask");
+  EXPECT_THAT(verdict.reasons.front(), HasSubstr("11 % of the view repeats in the mosaic"));
+}
+
 TEST(VerdictTest, AHoleIsToBeInspected) {
   const Verdict verdict = VerdictOf(
       MakeMapEvidence([](const Eigen::Vector2d& view) { return (view - Eigen::Vector2d(1.6, 1.2)).norm() > 0.5; }));
