@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/odometry/drive.h"
 
+#include <cmath>
+
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "core/io/survey.h"
@@ -39,19 +41,24 @@ Drive Thin(const Drive& drive, std::size_t step) {
   return thin;
 }
 
-std::vector<BenchDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph, int frames) {
+std::vector<BenchDrive> SimulateDrives(const BenchDriveOptions& bench) {
+  const std::string overlay = bench.overlay.share > 0.0 ? std::string("-") + ToString(bench.overlay.kind) + "-" +
+                                                              std::to_string(std::lround(100.0 * bench.overlay.share))
+                                                        : "";
   std::vector<BenchDrive> drives;
   ProgressBar progress("drives", 10, ProgressOutput::Stderr());
   for (const std::string condition : {"mild", "hard"}) {
     for (const std::string floor : {"concrete", "carpet", "wood", "tiles", "photo"}) {
       SimulateOptions options;
-      options.out = state / (floor + "-" + condition + "-" + std::to_string(frames));
-      options.floor.source = floor == "photo" ? photograph : floor;
+      options.out = bench.state / (floor + "-" + condition + "-" + std::to_string(bench.frames) + overlay);
+      options.floor.source = floor == "photo" ? bench.photograph : floor;
       options.path.type = PathType::kDrive;
-      options.path.frames = frames;
+      options.path.frames = bench.frames;
+      options.path.drive.stops = overlay.empty() ? 0 : 1;
       options.path.fps = 20.0;
       options.path.speed_m_per_s = 0.4;
       options.conditions = ConditionLevels::FromName(condition);
+      options.conditions.overlay = bench.overlay;
       if (!std::filesystem::exists(options.out)) {
         Simulate(options);
       }

@@ -9,6 +9,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/vision/image/rectifier.h"
+#include "mapbuilder/simulation/camera_overlay.h"
 
 namespace floorloc {
 
@@ -33,8 +34,15 @@ struct BenchDrive {
   std::string condition;
 };
 
+struct BenchDriveOptions {
+  std::filesystem::path state;  ///< folder of the drives
+  std::string photograph;       ///< image of a floor from which one texture is quilted
+  int frames = 150;
+  OverlayOptions overlay;  ///< what travels with the camera; with it, the vehicle stops once on its way
+};
+
 /// Simulates drives over five floors under mild and hard conditions, unless they exist: 20 frames per second at 0.4
-/// m/s. photograph: image of a floor from which one texture is quilted. Throws InputError when they cannot be written.
-std::vector<BenchDrive> SimulateDrives(const std::filesystem::path& state, const std::string& photograph, int frames);
+/// m/s. Throws InputError when they cannot be written.
+std::vector<BenchDrive> SimulateDrives(const BenchDriveOptions& drives);
 
 }  // namespace floorloc

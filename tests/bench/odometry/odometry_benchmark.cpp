@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 constexpr std::size_t kThinning[] = {1, 2, 4};
 
 struct Arguments {
-  std::string state;
-  std::string photograph;
-  int frames = 150;
+  BenchDriveOptions drives;
+  std::string overlay;
+  double overlay_share = 0.3;
   std::vector<fs::path> folders;
 };
 
@@ -91,7 +91,12 @@ void RunGroup(const std::string& name, const std::vector<fs::path>& folders) {
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   std::map<std::string, std::vector<fs::path>> groups;
-  for (const BenchDrive& drive : SimulateDrives(arguments.state, arguments.photograph, arguments.frames)) {
+  BenchDriveOptions drives = arguments.drives;
+  if (!arguments.overlay.empty()) {
+    drives.overlay.kind = ParseOverlayKind(arguments.overlay);
+    drives.overlay.share = arguments.overlay_share;
+  }
+  for (const BenchDrive& drive : SimulateDrives(drives)) {
     groups["five floors, " + drive.condition].push_back(drive.folder);
   }
   for (const fs::path& folder : arguments.folders) {
@@ -115,10 +120,16 @@ int main(int argc, char** argv) {
   floorloc::Arguments arguments;
   CLI::App app("Measures planar visual odometry by features and by KLT on simulated and recorded drives.",
                "odometry_benchmark");
-  app.add_option("--state", arguments.state, "Folder of simulated drives")->required();
-  app.add_option("--photograph", arguments.photograph, "Image of a floor to make one of")->required();
-  app.add_option("--frames", arguments.frames, "Of each simulated drive")
+  app.add_option("--state", arguments.drives.state, "Folder of simulated drives")->required();
+  app.add_option("--photograph", arguments.drives.photograph, "Image of a floor to make one of")->required();
+  app.add_option("--frames", arguments.drives.frames, "Of each simulated drive")
       ->check(CLI::Range(20, 100000))
+      ->capture_default_str();
+  auto* overlay = app.add_option("--overlay", arguments.overlay, "What stands still in the images; the vehicle stops")
+                      ->check(CLI::IsMember(OverlayKindNames()));
+  app.add_option("--overlay-share", arguments.overlay_share, "Share of the image that it covers")
+      ->needs(overlay)
+      ->check(CLI::Range(0.01, 0.9))
       ->capture_default_str();
   app.add_option("folders", arguments.folders, "Recorded drives with ground truth, in the survey format");
   CLI11_PARSE(app, argc, argv);
