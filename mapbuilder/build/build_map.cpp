@@ -119,7 +119,9 @@ FrameSet ExtractMasked(FrameSet set, const std::vector<CameraMaskFinding>& findi
 // Warnings, one sentence each.
 std::vector<std::string> CheckAndMendOdometry(const BuildOptions& options, FrameSet* set) {
   const PairRegistrationOptions& registration = options.placement.registration;
-  std::vector<std::string> warnings = CheckOdometry(*set, registration);
+  std::vector<std::string> warnings = MendOdometryClock(registration, options.odometry_clock, set);
+  const std::vector<std::string> disagreeing = CheckOdometry(*set, registration);
+  warnings.insert(warnings.end(), disagreeing.begin(), disagreeing.end());
   const std::vector<std::string> left_out = MendOdometry(registration, options.odometry_steps, set);
   warnings.insert(warnings.end(), left_out.begin(), left_out.end());
   return warnings;

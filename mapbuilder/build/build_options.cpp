@@ -14,6 +14,7 @@ void BuildOptions::Check() const {
   auto_mask.Check();
   markers.Check();
   heights.Check();
+  odometry_clock.Check();
   odometry_steps.Check();
   placement.Check();
   self_calibration.Check();

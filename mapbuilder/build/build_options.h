@@ -16,6 +16,7 @@
 #include "mapbuilder/mosaic/mosaic.h"
 #include "mapbuilder/placement/place_frames.h"
 #include "mapbuilder/screening/auto_mask.h"
+#include "mapbuilder/screening/odometry_clock.h"
 #include "mapbuilder/screening/odometry_steps.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 
@@ -34,6 +35,7 @@ struct BuildOptions {
   AutoMaskOptions auto_mask;
   MarkerOptions markers;
   FrameHeightOptions heights;  ///< not used with `extend`, whose map has one height
+  OdometryClockOptions odometry_clock;
   OdometryStepOptions odometry_steps;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;

@@ -44,10 +44,13 @@ class Placer {
   Placement Run() {
     MakeOdometryLinks();
     AddLinks(SelectConsecutivePairs(frames_));
-    if (HasSeparateParts()) {
+    if (HasSeparateParts(graph_.LinksAndOdometry())) {
       JoinSeparateParts();
     }
     CloseLoopsInGrowingRounds();
+    if (!graph_.odometry.empty() && HasSeparateParts(graph_.links)) {
+      JoinDespiteOdometry();
+    }
     control_points_ = AddAbsoluteConstraints(frames_, surveys_, options_.known_points, &graph_);
     RequireNearOrigin();
     return Finish();
@@ -56,10 +59,13 @@ class Placer {
  private:
   void MakeOdometryLinks();
   void AddLinks(const std::vector<FramePair>& pairs);
-  bool HasSeparateParts() const;
+  bool HasSeparateParts(const std::vector<Link>& trusted) const;
   void JoinSeparateParts();
-  void AddSimilarCandidates(int pairs_per_frame);
+  void JoinDespiteOdometry();
+  void AddSimilarCandidates(const std::vector<Link>& trusted, int pairs_per_frame);
+  bool AddJoiningLinks(const std::vector<Link>& trusted);
   void CloseLoopsInGrowingRounds();
+  void CloseMissedLoops();
   void CloseLoops(int end, const NearbyOptions& options);
   void Optimize(int frame_count);
   std::vector<std::optional<Pose2>> PlacedUpTo(int frame_count) const;
@@ -109,35 +115,51 @@ void Placer::AddLinks(const std::vector<FramePair>& pairs) {
   }
 }
 
-void Placer::AddSimilarCandidates(int pairs_per_frame) {
+void Placer::AddSimilarCandidates(const std::vector<Link>& trusted, int pairs_per_frame) {
   std::set<std::pair<int, int>> known = linked_;
   for (const Link& link : candidates_) {
     known.emplace(link.first, link.second);
   }
-  std::vector<FramePair> pairs = SelectSimilarPairs(frames_, FindComponents(count_, graph_.LinksAndOdometry()),
-                                                    {pairs_per_frame, registration_.run});
+  std::vector<FramePair> pairs =
+      SelectSimilarPairs(frames_, FindComponents(count_, trusted), {pairs_per_frame, registration_.run});
   std::erase_if(pairs, [&](const FramePair& pair) { return known.contains({pair.first, pair.second}); });
   const std::vector<Link> similar = RegisterPairs(frames_, floors_, pairs, registration_);
   candidates_.insert(candidates_.end(), similar.begin(), similar.end());
 }
 
-bool Placer::HasSeparateParts() const {
-  const std::vector<int> component = FindComponents(count_, graph_.LinksAndOdometry());
-  return std::any_of(component.begin(), component.end(), [](int c) { return c != 0; });
+bool Placer::HasSeparateParts(const std::vector<Link>& trusted) const {
+  return std::ranges::any_of(FindComponents(count_, trusted), [](int c) { return c != 0; });
+}
+
+bool Placer::AddJoiningLinks(const std::vector<Link>& trusted) {
+  const std::size_t before = graph_.links.size();
+  for (const Link& link : FindJoiningLinks(count_, trusted, candidates_)) {
+    if (linked_.emplace(link.first, link.second).second) {
+      graph_.links.push_back(link);
+    }
+  }
+  return graph_.links.size() > before;
 }
 
 // Joins, by appearance, parts that neither frame order nor odometry joins.
 void Placer::JoinSeparateParts() {
-  AddSimilarCandidates(kSimilarPairsPerFrame);
+  const std::vector<Link> trusted = graph_.LinksAndOdometry();
+  AddSimilarCandidates(trusted, kSimilarPairsPerFrame);
   if (IsRepetitiveFloor(candidates_)) {
-    AddSimilarCandidates(kSimilarPairsPerFrameIfRepeating);
+    AddSimilarCandidates(trusted, kSimilarPairsPerFrameIfRepeating);
     registration_.measure_agreement = true;
     min_agreement_ = MinAgreement(candidates_);
   }
-  for (const Link& link : FindJoiningLinks(count_, graph_.LinksAndOdometry(), candidates_)) {
-    if (linked_.emplace(link.first, link.second).second) {
-      graph_.links.push_back(link);
-    }
+  AddJoiningLinks(trusted);
+}
+
+// Where odometry put parts so wrongly that their overlaps were not found, appearance finds them. On floors that repeat
+// themselves odometry is the better witness.
+void Placer::JoinDespiteOdometry() {
+  AddSimilarCandidates(graph_.links, kSimilarPairsPerFrame);
+  if (!IsRepetitiveFloor(candidates_) && AddJoiningLinks(graph_.links)) {
+    CloseLoops(count_, {});
+    CloseMissedLoops();
   }
 }
 
@@ -148,8 +170,7 @@ std::vector<std::optional<Pose2>> Placer::PlacedUpTo(int frame_count) const {
   for (const int c : component) {
     ++size[c];
   }
-  const auto largest =
-      std::max_element(size.begin(), size.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto largest = std::ranges::max_element(size, {}, [](const auto& part) { return part.second; });
   std::vector<std::optional<Pose2>> placed(frames_.size());
   for (int i = 0; i < frame_count; ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -182,6 +203,10 @@ void Placer::CloseLoopsInGrowingRounds() {
     CloseLoops(end, wide);
     done = end;
   }
+  CloseMissedLoops();
+}
+
+void Placer::CloseMissedLoops() {
   // With the drift removed, poses are accurate to millimetres, so that missed overlaps are found now.
   Optimize(count_);
   NearbyOptions narrow;
@@ -228,8 +253,7 @@ void Placer::CountUnmatchedOverlaps(Placement* placement) const {
 
 void Placer::RequireNearOrigin() const {
   const auto farthest =
-      std::max_element(graph_.map_from_base.begin(), graph_.map_from_base.end(),
-                       [](const Pose2& a, const Pose2& b) { return a.translation().norm() < b.translation().norm(); });
+      std::ranges::max_element(graph_.map_from_base, {}, [](const Pose2& pose) { return pose.translation().norm(); });
   if (farthest->translation().norm() <= options_.max_distance_m) {
     return;
   }

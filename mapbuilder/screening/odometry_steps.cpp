@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <set>
 #include <utility>
 
 #include "core/geometry/option_check.h"
 #include "mapbuilder/placement/join_parts.h"
+#include "mapbuilder/screening/odometry_step_text.h"
+#include "mapbuilder/screening/standing_odometry.h"
 
 namespace floorloc {
 namespace {
@@ -21,9 +21,6 @@ namespace {
 constexpr std::size_t kSampledForRepetition = 40;
 
 constexpr double kUsualQuantile = 0.9;
-
-// Turns below this are not worth naming.
-constexpr double kNamedTurnRad = 5.0 * std::numbers::pi / 180.0;
 
 bool Agrees(const Link& link, const FramePair& by_odometry) {
   const Pose2 off = by_odometry.first_from_second->Between(link.first_from_second);
@@ -140,17 +137,25 @@ std::vector<FalseOdometryStep> StepFinder::Run() {
     }
   }
   const bool trust_images = contradicting_.empty() || !IsRepetitive();
-  std::vector<FalseOdometryStep> steps;
+  std::vector<OpenStep> open;
   for (const FramePair& pair : open_) {
-    FalseOdometryStep step{pair.first, pair.second, *pair.first_from_second, std::nullopt,
-                           Speed(pair) / usual[Frame(pair.first).survey]};
-    const bool too_fast = step.times_usual > options_.max_times_usual && LeavesView(pair);
+    const double usual_speed = usual[Frame(pair.first).survey];
+    const double times_usual = std::isfinite(usual_speed) ? Speed(pair) / usual_speed : 1.0;
     const auto link = contradicting_.find(pair.first);
-    if (link != contradicting_.end() && (trust_images || step.times_usual > options_.max_times_usual_if_repetitive)) {
-      step.by_images = link->second.first_from_second;
-    }
-    if (step.by_images || too_fast) {
-      steps.push_back(step);
+    const bool seen =
+        link != contradicting_.end() && (trust_images || times_usual > options_.max_times_usual_if_repetitive);
+    open.push_back({pair, seen ? std::optional(link->second.first_from_second) : std::nullopt, times_usual});
+  }
+  std::vector<FalseOdometryStep> steps = FindStandingSteps(open, {frames_, floors_, registration_}, options_);
+  std::set<int> taken;
+  for (const FalseOdometryStep& step : steps) {
+    taken.insert(step.first);
+  }
+  for (const OpenStep& step : open) {
+    const bool too_fast = step.times_usual > options_.max_times_usual && LeavesView(step.pair);
+    if (!taken.contains(step.pair.first) && (step.by_images || too_fast)) {
+      steps.push_back(
+          {step.pair.first, step.pair.second, *step.pair.first_from_second, step.by_images, step.times_usual});
     }
   }
   return steps;
@@ -191,33 +196,13 @@ Trajectory Moved(Trajectory odometry, const std::vector<Resumption>& resumptions
   return odometry;
 }
 
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-
-std::string Sentence(const FalseOdometryStep& step, const FrameSet& set) {
-  const BuildFrame& first = set.frames[static_cast<std::size_t>(step.first)];
-  const BuildFrame& second = set.frames[static_cast<std::size_t>(step.second)];
-  const double turn = std::abs(step.by_odometry.yaw());
-  std::string text = (set.surveys[static_cast<std::size_t>(first.survey)].survey.folder / "odometry.tum").string() +
-                     ": step of " + Text("%.2f m", step.by_odometry.translation().norm());
-  if (turn > kNamedTurnRad) {
-    text += Text(" and %.0f degrees", turn * 180.0 / std::numbers::pi);
-  }
-  text += " between " + first.info.filename + " and " + second.info.filename;
-  if (step.by_images) {
-    return text + Text(" contradicts the images (%.2f m); left out", step.by_images->translation().norm());
-  }
-  return text + Text(" is %.0f times as fast as the others; left out", step.times_usual);
-}
-
 }  // namespace
 
 void OdometryStepOptions::Check() const {
   RequireOption(max_times_usual > 1.0, "max_times_usual must be above 1");
   RequireOption(max_times_usual_if_repetitive > 1.0, "max_times_usual_if_repetitive must be above 1");
+  RequireOption(max_times_standing >= 0.0 && max_times_standing < 1.0, "max_times_standing must be 0 to below 1");
+  RequireOption(min_standing_steps >= 1, "min_standing_steps must be 1 or more");
   RequireOption(named >= 1, "named must be 1 or more");
 }
 
@@ -269,19 +254,7 @@ FrameSet WithoutSteps(FrameSet set, const std::vector<FalseOdometryStep>& steps)
 std::vector<std::string> MendOdometry(const PairRegistrationOptions& registration, const OdometryStepOptions& options,
                                       FrameSet* set) {
   const std::vector<FalseOdometryStep> steps = FindFalseOdometrySteps(*set, registration, options);
-  std::map<int, int> count;  // by survey
-  std::vector<std::string> sentences;
-  for (const FalseOdometryStep& step : steps) {
-    if (++count[set->frames[static_cast<std::size_t>(step.first)].survey] <= options.named) {
-      sentences.push_back(Sentence(step, *set));
-    }
-  }
-  for (const auto& [survey, all] : count) {
-    if (all > options.named) {
-      sentences.push_back((set->surveys[static_cast<std::size_t>(survey)].survey.folder / "odometry.tum").string() +
-                          ": " + std::to_string(all - options.named) + " more steps like these are left out");
-    }
-  }
+  std::vector<std::string> sentences = NameSteps(steps, *set, options.named);
   *set = WithoutSteps(std::move(*set), steps);
   return sentences;
 }

@@ -16,6 +16,10 @@ struct OdometryStepOptions {
   double max_times_usual = 5.0;
   /// On floors that repeat themselves images count against odometry only if it is this many times as fast.
   double max_times_usual_if_repetitive = 1.5;
+  /// Odometry that is at most this many times as fast as the others stands still.
+  double max_times_standing = 0.1;
+  /// So many steps in a row that stand still and whose images do not match are false: one blurred image makes two.
+  int min_standing_steps = 3;
   /// Messages name at most this many steps of a survey.
   int named = 3;
 
@@ -30,6 +34,7 @@ struct FalseOdometryStep {
   Pose2 by_odometry;               ///< first_from_second
   std::optional<Pose2> by_images;  ///< empty: the images show no common floor
   double times_usual = 0.0;        ///< its speed over that of the others
+  bool standing = false;           ///< odometry stood still
 };
 
 /// Registers all neighbours in time, first around odometry's motion, then anywhere. On repetitive floors, where images
@@ -41,7 +46,7 @@ std::vector<FalseOdometryStep> FindFalseOdometrySteps(const FrameSet& set, const
 /// or without those on from where it was, marked as a break.
 FrameSet WithoutSteps(FrameSet set, const std::vector<FalseOdometryStep>& steps);
 
-/// Finds the false steps, takes them out, and names them, one sentence each.
+/// Finds the false steps, takes them out, and names them, one sentence for each step or span at a standstill.
 std::vector<std::string> MendOdometry(const PairRegistrationOptions& registration, const OdometryStepOptions& options,
                                       FrameSet* set);
 

@@ -125,6 +125,48 @@ TEST(OdometryStepsTest, AnImageWithoutTextureIsNoReasonToCut) {
   EXPECT_THAT(Find(set), IsEmpty());
 }
 
+// Odometry stands still at frame `from` until frame `to`, as with an encoder that fails.
+FrameSet WithStandstill(FrameSet set, std::size_t from, std::size_t to) {
+  const Pose2 stands = *set.frames[from].odom_from_base;
+  const Pose2 lost = stands * set.frames[to].odom_from_base->Inverse();
+  for (std::size_t i = from; i < set.frames.size(); ++i) {
+    set.frames[i].odom_from_base = i < to ? stands : lost * *set.frames[i].odom_from_base;
+  }
+  for (StampedPose3& row : set.surveys[0].survey.odometry) {
+    if (row.stamp_ns >= set.frames[from].info.stamp_ns) {
+      const bool later = row.stamp_ns >= set.frames[to].info.stamp_ns;
+      row = StampedPose3::FromPose2(row.stamp_ns, later ? lost * row.ToPose2() : stands);
+    }
+  }
+  return set;
+}
+
+TEST(OdometryStepsTest, AnEncoderThatStandsIsFoundAndTakenOut) {
+  const FrameSet standing = WithStandstill(Recorded(), 8, 13);
+  const std::vector<FalseOdometryStep> steps = Find(standing);
+  EXPECT_THAT(FirstFrames(steps), ElementsAre(8, 9, 10, 11, 12));
+  for (const FalseOdometryStep& step : steps) {
+    EXPECT_TRUE(step.standing);
+    EXPECT_TRUE(step.by_images);
+  }
+  EXPECT_LT(LargestDifferenceM(WithoutSteps(standing, steps)), 0.05);
+  FrameSet mended = standing;
+  EXPECT_THAT(MendOdometry({}, {}, &mended),
+              ElementsAre(AllOf(HasSubstr("odometry.tum: stands still for "), HasSubstr("images/000008.jpg"),
+                                HasSubstr("images/000013.jpg"), HasSubstr("check the encoder"))));
+}
+
+TEST(OdometryStepsTest, WhatImagesCannotSeeWhileAnEncoderStandsIsCut) {
+  FrameSet standing = WithStandstill(Recorded(), 8, 13);
+  standing.frames[10].features = {};
+  const std::vector<FalseOdometryStep> steps = Find(standing);
+  EXPECT_THAT(FirstFrames(steps), ElementsAre(8, 9, 10, 11, 12));
+  const FrameSet mended = WithoutSteps(standing, steps);
+  EXPECT_TRUE(mended.frames[10].odometry_breaks);
+  EXPECT_TRUE(mended.frames[11].odometry_breaks);
+  EXPECT_FALSE(mended.frames[9].odometry_breaks);
+}
+
 TEST(OdometryStepsTest, StepsAreNamed) {
   FrameSet jumped = WithJump(WithJump(Recorded(), 17, Shift(2.0)), 24, Reset(24));
   EXPECT_THAT(
@@ -143,6 +185,12 @@ TEST(OdometryStepOptionsTest, RefusesNonsense) {
   EXPECT_NO_THROW(OdometryStepOptions().Check());
   OdometryStepOptions options;
   options.max_times_usual = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(options.Check(), std::invalid_argument);
+  options = {};
+  options.max_times_standing = 1.0;
+  EXPECT_THROW(options.Check(), std::invalid_argument);
+  options = {};
+  options.min_standing_steps = 0;
   EXPECT_THROW(options.Check(), std::invalid_argument);
   options = {};
   options.named = 0;
