@@ -85,6 +85,20 @@ void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrate
   }
 }
 
+void AddScale(const CalibratedFrames& calibrated, const BuildOptions& options, const std::string& base_report,
+              BuildReport* report) {
+  report->distances = CompareDistances(calibrated, options.distances);
+  ScaleContext context{report->distances, report->heights.free && report->heights.scale_by == "odometry", 0.0,
+                       report->extent};
+  if (!base_report.empty()) {
+    context.base_sigma = ParseBuildReport(base_report).scale.sigma;
+  }
+  report->scale = MeasureScale(calibrated, context, options.distances, options.scale);
+  for (std::string& sentence : NameMisfits(report->distances, options.distances)) {
+    report->warnings.push_back(std::move(sentence));
+  }
+}
+
 void AddCoverage(const CoverageGrid& coverage, BuildReport* report) {
   report->area_m2 = coverage.AreaM2();
   report->extent = coverage.Extent();

@@ -20,6 +20,11 @@ void AddScreening(const ScreenedFrames& screened, const std::vector<std::string>
 /// Adds what is known once all frames are placed: frames, links, drift, control points, markers, calibration.
 void AddPlacement(const PlacedSurveys& placed, const CalibratedFrames& calibrated, BuildReport* report);
 
+/// Adds what is known of the map's scale, and names distances that contradict it. Coverage is added before.
+/// base_report: of the map that was extended; empty: none.
+void AddScale(const CalibratedFrames& calibrated, const BuildOptions& options, const std::string& base_report,
+              BuildReport* report);
+
 void AddCoverage(const CoverageGrid& coverage, BuildReport* report);
 
 /// Appends the frames without a pose, and estimates for every dropped frame where it was taken if its survey has

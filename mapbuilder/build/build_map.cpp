@@ -152,6 +152,15 @@ PlacedSurveys PlaceOrNameHeights(FrameSet set, const BuildOptions& options, cons
   }
 }
 
+// Measured distances are between places of the map as it is without them.
+CalibratedFrames Calibrate(PlacedSurveys* placed, const BuildOptions& options) {
+  if (!options.distances.distances.empty()) {
+    const CalibratedFrames map = SelfCalibrate(placed->set, placed->placement, options.self_calibration);
+    placed->set = WithMeasuredDistances(std::move(placed->set), map, options.distances);
+  }
+  return SelfCalibrate(std::move(placed->set), std::move(placed->placement), options.self_calibration);
+}
+
 // Placed frames and the floor that they cover.
 struct SurveyedFloor {
   SurveyedFloor(CalibratedFrames calibrated, const BaseMap* base_map)
@@ -256,11 +265,11 @@ BuildReport BuildMap(const BuildOptions& requested) {
   clock.Finish("features");
 
   PlacedSurveys placed = PlaceOrNameHeights(std::move(screened.kept), options, {base.get(), &journal, report.heights});
-  const SurveyedFloor floor(SelfCalibrate(std::move(placed.set), std::move(placed.placement), options.self_calibration),
-                            base.get());
+  const SurveyedFloor floor(Calibrate(&placed, options), base.get());
   report.kept_all = options.placement.keep_all;
   AddPlacement(placed, floor.frames, &report);
   AddCoverage(floor.map_coverage, &report);
+  AddScale(floor.frames, options, base ? base->map.info.report_json : "", &report);
   clock.Finish("poses");
 
   const MapKeypoints keypoints = FuseKeypoints(floor.ForFusion(), options.fusion);

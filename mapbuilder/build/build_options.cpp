@@ -18,6 +18,13 @@ void BuildOptions::Check() const {
   odometry_steps.Check();
   placement.Check();
   self_calibration.Check();
+  distances.Check();
+  scale.Check();
+  const std::vector<CameraUnknown>& unknowns = self_calibration.unknowns;
+  const bool finds_height = self_calibration.automatic ||
+                            std::find(unknowns.begin(), unknowns.end(), CameraUnknown::kHeight) != unknowns.end();
+  RequireOption(distances.distances.empty() || (finds_height && extend.empty()),
+                "distances must be none where self-calibration does not estimate the height, or a map is extended");
   fusion.Check();
   held_out.Check();
   mosaic.Check();
@@ -73,6 +80,7 @@ BuildOptions WithSharedOptions(BuildOptions options, const std::vector<LoadedSur
   options.fusion.seed = options.seed;
   options.placement.registration.registration.seed = options.seed;
   options.self_calibration.registration = options.placement.registration;
+  options.self_calibration.distance_sigma_m = options.distances.sigma_m;
   options.held_out.extractor = options.extractor;
   options.held_out.fusion = options.fusion;
   options.held_out.run = options.run;

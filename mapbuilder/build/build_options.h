@@ -9,6 +9,8 @@
 #include "core/vision/extractors/feature_extractor.h"
 #include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/build/held_out.h"
+#include "mapbuilder/build/map_scale.h"
+#include "mapbuilder/build/measured_distances.h"
 #include "mapbuilder/finished_map/base_map.h"
 #include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/keypoints/fuse_keypoints.h"
@@ -39,6 +41,8 @@ struct BuildOptions {
   OdometryStepOptions odometry_steps;
   PlacementOptions placement;
   SelfCalibrationOptions self_calibration;
+  DistanceOptions distances;  ///< not used with `extend`, whose map has a scale
+  ScaleOptions scale;
   KeypointFusionOptions fusion;
   double max_keypoints_per_m2 = 0.0;  ///< keypoint budget of the map; 0: chosen for the camera
   bool hold_out = true;               ///< localize some frames in a map built without them

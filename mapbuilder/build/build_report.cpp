@@ -139,8 +139,11 @@ std::string ToText(const BuildReport& r) {
     text << Format("  heights      %.2f to %.2f of the calibrated one; scale by %s\n", r.heights.lowest,
                    r.heights.highest, r.heights.scale_by.c_str());
   }
-  text << ToText(r.self_calibration)
-       << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())
+  text << ToText(r.self_calibration);
+  if (const std::string scale = ScaleText(r.scale); !scale.empty()) {
+    text << "  scale        " << scale << "\n";
+  }
+  text << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())
        << Format("  keypoints    %d (%.0f per m2), seen %.1f times on average\n", r.keypoints,
                  r.area_m2 > 0 ? r.keypoints / r.area_m2 : 0.0, r.mean_observations)
        << Format("  time         %.1f s, %.1f frames/s:", r.total_s, r.total_s > 0 ? r.frames / r.total_s : 0.0);

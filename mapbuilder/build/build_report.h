@@ -10,6 +10,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
+#include "mapbuilder/build/map_scale.h"
 #include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/markers/markers.h"
 #include "mapbuilder/screening/auto_mask.h"
@@ -64,6 +65,8 @@ struct BuildReport {
   double drift_rad = 0.0;
   FrameHeights heights;
   SelfCalibration self_calibration;
+  MapScale scale;
+  std::vector<DistanceMisfit> distances;  ///< those that were used
   double area_m2 = 0.0;
   RectM extent;
   int keypoints = 0;

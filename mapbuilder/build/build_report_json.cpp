@@ -126,6 +126,34 @@ FrameHeights HeightsFrom(const Json& json) {
   return heights;
 }
 
+Json ToJson(const MapScale& scale) {
+  Json json{{"sigma", scale.sigma}, {"span_m", scale.span_m}, {"better_m", scale.better_m}, {"sources", Json::array()}};
+  for (const ScaleSource& source : scale.sources) {
+    const double share = scale.sigma / source.sigma;
+    json["sources"].push_back({{"name", source.name}, {"sigma", source.sigma}, {"weight", share * share}});
+  }
+  return json;
+}
+
+MapScale ScaleFrom(const Json& json) {
+  MapScale scale{json.at("sigma"), json.at("span_m"), json.at("better_m"), {}};
+  for (const Json& source : json.at("sources")) {
+    scale.sources.push_back({source.at("name"), source.at("sigma")});
+  }
+  return scale;
+}
+
+Json ToJson(const DistanceMisfit& distance) {
+  return {{"what", distance.what},
+          {"known_m", distance.known_m},
+          {"seen_m", distance.seen_m},
+          {"sigma_m", distance.sigma_m}};
+}
+
+DistanceMisfit DistanceFrom(const Json& json) {
+  return {json.at("what"), json.at("known_m"), json.at("seen_m"), json.at("sigma_m")};
+}
+
 template <typename T>
 Json ListJson(const std::vector<T>& items) {
   Json json = Json::array();
@@ -180,6 +208,9 @@ void ReadNumbers(const Json& json, BuildReport* report) {
   if (json.contains("heights")) {
     report->heights = HeightsFrom(json.at("heights"));
   }
+  if (json.contains("scale")) {
+    report->scale = ScaleFrom(json.at("scale"));
+  }
   if (json.contains("extent")) {
     const Json& extent = json.at("extent");
     report->extent = {extent.at("x_min"), extent.at("x_max"), extent.at("y_min"), extent.at("y_max")};
@@ -207,6 +238,8 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"drift_rad", report.drift_rad},
       {"heights", ToJson(report.heights)},
       {"self_calibration", Json::parse(floorloc::ToJson(report.self_calibration))},
+      {"scale", ToJson(report.scale)},
+      {"known_distances", ListJson(report.distances)},
       {"area_m2", report.area_m2},
       {"extent", {{"x_min", extent.x_min}, {"x_max", extent.x_max}, {"y_min", extent.y_min}, {"y_max", extent.y_max}}},
       {"keypoints", report.keypoints},
@@ -242,6 +275,7 @@ BuildReport ParseBuildReport(const std::string& text) {
     report.dropped = ListFrom(json, "dropped", DroppedFrom);
     report.held_out = ListFrom(json, "held_out", HeldOutFrom);
     report.control_points = ListFrom(json, "control_points", ControlPointFrom);
+    report.distances = ListFrom(json, "known_distances", DistanceFrom);
     report.masks = ListFrom(json, "camera_masks", MaskFrom);
     report.markers = ListFrom(json, "markers", MarkerFrom);
     report.flat_fields = ListFrom(json, "flat_fields", FlatFieldFrom);

@@ -26,6 +26,7 @@ struct Arguments {
   std::vector<std::string> self_calibrate{"auto"};
   std::string free_height = "auto";
   std::vector<double> poses_sigma;
+  std::vector<std::string> distances;
   std::filesystem::path report;
   bool no_held_out = false;
   bool json = false;
@@ -107,6 +108,9 @@ void Run(Arguments& a) {
     a.options.placement.prior_sigma_m = a.poses_sigma[0];
     a.options.placement.prior_sigma_rad = a.poses_sigma[1];
   }
+  for (const std::string& distance : a.distances) {
+    a.options.distances.distances.push_back(ParseMeasuredDistance(distance));
+  }
   a.options.run.progress = ProgressOutput::Stderr();
   a.options.hold_out = !a.no_held_out;
   if (!a.report.empty()) {
@@ -123,6 +127,30 @@ void Run(Arguments& a) {
               << " was built, but do not use it: " << verdict.reasons.front() << "\n";
     throw CLI::RuntimeError(kBuiltButUnusable);
   }
+}
+
+// What tells the map's scale. Returns --distance.
+CLI::Option* AddScaleOptions(CLI::App& command, Arguments& a) {
+  command
+      .add_option("--control-sigma", a.options.control_point_sigma_m,
+                  "Standard deviation of control points whose file has no sigma, metres: tape measures 0.01")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--height-sigma", a.options.scale.height_sigma_m,
+                  "Standard deviation of the camera's height in floor.yaml, metres")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--distance-sigma", a.options.distances.sigma_m,
+                  "Standard deviation of measured distances, metres: tape measures 0.005")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return command
+      .add_option("--distance", a.distances,
+                  "x1,y1,x2,y2,metres: what was measured between two places of the map that this build makes without\n"
+                  "it; repeatable")
+      ->allow_extra_args(false);
 }
 
 void AddMarkerOptions(CLI::App& command, MarkerOptions& markers) {
@@ -192,11 +220,7 @@ void AddBuildCommand(CLI::App& app) {
       ->expected(2)
       ->needs("--poses");
   CLI::Option* free_height = AddCameraOptions(*command, *a);
-  command
-      ->add_option("--control-sigma", a->options.control_point_sigma_m,
-                   "Standard deviation of control points whose file has no sigma, metres: tape measures 0.01")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  CLI::Option* distance = AddScaleOptions(*command, *a);
   AddMarkerOptions(*command, a->options.markers);
   command->add_flag("--keep-all", a->options.placement.keep_all, "Keep parts of the survey that do not connect");
   command->add_option("--keypoints-per-m2", a->options.max_keypoints_per_m2,
@@ -215,7 +239,8 @@ void AddBuildCommand(CLI::App& app) {
       ->excludes("--resolution")
       ->excludes("--poses")
       ->excludes("--self-calibrate")
-      ->excludes(free_height);
+      ->excludes(free_height)
+      ->excludes(distance);
   command->add_flag("--resume", a->options.resume, "Resume a killed build of this map");
   command->add_flag("--json", a->json, "Print the report as JSON");
   command->callback([a, command] {

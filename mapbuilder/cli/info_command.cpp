@@ -55,6 +55,7 @@ nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
   }
   json["surveys"] = Embedded(info.surveys_json);
   json["report"] = Embedded(info.report_json);
+  json["scale"] = json["report"].is_object() ? json["report"].value("scale", nlohmann::json()) : nlohmann::json();
   return json;
 }
 

@@ -181,6 +181,9 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
     facts.push_back("Neighbouring frames agree within " + LengthText(Quantile(errors, 0.5)) +
                     " (95 %: " + LengthText(Quantile(errors, 0.95)) + ").");
   }
+  if (const std::string scale = ScaleText(evidence.build.scale); !scale.empty()) {
+    facts.push_back("Its scale is " + scale + ".");
+  }
   if (evidence.build.drift_m > 0.0 && !drift_is_doubtful) {
     facts.push_back("Odometry had drifted by up to " + LengthText(evidence.build.drift_m) + "; that is corrected.");
   }

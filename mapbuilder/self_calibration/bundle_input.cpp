@@ -9,12 +9,6 @@
 #include "mapbuilder/keypoints/keypoint_tracks.h"
 
 namespace floorloc {
-namespace {
-
-constexpr double kDistanceSigmaM = 1e-3;
-
-}  // namespace
-
 BundleInput::BundleInput(const FrameSet& frames, const std::vector<std::optional<Pose2>>& poses)
     : set(frames), map_from_base(poses) {
   for (const LoadedSurvey& loaded : frames.surveys) {
@@ -49,7 +43,7 @@ void AddTracks(const BundleInput& input, const TrackChoice& choice, Bundle* bund
   }
 }
 
-void AddAbsoluteConstraints(const BundleInput& input, Bundle* bundle) {
+void AddAbsoluteConstraints(const BundleInput& input, double distance_sigma_m, Bundle* bundle) {
   const std::vector<BuildFrame>& frames = input.set.frames;
   std::map<std::pair<int, std::string>, int> by_name;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -81,7 +75,7 @@ void AddAbsoluteConstraints(const BundleInput& input, Bundle* bundle) {
       const auto first = observe(distance.first_filename, distance.first_raw_px);
       const auto second = observe(distance.second_filename, distance.second_raw_px);
       if (first && second) {
-        bundle->distances.push_back({*first, *second, distance.distance_m, kDistanceSigmaM});
+        bundle->distances.push_back({*first, *second, distance.distance_m, distance_sigma_m});
       }
     }
   }

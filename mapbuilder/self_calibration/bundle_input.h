@@ -28,7 +28,7 @@ struct TrackChoice {
 /// Adds the longest tracks, as long as one of their frames has too few observations.
 void AddTracks(const BundleInput& input, const TrackChoice& choice, Bundle* bundle);
 
-/// Adds the poses, control points and known distances of the surveys.
-void AddAbsoluteConstraints(const BundleInput& input, Bundle* bundle);
+/// Adds the poses, control points and known distances of the surveys. distance_sigma_m: of those distances.
+void AddAbsoluteConstraints(const BundleInput& input, double distance_sigma_m, Bundle* bundle);
 
 }  // namespace floorloc

@@ -198,7 +198,7 @@ Bundle Calibrator::MakeBundle(const Round& round) {
             {round.track_radius_factor,
              static_cast<int>(std::ceil(round.observation_share * options_.observations_per_frame))},
             &bundle);
-  AddAbsoluteConstraints(input, &bundle);
+  AddAbsoluteConstraints(input, options_.distance_sigma_m, &bundle);
   if (bundle.priors.empty() && bundle.control_points.empty()) {
     const auto first = std::find_if(placement_.map_from_base.begin(), placement_.map_from_base.end(),
                                     [](const auto& pose) { return pose.has_value(); });

@@ -34,6 +34,7 @@ void SelfCalibrationOptions::Check() const {
   RequireOption(error_correlation > 0.0, "error_correlation must be positive");
   RequireOption(contradiction_sigmas > 0.0, "contradiction_sigmas must be positive");
   RequireOption(observable_share > 0.0, "observable_share must be positive");
+  RequireOption(distance_sigma_m > 0.0, "distance_sigma_m must be positive");
   RequireOption(unmodelled_px >= 0.0, "unmodelled_px must not be negative");
   RequireOption(settled_px > 0.0, "settled_px must be positive");
   RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");

@@ -57,6 +57,22 @@ nlohmann::json EmbeddedJson(const std::string& text) {
   return value.is_discarded() ? nlohmann::json() : value;
 }
 
+// How well the scale is known, from the build's report. Null: a map that does not say it.
+nlohmann::json FormatScale(const MapInfo& info) {
+  const nlohmann::json report = EmbeddedJson(info.report_json);
+  const nlohmann::json scale = report.is_object() ? report.value("scale", nlohmann::json()) : nlohmann::json();
+  if (!scale.is_object() || !scale.contains("sigma") || !scale["sigma"].is_number() || !(scale["sigma"] > 0.0)) {
+    return {};
+  }
+  nlohmann::json sources = nlohmann::json::array();
+  for (const nlohmann::json& source : scale.value("sources", nlohmann::json::array())) {
+    if (source.is_object() && source.contains("name") && source["name"].is_string()) {
+      sources.push_back(source["name"]);
+    }
+  }
+  return {{"sigma", scale["sigma"]}, {"sources", std::move(sources)}};
+}
+
 }  // namespace
 
 std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps) {
@@ -71,6 +87,9 @@ std::string FormatMap(const LoadedMap& map) {
   nlohmann::json json = FormatSummary(map);
   if (map.ready()) {
     const MapInfo& info = map.info();
+    if (nlohmann::json scale = FormatScale(info); !scale.is_null()) {
+      json["scale"] = std::move(scale);
+    }
     json["format_version"] = info.format_version;
     json["extractor"] = FormatExtractor(info.extractor);
     json["camera"] = FormatCamera(info.camera().camera);

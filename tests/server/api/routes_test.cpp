@@ -30,6 +30,8 @@ TEST_F(RoutesTest, ListsMapsAndNamesTheDamagedOne) {
 
 TEST_F(RoutesTest, DescribesOneMap) {
   EXPECT_EQ(Json(client_.Get("/v1/maps/hall"))["extent"]["x_max"], 1.2);
+  EXPECT_EQ(Json(client_.Get("/v1/maps/hall"))["scale"]["sigma"], 0.0025);
+  EXPECT_EQ(Json(client_.Get("/v1/maps/hall"))["scale"]["sources"][0], "mounting");
   EXPECT_EQ(Json(client_.Get("/v1/maps/broken"))["status"], "error");
   ExpectProblem(client_.Get("/v1/maps/cellar"), 404, "unknown_map");
   ExpectProblem(client_.Get("/v1/maps/..%2Fhall"), 404, "not_found");
