@@ -23,8 +23,10 @@ void BuildOptions::Check() const {
   const std::vector<CameraUnknown>& unknowns = self_calibration.unknowns;
   const bool finds_height = self_calibration.automatic ||
                             std::find(unknowns.begin(), unknowns.end(), CameraUnknown::kHeight) != unknowns.end();
-  RequireOption(distances.distances.empty() || (finds_height && extend.empty()),
-                "distances must be none where self-calibration does not estimate the height, or a map is extended");
+  RequireOption(
+      distances.distances.empty() || (finds_height && extend.empty()),
+      "distances (--distance) must be left out unless self-calibration estimates the height (--self-calibrate auto or "
+      "height), and when a map is extended");
   fusion.Check();
   held_out.Check();
   mosaic.Check();

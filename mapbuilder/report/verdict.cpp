@@ -171,7 +171,8 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
   if (score.frames > 0) {
     facts.push_back(NumberText(score.localized) + " of " + NumberText(score.frames) +
                     " frames that were held out were found again without any hint, " + LengthText(score.median_m) +
-                    " off in the median.");
+                    " off in the median. They share the map's poses and calibration: that is how well it agrees with "
+                    "itself, not how true it is.");
   }
   if (!quality.link_strain.empty()) {
     std::vector<double> errors;
