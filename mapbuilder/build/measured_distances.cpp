@@ -108,7 +108,7 @@ MeasuredDistance ParseMeasuredDistance(const std::string& text) {
                                   "' is no distance: give x1,y1,x2,y2,metres, such as 0.5,0.5,39.5,0.5,38.98");
     }
   }
-  const MeasuredDistance distance{{values[0], values[1]}, {values[2], values[3]}, values[4]};
+  MeasuredDistance distance{{values[0], values[1]}, {values[2], values[3]}, values[4]};
   if (count != values.size() || std::count(text.begin(), text.end(), ',') != 4) {
     throw std::invalid_argument("'" + text +
                                 "' is no distance: give x1,y1,x2,y2,metres, such as 0.5,0.5,39.5,0.5,38.98");
