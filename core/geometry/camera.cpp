@@ -102,6 +102,7 @@ void CameraModel::Check() const {
     Require(std::isfinite(k), "distortion_coefficients must be finite");
   }
   Require(std::isfinite(sigma_px) && sigma_px >= 0, "calibration_sigma must be a number of pixels, 0 or more");
+  readout.Check();
 }
 
 Eigen::Vector2d CameraModel::Distort(const Eigen::Vector2d& undistorted_px) const {

@@ -52,6 +52,31 @@ void RefuseOtherFormats(const YamlDocument& document) {
   }
 }
 
+// Texts that are none of the known ones fail at their line.
+template <typename Parse>
+auto ParseNamed(const YamlDocument& document, const std::string& key, Parse parse) {
+  const YAML::Node value = document.Get(document.root(), key);
+  try {
+    return parse(document.Text(value, key));
+  } catch (const std::invalid_argument& error) {
+    document.Fail(value.Mark(), std::string(error.what()) + "; correct it");
+  }
+}
+
+Readout ReadoutFromYaml(const YamlDocument& document) {
+  Readout readout;
+  if (document.Has("readout_s")) {
+    readout.seconds = document.Number(document.Get(document.root(), "readout_s"), "readout_s");
+  }
+  if (document.Has("readout_direction")) {
+    readout.direction = ParseNamed(document, "readout_direction", ParseReadoutDirection);
+  }
+  if (document.Has("stamp_at")) {
+    readout.stamp_at = ParseNamed(document, "stamp_at", ParseStampAt);
+  }
+  return readout;
+}
+
 CameraModel CameraFromYaml(const YamlDocument& document) {
   RefuseOtherFormats(document);
   CameraModel camera;
@@ -72,6 +97,7 @@ CameraModel CameraFromYaml(const YamlDocument& document) {
   camera.distortion_model = ParseDistortionModel(document);
   camera.distortion = document.Numbers("distortion_coefficients");
   camera.sigma_px = document.OptionalNumber("calibration_sigma");
+  camera.readout = ReadoutFromYaml(document);
   return camera;
 }
 
@@ -104,6 +130,20 @@ std::string NumberText(double value) {
 // A line for a number that is left out when it is unknown.
 std::string OptionalText(const std::string& key, double value) {
   return value > 0.0 ? key + ": " + NumberText(value) + "\n" : "";
+}
+
+std::string ReadoutText(const Readout& readout) {
+  std::string text;
+  if (readout.seconds) {
+    text += "readout_s: " + NumberText(*readout.seconds) + "\n";
+  }
+  if (readout.seconds || readout.direction != ReadoutDirection::kDown) {
+    text += std::string("readout_direction: ") + ToString(readout.direction) + "\n";
+  }
+  if (readout.stamp_at != StampAt::kMiddle) {
+    text += std::string("stamp_at: ") + ToString(readout.stamp_at) + "\n";
+  }
+  return text;
 }
 
 std::string ListText(const std::vector<double>& numbers) {
@@ -153,7 +193,7 @@ std::string FormatCameraYaml(const CameraModel& camera) {
          MatrixText("distortion_coefficients", 1, camera.distortion) +
          MatrixText("rectification_matrix", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}) +
          MatrixText("projection_matrix", 3, {camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0}) +
-         OptionalText("calibration_sigma", camera.sigma_px);
+         OptionalText("calibration_sigma", camera.sigma_px) + ReadoutText(camera.readout);
 }
 
 std::string FormatFloorYaml(const FloorPlane& floor) {

@@ -107,6 +107,12 @@ void ReadFrames(BadFramePolicy bad_frames, Survey* survey) {
   }
 }
 
+void MoveStampsToMiddleRow(Survey* survey) {
+  for (SurveyFrame& frame : survey->frames) {
+    frame.stamp_ns += survey->camera.camera.readout.StampShiftNs();
+  }
+}
+
 // Rejects rows of a table that name an image which is not a frame of the survey.
 class FrameNames {
  public:
@@ -208,6 +214,7 @@ Survey ReadSurvey(const std::filesystem::path& folder, BadFramePolicy bad_frames
   survey.camera = ReadFloorCamera(folder);
   survey.mask = ReadCameraMask(folder, survey.camera.camera);
   ReadFrames(bad_frames, &survey);
+  MoveStampsToMiddleRow(&survey);
   if (const fs::path file = folder / "odometry.tum"; Exists(file)) {
     survey.odometry = ReadTum(file);
     CheckPlanar(survey.odometry, file);

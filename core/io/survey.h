@@ -14,8 +14,8 @@
 namespace floorloc {
 
 struct SurveyFrame {
-  std::int64_t stamp_ns = 0;
-  std::string filename;  ///< relative to the folder, with slashes
+  std::int64_t stamp_ns = 0;  ///< of the middle row (Readout::StampShiftNs)
+  std::string filename;       ///< relative to the folder, with slashes
 };
 
 /// One row of imu.csv (EuRoC): angular velocity rad/s and acceleration m/s^2 in the IMU frame.

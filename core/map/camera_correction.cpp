@@ -48,6 +48,7 @@ std::optional<CameraCorrection> CorrectCamera(const MapInfo& info, const FloorCa
     }
     CameraCorrection correction{static_cast<int>(survey), info.cameras[survey], 0.0};
     correction.camera.camera.name = camera.camera.name;
+    correction.camera.camera.readout = camera.camera.readout;
     correction.camera.floor.roi = camera.floor.roi;
     correction.camera.floor.resolution_m = camera.floor.resolution_m;
     correction.moved_px = LargestDisplacement(camera, correction.camera) / camera.floor.resolution_m;

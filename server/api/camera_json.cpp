@@ -2,6 +2,7 @@
 #include "server/api/camera_json.h"
 
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "server/wire/strict_json.h"
 
@@ -54,6 +55,43 @@ DistortionModel ParseModel(const std::string& name) {
   throw JsonError("camera.distortion_model must be plumb_bob, rational_polynomial or equidistant.");
 }
 
+// Names that are none of the known ones are errors of the request.
+template <typename Parse>
+auto ParseNamed(JsonObject& object, const std::string& key, Parse parse) {
+  const std::string name = object.Text(key);
+  try {
+    return parse(name);
+  } catch (const std::invalid_argument& error) {
+    throw JsonError(std::string("camera.") + error.what() + ".");
+  }
+}
+
+Readout ParseReadout(JsonObject& object) {
+  Readout readout;
+  if (object.Has("readout_s")) {
+    readout.seconds = object.Number("readout_s");
+  }
+  if (object.Has("readout_direction")) {
+    readout.direction = ParseNamed(object, "readout_direction", ParseReadoutDirection);
+  }
+  if (object.Has("stamp_at")) {
+    readout.stamp_at = ParseNamed(object, "stamp_at", ParseStampAt);
+  }
+  return readout;
+}
+
+void AddReadout(const Readout& readout, nlohmann::json* json) {
+  if (readout.seconds) {
+    (*json)["readout_s"] = *readout.seconds;
+  }
+  if (readout.seconds || readout.direction != ReadoutDirection::kDown) {
+    (*json)["readout_direction"] = ToString(readout.direction);
+  }
+  if (readout.stamp_at != StampAt::kMiddle) {
+    (*json)["stamp_at"] = ToString(readout.stamp_at);
+  }
+}
+
 nlohmann::json Matrix(int rows, int cols, const std::vector<double>& data) {
   return {{"rows", rows}, {"cols", cols}, {"data", data}};
 }
@@ -79,6 +117,7 @@ CameraModel ParseCamera(const nlohmann::json& json) {
   camera.distortion_model = ParseModel(object.Text("distortion_model"));
   camera.distortion = MatrixNumbers(object, "distortion_coefficients");
   camera.sigma_px = OptionalNumber(object, "calibration_sigma");
+  camera.readout = ParseReadout(object);
   return camera;
 }
 
@@ -103,6 +142,7 @@ nlohmann::json FormatCamera(const CameraModel& camera) {
       {"distortion_model", ToString(camera.distortion_model)},
       {"distortion_coefficients", Matrix(1, static_cast<int>(camera.distortion.size()), camera.distortion)}};
   AddKnown("calibration_sigma", camera.sigma_px, &json);
+  AddReadout(camera.readout, &json);
   return json;
 }
 

@@ -32,6 +32,10 @@ std::string KeyOf(const FloorCamera& camera) {
   for (const double value : c.distortion) {
     Append(value, key);
   }
+  for (const double value : {c.readout.seconds.value_or(-1.0), static_cast<double>(c.readout.direction),
+                             static_cast<double>(c.readout.stamp_at)}) {
+    Append(value, key);
+  }
   const FloorPlane& f = camera.floor;
   for (int i = 0; i < 9; ++i) {
     Append(f.base_from_pixel(i / 3, i % 3), key);

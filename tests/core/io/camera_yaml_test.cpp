@@ -69,6 +69,29 @@ TEST(CameraYaml, WhatACalibrationIsWorthMayBeUnknown) {
   EXPECT_THAT(FormatCameraYaml(ParseCameraYaml(kCameraYaml, "camera.yaml")), Not(HasSubstr("calibration_sigma")));
 }
 
+TEST(CameraYaml, TheReadoutMayBeUnknown) {
+  const Readout unknown = ParseCameraYaml(kCameraYaml, "camera.yaml").readout;
+  EXPECT_FALSE(unknown.seconds);
+  EXPECT_EQ(unknown.direction, ReadoutDirection::kDown);
+  EXPECT_EQ(unknown.stamp_at, StampAt::kMiddle);
+  const std::string keys = "readout_s: 0.021\nreadout_direction: up\nstamp_at: start\n";
+  const CameraModel camera = ParseCameraYaml(kCameraYaml + keys, "camera.yaml");
+  EXPECT_EQ(camera.readout.seconds, 0.021);
+  EXPECT_EQ(camera.readout.direction, ReadoutDirection::kUp);
+  EXPECT_EQ(camera.readout.stamp_at, StampAt::kStart);
+  EXPECT_EQ(ParseCameraYaml(std::string(kCameraYaml) + "readout_s: 0\n", "camera.yaml").readout.seconds, 0.0);
+}
+
+TEST(CameraYaml, WritesTheReadoutThatItReads) {
+  CameraModel camera = ParseCameraYaml(kCameraYaml, "camera.yaml");
+  EXPECT_THAT(FormatCameraYaml(camera), AllOf(Not(HasSubstr("readout")), Not(HasSubstr("stamp_at"))));
+  camera.readout = {1.0 / 30.0, ReadoutDirection::kLeft, StampAt::kEnd};
+  const Readout again = ParseCameraYaml(FormatCameraYaml(camera), "camera.yaml").readout;
+  EXPECT_EQ(again.seconds, camera.readout.seconds);
+  EXPECT_EQ(again.direction, camera.readout.direction);
+  EXPECT_EQ(again.stamp_at, camera.readout.stamp_at);
+}
+
 TEST(FloorYaml, ReadsListsAndMatrices) {
   const FloorPlane floor = ParseFloorYaml(kFloorYaml, "floor.yaml");
   EXPECT_EQ(floor.base_from_pixel(0, 1), -0.00067);
@@ -146,6 +169,16 @@ const BrokenYaml kBrokenCameras[] = {
     {"WordInDistortion", "0.06", "six", "dir/camera.yaml:12: ", "distortion_coefficients must be a finite number"},
     {"NegativeSigma", "camera_name: front", "calibration_sigma: -0.1",
      "dir/camera.yaml: ", "calibration_sigma must be a number of pixels, 0 or more"},
+    {"LongReadout", "camera_name: front", "readout_s: 21",
+     "dir/camera.yaml: ", "readout_s must be the seconds from the first row to the last one"},
+    {"TextReadout", "camera_name: front", "readout_s: fast",
+     "dir/camera.yaml:3: ", "readout_s must be a finite number"},
+    {"ReadoutDirection", "camera_name: front", "readout_direction: north",
+     "dir/camera.yaml:3: ", "readout_direction must be down, up, right or left"},
+    {"StampAt", "camera_name: front", "stamp_at: begin",
+     "dir/camera.yaml:3: ", "stamp_at must be start, middle or end"},
+    {"StampWithoutReadout", "camera_name: front", "stamp_at: start",
+     "dir/camera.yaml: ", "stamp_at start or end needs readout_s"},
     {"TextSigma", "camera_name: front", "calibration_sigma: good",
      "dir/camera.yaml:3: ", "calibration_sigma must be a finite number"},
     {"UnclosedList", "1.0]", "1.0", "dir/camera.yaml:", "is not valid YAML"},

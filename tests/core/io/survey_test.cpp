@@ -256,6 +256,16 @@ TEST_F(SurveyFolder, ReadsTheSmallestOne) {
   EXPECT_TRUE(survey.imu.empty() && survey.control_points.empty());
 }
 
+TEST_F(SurveyFolder, StampsAreThoseOfTheMiddleRow) {
+  const auto first_ns = [this](const std::string& keys) {
+    Write("camera.yaml", testing_io::kCameraYaml + keys);
+    return Read().frames[0].stamp_ns;
+  };
+  EXPECT_EQ(first_ns("readout_s: 0.03\n"), 10'000'000'000);
+  EXPECT_EQ(first_ns("readout_s: 0.03\nstamp_at: start\n"), 10'015'000'000);
+  EXPECT_EQ(first_ns("readout_s: 0.03\nstamp_at: end\n"), 9'985'000'000);
+}
+
 TEST_F(SurveyFolder, ReadsEveryPart) {
   Write("odometry.tum", "10 1 0 0 0 0 0 1\n");
   Write("groundtruth.tum", "10 2 0 0 0 0 0 1\n");

@@ -65,6 +65,9 @@ TEST_F(VehicleTest, RefusesWrongFields) {
       {"/camera/camera_matrix", {{"rows", 2}, {"cols", 2}, {"data", {1, 0, 0, 0, 1, 0, 0, 0, 1}}}},
       {"/floor/homography", {1, 2}},
       {"/camera/calibration_sigma", "small"},
+      {"/camera/readout_s", "fast"},
+      {"/camera/readout_direction", "north"},
+      {"/camera/stamp_at", 1},
       {"/correct_camera", "no"},
       {"/correct_camera", 1},
       {"/floor/roi", 5},
@@ -79,7 +82,7 @@ TEST_F(VehicleTest, RefusesWrongFields) {
   json body = VehicleBody();
   body["camera"]["distortion_coefficients"] = {0.1};
   ExpectProblem(client_.Put("/v1/vehicles/a", body.dump()), 422, "invalid_camera");
-  for (const char* pointer : {"/camera/calibration_sigma", "/floor/offset_sigma", "/floor/resolution"}) {
+  for (const char* pointer : {"/camera/calibration_sigma", "/camera/readout_s", "/floor/offset_sigma", "/floor/resolution"}) {
     body = VehicleBody();
     body[json::json_pointer(pointer)] = -0.1;
     ExpectProblem(client_.Put("/v1/vehicles/a", body.dump()), 422, "invalid_camera");
