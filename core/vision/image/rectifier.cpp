@@ -57,7 +57,7 @@ Rectifier::Rectifier(const FloorCamera& camera, const cv::Mat& raw_mask)
       mask_.at<std::uint8_t>(v, u) = seen ? 255 : 0;
     }
   }
-  cv::convertMaps(map, cv::noArray(), map_xy_, map_fraction_, CV_16SC2);
+  cv::convertMaps(map, cv::noArray(), map_.xy, map_.fraction, CV_16SC2);
   if (!raw_mask_.empty()) {
     ApplyMask();
   }
@@ -73,14 +73,16 @@ void Rectifier::ApplyMask() {
   masked_share_ = seen > 0 ? 1.0 - static_cast<double>(cv::countNonZero(mask_)) / seen : 0.0;
 }
 
-cv::Mat Rectifier::RectifyImage(const cv::Mat& raw) const {
+cv::Mat Rectifier::Remap(const cv::Mat& raw, const PixelMap& map) const {
   if (raw.depth() != CV_8U || raw.cols != camera_.camera.width_px || raw.rows != camera_.camera.height_px) {
     throw std::invalid_argument("the image is not an 8-bit image of the calibrated camera's size");
   }
   cv::Mat rectified;
-  cv::remap(raw, rectified, map_xy_, map_fraction_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+  cv::remap(raw, rectified, map.xy, map.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
   return rectified;
 }
+
+cv::Mat Rectifier::RectifyImage(const cv::Mat& raw) const { return Remap(raw, map_); }
 
 GroundImage Rectifier::Rectify(const cv::Mat& raw) const {
   if (raw.channels() != 1) {
@@ -89,6 +91,21 @@ GroundImage Rectifier::Rectify(const cv::Mat& raw) const {
   GroundImage image{grid_, RectifyImage(raw), mask_};
   if (!raw_mask_.empty()) {
     image.gray &= mask_;
+  }
+  return image;
+}
+
+GroundImage Rectifier::Rectify(const cv::Mat& raw, const Eigen::Vector3d& motion) const {
+  if (motion.isZero() || raw.channels() != 1) {
+    return Rectify(raw);
+  }
+  const PixelMap moved = MoveRows(camera_, grid_, map_, motion);
+  GroundImage image{grid_, Remap(raw, moved), cv::Mat()};
+  cv::extractChannel(moved.xy, image.mask, 0);
+  image.mask = image.mask >= 0;
+  if (!raw_mask_.empty()) {
+    image.mask &= Remap(raw_mask_, moved) == 255;
+    image.gray &= image.mask;
   }
   return image;
 }

@@ -6,6 +6,7 @@
 #include "core/geometry/calibration_modes.h"
 #include "core/geometry/floor_plane.h"
 #include "core/vision/image/ground_image.h"
+#include "core/vision/image/readout_warp.h"
 
 namespace floorloc {
 
@@ -19,6 +20,9 @@ class Rectifier {
 
   /// raw: CV_8UC1 of the camera's size; throws std::invalid_argument otherwise.
   GroundImage Rectify(const cv::Mat& raw) const;
+  /// Of a camera that moves while its image is read out (ReadoutMotion::motion): every row is put where it belongs when
+  /// the middle one is exposed.
+  GroundImage Rectify(const cv::Mat& raw, const Eigen::Vector3d& motion) const;
   /// The same for mosaics, grey or colour: CV_8UC1 or CV_8UC3, returns the same type; invalid pixels are 0.
   cv::Mat RectifyImage(const cv::Mat& raw) const;
 
@@ -35,12 +39,12 @@ class Rectifier {
 
  private:
   void ApplyMask();
+  cv::Mat Remap(const cv::Mat& raw, const PixelMap& map) const;
 
   FloorCamera camera_;
   CalibrationModes calibration_modes_;
   GroundGrid grid_;
-  cv::Mat map_xy_;        // CV_16SC2: integer part of the raw pixel
-  cv::Mat map_fraction_;  // CV_16UC1: index of the bilinear weights
+  PixelMap map_;
   cv::Mat mask_;
   cv::Mat raw_mask_;
   double masked_share_ = 0.0;
