@@ -30,7 +30,7 @@ struct CameraModel {
   std::vector<double> distortion;  ///< coefficients in the order of the model
   /// Standard deviation of the calibration at the corners of the region of interest, px; 0: unknown.
   double sigma_px = 0.0;
-  Readout readout;
+  Readout readout = {};
 
   /// Throws std::invalid_argument with the name of the first field that makes no sense.
   void Check() const;

@@ -7,6 +7,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/localization/camera_errors.h"
+#include "core/localization/readout_fit.h"
 #include "core/registration/registration.h"
 
 namespace floorloc {
@@ -52,8 +53,9 @@ struct LocalizationResult {
   /// none: the frame was not compared with a mosaic.
   std::optional<double> support_area;
   bool used_prior = false;
-  std::optional<CameraEvidence> camera;      ///< where the frame was aligned to the mosaic
-  std::vector<PoseHypothesis> alternatives;  ///< as in PoseDecision
+  std::optional<CameraEvidence> camera;       ///< where the frame was aligned to the mosaic
+  std::optional<ReadoutMeasurement> readout;  ///< where the image was used to measure its camera's read-out
+  std::vector<PoseHypothesis> alternatives;   ///< as in PoseDecision
   LocalizationTiming timing;
 };
 

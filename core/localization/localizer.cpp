@@ -154,6 +154,21 @@ struct Localizer::Impl {
     }
     // The camera's place in the robot: no image shows its error, which is the same in all frames.
     result->covariance.topLeftCorner<2, 2>().diagonal().array() += frame.offset_sigma_m * frame.offset_sigma_m;
+    AddReadout(frame.readout_covariance, result);
+  }
+
+  // What a read-out shears looks like errors of the camera, which are not to be learnt from it.
+  static void AddReadout(const Eigen::Matrix3d& covariance_in_base, LocalizationResult* result) {
+    if (covariance_in_base.isZero()) {
+      return;
+    }
+    constexpr double kNegligibleM2 = 1e-8;
+    Eigen::Matrix3d map_from_base = Eigen::Matrix3d::Identity();
+    map_from_base.topLeftCorner<2, 2>() = result->map_from_base.rotation();
+    result->covariance += map_from_base * covariance_in_base * map_from_base.transpose();
+    if (covariance_in_base.topLeftCorner<2, 2>().trace() > kNegligibleM2) {
+      result->camera.reset();
+    }
   }
 
   // center_in_base: centre of the visible floor, metres.
@@ -193,9 +208,12 @@ Localizer::~Localizer() = default;
 
 const FloorMap& Localizer::map() const { return impl_->map; }
 
-FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw, const cv::Mat& left_out) const {
+const LocalizerOptions& Localizer::options() const { return impl_->options; }
+
+FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw, const ReadoutMotion& motion,
+                                    const cv::Mat& left_out) const {
   Stopwatch stage;
-  const GroundImage floor = rectifier.Rectify(raw);
+  const GroundImage floor = rectifier.Rectify(raw, motion.motion);
   const GroundImage image = LeaveOut(floor, left_out);
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
@@ -203,11 +221,25 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
                          FrameSamples(image, prepared, rectifier),
                          rectifier.camera().floor.roi,
                          rectifier.camera().floor.offset_sigma_m,
+                         motion.covariance,
                          floor,
                          rectify_ms,
                          0.0};
   frame.features_ms = stage.LapMs();
   return frame;
+}
+
+std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservation& frame, const FloorCamera& camera,
+                                                            const MovingPrior& prior) const {
+  PosePrior near = prior.near;
+  near.map_from_base = impl_->map.keypoints.MapFromOrigin().Inverse() * near.map_from_base;
+  const SearchScope scope = SearchScopes(near, frame.roi, impl_->search.floor_repeats()).back();
+  const FrameMatches found = impl_->search.FindMatches(frame.features, scope);
+  ReadoutProblem problem{found.oriented, {}, prior.twist, camera.floor.resolution_m};
+  for (const OrientedMatch& match : problem.matches) {
+    problem.share.push_back(ReadoutShare(camera.camera, camera.RawPixelFromFloor(match.source_m)));
+  }
+  return FitReadout(problem, impl_->options.registration, impl_->options.readout_fit);
 }
 
 LocalizationResult Localizer::Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {

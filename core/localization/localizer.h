@@ -21,6 +21,12 @@
 
 namespace floorloc {
 
+/// Where a moving robot is, roughly, and how it moves: (vx, vy, omega) of its base, m/s and rad/s.
+struct MovingPrior {
+  PosePrior near;
+  Eigen::Vector3d twist = Eigen::Vector3d::Zero();
+};
+
 /// Localizes frames in one map. Const after construction; Localize is thread-safe and deterministic.
 class Localizer {
  public:
@@ -32,9 +38,10 @@ class Localizer {
   Localizer& operator=(const Localizer&) = delete;
 
   /// Rectifies a frame and extracts its features. raw: CV_8UC1 of the size of the rectifier's camera; throws
-  /// std::invalid_argument otherwise. left_out: what is no floor beside the rectifier's mask, as
-  /// LearnedMaskState::left_out; may be empty.
-  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw, const cv::Mat& left_out = cv::Mat()) const;
+  /// std::invalid_argument otherwise. motion: of the robot while the image is read out. left_out: what is no floor
+  /// beside the rectifier's mask, as LearnedMaskState::left_out; may be empty.
+  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw, const ReadoutMotion& motion = {},
+                           const cv::Mat& left_out = cv::Mat()) const;
   /// Searches near the prior, or the whole map without one. No global search when the prior fails: the caller decides.
   LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
   /// Searches near the prior, and the whole map when the frame is not localized there; result.used_prior says which
@@ -45,7 +52,13 @@ class Localizer {
   LocalizationResult Localize(const Rectifier& rectifier, const cv::Mat& raw,
                               const std::optional<PosePrior>& prior) const;
 
+  /// What an image of a moving robot tells of its camera's read-out, relative to that which it was observed with
+  /// (FitReadout).
+  std::optional<ReadoutMeasurement> MeasureReadout(const FrameObservation& frame, const FloorCamera& camera,
+                                                   const MovingPrior& prior) const;
+
   const FloorMap& map() const;
+  const LocalizerOptions& options() const;
 
  private:
   struct Impl;

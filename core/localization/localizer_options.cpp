@@ -18,6 +18,8 @@ void LocalizerOptions::Check() const {
   verification.Check();
   photometric.Check();
   decision.Check();
+  readout.Check();
+  readout_fit.Check();
 }
 
 }  // namespace floorloc

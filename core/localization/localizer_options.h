@@ -3,9 +3,11 @@
 
 #include <cstddef>
 
+#include "core/geometry/readout.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/pose_verifier.h"
+#include "core/localization/readout_fit.h"
 #include "core/localization/search_options.h"
 #include "core/localization/self_similarity.h"
 #include "core/registration/registration.h"
@@ -23,6 +25,8 @@ struct LocalizerOptions {
   VerificationOptions verification;
   PhotometricOptions photometric;
   DecisionOptions decision;
+  ReadoutOptions readout;
+  ReadoutFitOptions readout_fit;
   double systematic_m = 1.5e-4;      ///< error of the map that a residual does not show; `./run bench calibration`
   double systematic_share = 1.0;     ///< the same as a share of their RMS, where the mosaic was not compared
   double systematic_lever_m = 0.25;  ///< lever arm: systematic error of the heading = that of the position / lever

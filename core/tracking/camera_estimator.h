@@ -5,6 +5,7 @@
 
 #include "core/geometry/pose2.h"
 #include "core/localization/camera_errors.h"
+#include "core/localization/readout_fit.h"
 
 namespace floorloc {
 
@@ -53,6 +54,7 @@ struct CameraEstimate {
   CameraStatus status = CameraStatus::kLearning;
   int fixes = 0;  ///< used ones
   CameraPrior errors;
+  std::optional<ReadoutMeasurement> readout;  ///< of a camera that does not tell its own; empty: not learnt (yet)
 };
 
 /// Estimates the constant errors of one vehicle's camera: the product of the likelihoods of its fixes, and of a prior.

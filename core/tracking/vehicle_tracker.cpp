@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/fusion/filter_state.h"
 #include "core/geometry/option_check.h"
@@ -12,6 +13,11 @@ namespace {
 
 // Odometry that ends this long before an image still counts as covering it.
 constexpr std::int64_t kOdometryLagNs = 30'000'000;
+
+// A twist is the mean over this time; motion that was measured longer before an image does not tell its twist.
+constexpr std::int64_t kTwistWindowNs = 50'000'000;
+constexpr std::int64_t kTwistAgeNs = 500'000'000;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
 
 PlanarOdometryOptions VisualOptions(double resolution_m) {
   PlanarOdometryOptions options;
@@ -70,6 +76,7 @@ void TrackerOptions::Check() const {
   next.Check();
   camera.Check();
   mask.Check();
+  readout.Check();
 }
 
 struct VehicleTracker::State {
@@ -79,7 +86,8 @@ struct VehicleTracker::State {
         fuser(MakePoseFuser(o.method, o.filter)),
         visual(VisualOptions(resolution_m_in)),
         camera(o.camera),
-        mask(o.mask) {}
+        mask(o.mask),
+        readout(o.readout) {}
 
   TrackerOptions options;
   double resolution_m;
@@ -88,7 +96,9 @@ struct VehicleTracker::State {
   CameraEstimator camera;
   LearnedMask mask;
   std::optional<ViewPose> reference;  // of the mask
+  ReadoutEstimator readout;
   std::optional<std::int64_t> last_frame_ns;
+  std::optional<MotionIncrement> last_wheels;
   std::optional<std::int64_t> odometry_until_ns;
 
   // Motion since the last frame by wheel odometry.
@@ -97,6 +107,28 @@ struct VehicleTracker::State {
       return std::nullopt;
     }
     return fuser->MotionBetween(*last_frame_ns, stamp_ns);
+  }
+
+  // A read-out that was measured with reversed wheels has the wrong sign.
+  bool WheelsAgree() const {
+    const std::optional<FusedPose> now = fuser->Estimate();
+    return !now || !now->odometry || now->odometry->health == OdometryHealth::kOk;
+  }
+
+  // Mean twist up to an image, or up to the last measured motion shortly before it.
+  std::optional<Eigen::Vector3d> TwistAt(std::int64_t stamp_ns) const {
+    const std::int64_t measured_ns = std::max(odometry_until_ns.value_or(kNever), last_frame_ns.value_or(kNever));
+    if (measured_ns == kNever || measured_ns + kTwistAgeNs < stamp_ns) {
+      return std::nullopt;
+    }
+    const std::int64_t to_ns = std::min(stamp_ns + kTwistWindowNs / 2, std::max(measured_ns, stamp_ns - kTwistAgeNs));
+    if (const auto motion = fuser->MotionBetween(to_ns - kTwistWindowNs, to_ns)) {
+      return motion->Log() / (1e-9 * kTwistWindowNs);
+    }
+    if (last_wheels && last_wheels->to_ns > last_wheels->from_ns) {
+      return last_wheels->motion.Log() / (1e-9 * static_cast<double>(last_wheels->to_ns - last_wheels->from_ns));
+    }
+    return std::nullopt;
   }
 
   void UpdateVisualOdometry(std::int64_t stamp_ns, const Features& features, FrameOutcome* outcome) {
@@ -150,6 +182,9 @@ struct VehicleTracker::State {
     if (outcome->fix->accepted && found.camera) {
       camera.Add(*found.camera, found.map_from_base, found.p_wrong);
     }
+    if (outcome->fix->accepted && found.readout && WheelsAgree()) {
+      readout.Add(*found.readout);
+    }
   }
 };
 
@@ -166,9 +201,11 @@ MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
     state_->reference.reset();
     state_->last_frame_ns.reset();
     state_->odometry_until_ns.reset();
+    state_->last_wheels.reset();
   }
   if (outcome == MessageOutcome::kUsed || outcome == MessageOutcome::kClockJump) {
     state_->odometry_until_ns = std::max(state_->odometry_until_ns.value_or(increment.to_ns), increment.to_ns);
+    state_->last_wheels = increment;
   }
   return outcome;
 }
@@ -177,12 +214,21 @@ MessageOutcome VehicleTracker::AddImu(const ImuReading& reading) { return state_
 
 std::optional<CameraPrior> VehicleTracker::PriorOfCamera() const { return state_->camera.PriorOfNextFrame(); }
 
-CameraEstimate VehicleTracker::Camera() const { return state_->camera.Estimate(); }
+CameraEstimate VehicleTracker::Camera() const {
+  CameraEstimate estimate = state_->camera.Estimate();
+  estimate.readout = state_->readout.Estimate();
+  return estimate;
+}
+
+FrameMotion VehicleTracker::Motion(std::int64_t stamp_ns) const {
+  return {state_->TwistAt(stamp_ns), state_->readout.Estimate()};
+}
 
 void VehicleTracker::Restart() {
   const LearntValues learnt = Learnt();
   auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
   restarted->mask = std::move(state_->mask);
+  restarted->readout = std::move(state_->readout);
   state_ = std::move(restarted);
   Resume(learnt);
 }

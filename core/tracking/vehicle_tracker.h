@@ -6,12 +6,13 @@
 #include <optional>
 
 #include "core/fusion/pose_fuser.h"
-#include "core/localization/frame_observation.h"
 #include "core/localization/localization_result.h"
+#include "core/localization/moving_frame.h"
 #include "core/localization/pose_prior.h"
 #include "core/odometry/learned_mask.h"
 #include "core/odometry/planar_odometry.h"
 #include "core/tracking/camera_estimator.h"
+#include "core/tracking/readout_estimator.h"
 
 namespace floorloc {
 
@@ -45,6 +46,7 @@ struct TrackerOptions {
   NextFrameOptions next;
   CameraEstimatorOptions camera;
   LearnedMaskOptions mask;
+  ReadoutEstimatorOptions readout;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -89,6 +91,8 @@ class VehicleTracker {
   /// What is known of the camera's errors, for the next image's alignment (FrameSamples::SetCameraPrior).
   std::optional<CameraPrior> PriorOfCamera() const;
   CameraEstimate Camera() const;
+  /// How the vehicle moves at an image's time, and what earlier images tell of the camera's read-out.
+  FrameMotion Motion(std::int64_t stamp_ns) const;
   /// Forgets everything but what was learnt.
   void Restart();
   LearntValues Learnt() const;

@@ -79,7 +79,8 @@ std::vector<cv::Vec2f> RowOf(const cv::Mat& nodes, int v, int width) {
     const cv::Vec2f right = node(std::min(u + 1, nodes.cols - 1));
     const cv::Vec2f step = (right - left) * (1.0F / kNodePx);
     for (int i = 0; i < std::min(kNodePx, width - u * kNodePx); ++i) {
-      row[static_cast<std::size_t>(u * kNodePx + i)] = left + step * static_cast<float>(i);
+      const int column = u * kNodePx + i;
+      row[static_cast<std::size_t>(column)] = left + step * static_cast<float>(i);
     }
     left = right;
   }
