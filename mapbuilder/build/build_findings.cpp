@@ -131,9 +131,8 @@ std::vector<ControlPointError> CompareControlPoints(const PlacedSurvey& placed) 
     for (const ControlPoint& point : survey.control_points) {
       const auto frame = frame_of[s].find(point.filename);
       if (frame != frame_of[s].end() && placed.map_from_base[frame->second]) {
-        const Eigen::Vector2d observed_m =
-            *placed.map_from_base[frame->second] *
-            CameraOf(placed.frames[frame->second], placed.surveys).FloorFromRawPixel(point.raw_px);
+        const Eigen::Vector2d observed_m = *placed.map_from_base[frame->second] *
+                                           FloorPointOf(placed.frames[frame->second], placed.surveys, point.raw_px);
         errors.push_back(
             {point.filename, point.point_in_map_m, observed_m, point.sigma_m.value_or(ControlPointError().sigma_m)});
       }

@@ -59,7 +59,8 @@ HeldOutFrame LocalizeHeldOutFrame(const Localizer& localizer, const PlacedSurvey
   const std::shared_ptr<const Rectifier> rectifier =
       sought.height_ratio == 1.0 ? loaded.rectifier
                                  : std::make_shared<Rectifier>(CameraOf(sought, placed.surveys), loaded.survey.mask);
-  const LocalizationResult found = localizer.Localize(*rectifier, raw, std::nullopt);
+  const LocalizationResult found =
+      localizer.Localize(localizer.Observe(*rectifier, raw, {.motion = sought.readout_motion}), std::nullopt);
   HeldOutFrame result{sought.info.filename, *placed.map_from_base[i], ToString(found.status), ToString(found.reason)};
   result.keypoints = found.keypoints;
   result.inliers = found.inliers;

@@ -171,7 +171,8 @@ void HeightFinder::ExtractSift(std::vector<int> frames) {
     const BuildFrame& frame = set_.frames[i];
     const LoadedSurvey& from = set_.surveys[static_cast<std::size_t>(frame.survey)];
     sift_[i].survey = frame.survey;
-    sift_[i].features = extractor_->Extract(from.rectifier->Rectify(ReadRaw(frame, set_.surveys)));
+    sift_[i].features =
+        extractor_->Extract(from.rectifier->Rectify(ReadRaw(frame, set_.surveys), frame.readout_motion));
   });
   for (const int frame : frames) {
     has_sift_[static_cast<std::size_t>(frame)] = true;
@@ -246,7 +247,7 @@ void HeightFinder::Apply(const std::vector<double>& log_height) {
     frame.height_ratio = std::exp(log_height[i]);
     const cv::Mat& mask = set_.surveys[static_cast<std::size_t>(frame.survey)].survey.mask;
     const Rectifier rectifier(CameraOf(frame, set_.surveys), mask);
-    frame.features = extractor->Extract(rectifier.Rectify(ReadRaw(frame, set_.surveys)));
+    frame.features = extractor->Extract(rectifier.Rectify(ReadRaw(frame, set_.surveys), frame.readout_motion));
     progress.Advance();
   });
 }

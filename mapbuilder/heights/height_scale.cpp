@@ -119,7 +119,7 @@ std::optional<double> ScaleByKnownLengths(const FrameSet& set, const std::vector
       if (frame == by_name.end() || !map_from_base[frame->second]) {
         return std::nullopt;
       }
-      return *map_from_base[frame->second] * CameraOf(set.frames[frame->second], set.surveys).FloorFromRawPixel(raw_px);
+      return *map_from_base[frame->second] * FloorPointOf(set.frames[frame->second], set.surveys, raw_px);
     };
     const Survey& survey = set.surveys[s].survey;
     for (const KnownDistance& distance : survey.known_distances) {

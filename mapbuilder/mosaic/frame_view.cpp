@@ -34,6 +34,7 @@ FrameView::FrameView(const SurveyView& survey, const Pose2& map_from_base, const
                      Eigen::Translation2d(-below);
   }
   base_from_map_ = map_from_base_.inverse();
+  readout_motion_ = frame.readout_motion;
   mounting_error_ << frame.mounting_error.rotation_rad, frame.mounting_error.height_share;
 }
 
@@ -74,7 +75,7 @@ cv::Vec2f FrameView::RawPixel(const Eigen::Vector2d& point_in_map) const {
   const Eigen::Vector2d in_base = base_from_map_ * point_in_map;
   // Where the calibrated camera would see the point that the displaced one sees here.
   const Eigen::Vector2d calibrated = in_base - MountingJacobian(camera_center_, in_base) * mounting_error_;
-  const Eigen::Vector2d raw = survey_->rectifier->camera().RawPixelFromFloor(calibrated);
+  const Eigen::Vector2d raw = RawPixelWhileMoving(survey_->rectifier->camera(), calibrated, readout_motion_);
   if (!raw.allFinite()) {
     return {kFarOutsidePx, kFarOutsidePx};
   }

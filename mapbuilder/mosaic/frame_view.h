@@ -48,6 +48,7 @@ class FrameView {
   Eigen::Affine2d base_from_map_;
   Eigen::Vector3d camera_center_;   // base frame, metres
   Eigen::Vector4d mounting_error_;  // rotation, height share
+  Eigen::Vector3d readout_motion_;  // BuildFrame::readout_motion
 };
 
 }  // namespace floorloc

@@ -58,8 +58,7 @@ std::vector<SurveyPoint> CollectControlPoints(const std::vector<BuildFrame>& fra
       const ControlPoint& point = survey.control_points[i];
       ControlPointFactor factor;
       factor.frame = by_name.at({static_cast<int>(s), point.filename});
-      factor.point_in_base_m =
-          CameraOf(frames[static_cast<std::size_t>(factor.frame)], surveys).FloorFromRawPixel(point.raw_px);
+      factor.point_in_base_m = FloorPointOf(frames[static_cast<std::size_t>(factor.frame)], surveys, point.raw_px);
       factor.point_in_map_m = point.point_in_map_m;
       factor.sigma_m = point.sigma_m.value_or(factor.sigma_m);
       points.push_back({static_cast<int>(s), static_cast<int>(i), factor});

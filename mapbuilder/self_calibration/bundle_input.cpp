@@ -61,9 +61,10 @@ void AddAbsoluteConstraints(const BundleInput& input, double distance_sigma_m, B
       if (frame == by_name.end()) {
         return std::nullopt;
       }
-      const double height_ratio = frames[static_cast<std::size_t>(frame->second)].height_ratio;
+      const BuildFrame& seen = frames[static_cast<std::size_t>(frame->second)];
+      const double height_ratio = seen.height_ratio;
       const FloorCamera camera = input.builders[s].camera().AtHeight(height_ratio);
-      return input.builders[s].Make(frame->second, camera.FloorFromRawPixel(raw_px), height_ratio);
+      return input.builders[s].Make(frame->second, FloorWhileMoving(camera, raw_px, seen.readout_motion), height_ratio);
     };
     for (const ControlPoint& point : input.set.surveys[s].survey.control_points) {
       if (const auto observation = observe(point.filename, point.raw_px)) {

@@ -7,6 +7,11 @@ FloorCamera CameraOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& s
   return surveys[static_cast<std::size_t>(frame.survey)].survey.camera.AtHeight(frame.height_ratio);
 }
 
+Eigen::Vector2d FloorPointOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys,
+                             const Eigen::Vector2d& raw_px) {
+  return FloorWhileMoving(CameraOf(frame, surveys), raw_px, frame.readout_motion);
+}
+
 std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys) {
   std::vector<RectM> floors;
   floors.reserve(frames.size());

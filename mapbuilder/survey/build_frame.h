@@ -43,6 +43,8 @@ struct BuildFrame {
   double height_ratio = 1.0;
   /// Of the camera while the image was taken, by self-calibration; `features` are corrected for it.
   MountingError mounting_error;
+  /// ReadoutMotion::motion while the image was taken, by odometry; `features` are corrected for it.
+  Eigen::Vector3d readout_motion = Eigen::Vector3d::Zero();
   std::optional<Pose2> odom_from_base;     ///< if the survey has odometry at the frame's stamp
   bool odometry_breaks = false;            ///< odometry does not know the motion from the survey's frame before
   std::optional<AbsolutePosePrior> prior;  ///< from another system or from localization in the map being extended
@@ -59,6 +61,10 @@ struct FrameSet {
 
 /// The survey's camera at the height that it had over the frame.
 FloorCamera CameraOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys);
+
+/// Floor point that a raw pixel of the frame sees, base frame when its middle row is exposed.
+Eigen::Vector2d FloorPointOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys,
+                             const Eigen::Vector2d& raw_px);
 
 /// The region of interest of every frame, base frame.
 std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys);

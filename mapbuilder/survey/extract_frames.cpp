@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapbuilder/survey/extract_frames.h"
 
-#include <cmath>
+#include <memory>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/survey/frame_journal.h"
+#include "mapbuilder/survey/readout_motion.h"
 
 namespace floorloc {
 namespace {
@@ -28,11 +30,48 @@ cv::Mat MeasureBrightness(const GroundImage& image) {
 void Extract(const LoadedSurvey& from, const FeatureExtractor& extractor, BuildFrame* frame) {
   const CameraModel& camera = from.survey.camera.camera;
   const cv::Mat raw = ReadGrayImage(from.survey.ImagePath(frame->info), camera.width_px, camera.height_px);
-  const GroundImage image = from.rectifier->Rectify(raw);
+  const GroundImage image = from.rectifier->Rectify(raw, frame->readout_motion);
   frame->features = extractor.Extract(image);
   frame->brightness = MeasureBrightness(image);
   frame->quality = MeasureQuality(image);
 }
+
+// Reads, or restores, the features of all frames or of some.
+class Extraction {
+ public:
+  Extraction(const std::vector<LoadedSurvey>& surveys, const ExtractionOptions& options)
+      : surveys_(surveys), options_(options), extractor_(CreateFeatureExtractor(options.extractor)) {}
+
+  void Run(const std::vector<int>& some, std::vector<BuildFrame>* frames) const {
+    ProgressBar progress("features", static_cast<std::int64_t>(some.size()), options_.run.progress);
+    ParallelFor(static_cast<int>(some.size()), options_.run.threads, [&](int i) {
+      RunOne(&(*frames)[static_cast<std::size_t>(some[static_cast<std::size_t>(i)])]);
+      progress.Advance();
+    });
+  }
+
+ private:
+  void RunOne(BuildFrame* frame) const {
+    if (options_.journal != nullptr && options_.journal->Restore(frame)) {
+      return;
+    }
+    try {
+      Extract(surveys_[static_cast<std::size_t>(frame->survey)], *extractor_, frame);
+      if (options_.journal != nullptr) {
+        options_.journal->Store(*frame);
+      }
+    } catch (const InputError& error) {
+      if (options_.bad_frames == BadFramePolicy::kThrow) {
+        throw;
+      }
+      frame->unreadable = error.what();
+    }
+  }
+
+  const std::vector<LoadedSurvey>& surveys_;
+  const ExtractionOptions& options_;
+  std::unique_ptr<FeatureExtractor> extractor_;
+};
 
 }  // namespace
 
@@ -68,30 +107,20 @@ std::vector<BuildFrame> ExtractSurveyFrames(const std::vector<LoadedSurvey>& sur
       frame.survey = static_cast<int>(s);
       frame.info = info;
       frame.odom_from_base = InterpolatePose(surveys[s].survey.odometry, info.stamp_ns);
+      frame.readout_motion = ReadoutMotionByOdometry(surveys[s].survey, info);
       frames.push_back(std::move(frame));
     }
   }
-  const auto extractor = CreateFeatureExtractor(options.extractor);
-  ProgressBar progress("features", static_cast<std::int64_t>(frames.size()), options.run.progress);
-  ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int i) {
-    BuildFrame& frame = frames[static_cast<std::size_t>(i)];
-    if (options.journal != nullptr && options.journal->Restore(&frame)) {
-      progress.Advance();
-      return;
+  std::vector<int> all(frames.size());
+  std::iota(all.begin(), all.end(), 0);
+  Extraction(surveys, options).Run(all, &frames);
+  ExtractionOptions again = options;
+  again.journal = nullptr;  // it counts frames once
+  for (std::size_t s = 0; s < surveys.size(); ++s) {
+    if (NeedsMotionByImages(surveys[s].survey)) {
+      Extraction(surveys, again).Run(SetReadoutMotionByImages(surveys[s], static_cast<int>(s), &frames), &frames);
     }
-    try {
-      Extract(surveys[static_cast<std::size_t>(frame.survey)], *extractor, &frame);
-      if (options.journal != nullptr) {
-        options.journal->Store(frame);
-      }
-    } catch (const InputError& error) {
-      if (options.bad_frames == BadFramePolicy::kThrow) {
-        throw;
-      }
-      frame.unreadable = error.what();
-    }
-    progress.Advance();
-  });
+  }
   return frames;
 }
 

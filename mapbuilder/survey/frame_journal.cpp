@@ -23,6 +23,7 @@ void AddCamera(const FloorCamera& c, ContentHash* hash) {
   }
   hash->Add(c.floor.roi.x_min).Add(c.floor.roi.x_max).Add(c.floor.roi.y_min).Add(c.floor.roi.y_max);
   hash->Add(c.floor.resolution_m);
+  hash->Add(std::string(ToString(c.camera.readout.direction)));
 }
 
 // Checks the extractor's invariant: one descriptor per keypoint, of bytes or floats.
@@ -71,6 +72,9 @@ std::string FrameJournal::KeyOf(const BuildFrame& frame) const {
   const auto survey = static_cast<std::size_t>(frame.survey);
   ContentHash hash;
   hash.Add(survey_keys_[survey]);
+  for (const double number : frame.readout_motion) {
+    hash.Add(number);
+  }
   return AddFile(surveys_[survey].survey.ImagePath(frame.info), &hash).Hex();
 }
 

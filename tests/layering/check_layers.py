@@ -32,7 +32,7 @@ ARROWS = {
     "mapbuilder/coverage": ["core/geometry"],
     "mapbuilder/plot": ["core/evaluation"],
     "mapbuilder/fiducials": [],
-    "mapbuilder/survey": ["mapbuilder/batch"],
+    "mapbuilder/survey": ["core/odometry", "mapbuilder/batch"],
     "mapbuilder/simulation": ["mapbuilder/batch"],
     "mapbuilder/replay": ["core/diagnosis", "mapbuilder/batch"],
     "mapbuilder/placement": ["core/localization", "mapbuilder/coverage", "mapbuilder/survey"],
