@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/diagnosis/part_findings.h"
+#include "core/diagnosis/readout_finding.h"
 #include "core/geometry/option_check.h"
 
 namespace floorloc {
@@ -31,8 +32,9 @@ void DiagnosisOptions::Check() const {
   RequireOption(max_pair_s > 0.0, "max_pair_s must be positive");
 }
 
-ObservedCamera ObservedCamera::Of(const CameraEstimate& estimate, double off_px, const RectM& roi) {
-  return {estimate, off_px, std::min(roi.width_m(), roi.height_m())};
+ObservedCamera ObservedCamera::Of(const CameraEstimate& estimate, double off_px, const FloorCamera& camera) {
+  const RectM& roi = camera.floor.roi;
+  return {estimate, off_px, std::min(roi.width_m(), roi.height_m()), camera.camera.readout};
 }
 
 Finding FindingOfGyro(const GyroFit& fit, const DiagnosisOptions& options) {
@@ -64,6 +66,8 @@ std::vector<Finding> Diagnose(const DriveRecord& record, const ObservedCamera& c
   options.Check();
   std::vector<Finding> findings{FindingOfFloor(record, options), FindingOfImages(record, camera.view_m, options),
                                 FindingOfCamera(camera)};
+  const std::vector<Finding> readout = FindingsOfReadout(camera.readout, camera.estimate.readout);
+  findings.insert(findings.end(), readout.begin(), readout.end());
   const std::vector<Finding> odometry = FindingsOfOdometry(record, options);
   findings.insert(findings.end(), odometry.begin(), odometry.end());
   if (gyro) {

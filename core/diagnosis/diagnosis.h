@@ -43,8 +43,9 @@ struct ObservedCamera {
   CameraEstimate estimate;
   double off_px = 0.0;  ///< LargestDisplacementPx of its errors
   double view_m = 0.0;  ///< shorter side of the visible floor
+  Readout readout;      ///< as its calibration tells it
 
-  static ObservedCamera Of(const CameraEstimate& estimate, double off_px, const RectM& roi);
+  static ObservedCamera Of(const CameraEstimate& estimate, double off_px, const FloorCamera& camera);
 };
 
 /// Judges a robot by a drive in a map: one finding or more for each part that the record has; for the gyro only with a

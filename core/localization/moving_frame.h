@@ -21,7 +21,8 @@ struct FrameHints {
   std::optional<PosePrior> prior = {};
   std::optional<CameraPrior> camera = {};  ///< of the camera's errors
   FrameMotion motion = {};
-  bool anywhere = true;  ///< search the whole map when the frame is not localized near the prior
+  cv::Mat left_out = {};  ///< as in Localizer::Observe
+  bool anywhere = true;   ///< search the whole map when the frame is not localized near the prior
 };
 
 struct ObservedFrame {

@@ -80,7 +80,7 @@ std::vector<Finding> CheckDrive(const Survey& drive, const FusedDrive& fused, co
     foreign_imu = CompareClocks(StampRange::Of(drive.frames), StampRange::Of(drive.imu), "the IMU");
     gyro = foreign_imu ? std::nullopt : std::optional(FitGyro(TurnsOf(drive.imu, fused.frames, options.max_pair_s)));
   }
-  const ObservedCamera camera = ObservedCamera::Of(fused.camera, fused.camera_off_px, drive.camera.floor.roi);
+  const ObservedCamera camera = ObservedCamera::Of(fused.camera, fused.camera_off_px, drive.camera);
   std::vector<Finding> findings = Diagnose(RecordOf(drive, fused), camera, gyro, of_recording);
   if (foreign_imu) {
     findings.push_back({"gyro", FindingStatus::kWrong, foreign_imu->sentence, foreign_imu->cure});

@@ -90,12 +90,15 @@ class Run {
   FusedFrame SendFrame(const SurveyFrame& frame) {
     FusedFrame fused;
     fused.localized.frame = frame;
-    FrameObservation observation =
-        localizer_.Observe(rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms), tracker_.Mask().left_out);
-    const std::optional<PosePrior> prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt;
-    observation.samples.SetCameraPrior(tracker_.PriorOfCamera());
-    fused.localized.result = localizer_.LocalizeWithGlobalFallback(observation, prior);
-    fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, observation.floor, fused.localized.result);
+    const FrameHints hints{.prior = options_.use_prior ? tracker_.Prior(frame.stamp_ns) : std::nullopt,
+                           .camera = tracker_.PriorOfCamera(),
+                           .motion = tracker_.Motion(frame.stamp_ns),
+                           .left_out = tracker_.Mask().left_out};
+    ObservedFrame found =
+        ObserveAndLocalize(localizer_, rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms), hints);
+    fused.localized.result = std::move(found.result);
+    fused.outcome =
+        tracker_.AddFrame(frame.stamp_ns, found.observation.features, found.observation.floor, fused.localized.result);
     fused.learnt_share = tracker_.Mask().share;
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {

@@ -8,19 +8,30 @@
 #include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/io/trajectory_twist.h"
+#include "core/localization/moving_frame.h"
 #include "core/localization/stopwatch.h"
 #include "core/map/camera_correction.h"
 #include "core/map/camera_mask_table.h"
+#include "core/tracking/readout_estimator.h"
 #include "mapbuilder/batch/parallel.h"
 
 namespace floorloc {
 namespace {
 
+// Of a camera that does not tell its read-out nothing is learnt where frames are independent of each other.
+FrameMotion KnownMotionAt(const Survey& survey, const SurveyFrame& frame) {
+  return survey.camera.camera.readout.seconds ? FrameMotion{TwistAt(survey.odometry, frame.stamp_ns), std::nullopt}
+                                              : FrameMotion();
+}
+
 LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey,
                            const SurveyFrame& frame, const std::optional<PosePrior>& prior) {
   LocalizedFrame localized;
   localized.frame = frame;
-  localized.result = localizer.Localize(rectifier, ReadFrame(survey, frame, &localized.decode_ms), prior);
+  const FrameHints hints{.prior = prior, .motion = KnownMotionAt(survey, frame), .anywhere = false};
+  localized.result =
+      ObserveAndLocalize(localizer, rectifier, ReadFrame(survey, frame, &localized.decode_ms), hints).result;
   return localized;
 }
 
@@ -84,6 +95,7 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
   }
   std::vector<LocalizedFrame> frames;
   std::optional<Pose2> map_from_odom;
+  ReadoutEstimator readout;
   ProgressBar progress("localize", static_cast<std::int64_t>(survey.frames.size()), options.run.progress);
   for (const SurveyFrame& frame : survey.frames) {
     const auto odom_from_base = InterpolatePose(survey.odometry, frame.stamp_ns);
@@ -93,10 +105,12 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
     }
     LocalizedFrame localized;
     localized.frame = frame;
-    const FrameObservation observation = localizer.Observe(rectifier, ReadFrame(survey, frame, &localized.decode_ms));
-    localized.result = localizer.Localize(observation, prior);
-    if (prior && !Found(localized)) {  // lost, possibly by a kidnap
-      localized.result = localizer.Localize(observation, std::nullopt);
+    // Anywhere: lost, possibly by a kidnap.
+    const FrameHints hints{.prior = prior, .motion = {TwistAt(survey.odometry, frame.stamp_ns), readout.Estimate()}};
+    localized.result =
+        ObserveAndLocalize(localizer, rectifier, ReadFrame(survey, frame, &localized.decode_ms), hints).result;
+    if (localized.result.readout) {
+      readout.Add(*localized.result.readout);
     }
     if (Found(localized) && odom_from_base) {
       map_from_odom = localized.result.map_from_base * odom_from_base->Inverse();

@@ -8,6 +8,7 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/io/trajectory_twist.h"
 #include "core/localization/stopwatch.h"
 #include "core/vision/image/rectifier.h"
 #include "mapbuilder/batch/parallel.h"
@@ -73,7 +74,8 @@ std::vector<Features> ExtractFrames(const Survey& survey, const FeatureExtractor
     Stopwatch watch;
     const cv::Mat raw = ReadGrayImage(survey.ImagePath(frame.frame), camera.width_px, camera.height_px);
     frame.decode_ms = watch.LapMs();
-    features[index] = extractor.Extract(rectifier.Rectify(raw));
+    const auto twist = TwistAt(survey.odometry, frame.frame.stamp_ns);
+    features[index] = extractor.Extract(rectifier.Rectify(raw, MotionOfReadout(camera.readout, twist).motion));
     frame.features_ms = watch.LapMs();
     frame.keypoints = static_cast<int>(features[index].keypoints.size());
   });

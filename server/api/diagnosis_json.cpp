@@ -13,7 +13,7 @@ std::string FormatDiagnosis(const VehicleState& state) {
   const CameraEstimate estimate = state.session->Camera();
   const double off_px = LargestDisplacementPx(camera, estimate.errors.mean);
   const std::vector<Finding> findings =
-      Diagnose(state.session->Record(), ObservedCamera::Of(estimate, off_px, camera.floor.roi), std::nullopt);
+      Diagnose(state.session->Record(), ObservedCamera::Of(estimate, off_px, camera), std::nullopt);
   nlohmann::json list = nlohmann::json::array();
   for (const Finding& finding : findings) {
     list.push_back({{"about", finding.about},

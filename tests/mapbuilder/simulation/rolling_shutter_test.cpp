@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/vision/image/rectifier.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "mapbuilder/simulation/render_conditions.h"
 
@@ -59,6 +60,29 @@ TEST_F(RollingShutterTest, ThePoseOfTheImageIsThatOfItsMiddleRow) {
   EXPECT_LT(middle, 1.0);
   EXPECT_GT(RowDifference(image, still, 0), 20.0 * middle);
   EXPECT_GT(RowDifference(image, still, 479), 20.0 * middle);
+}
+
+// The law of the correction: rectified with the motion, the image is that of a global shutter.
+TEST_F(RollingShutterTest, RectifyingPutsEveryRowWhereItBelongs) {
+  const auto gray = [](const cv::Mat& bgr) {
+    cv::Mat gray;
+    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+    return gray;
+  };
+  const Eigen::Vector3d fast(0.033, 0.004, 0.02);  // 1 m/s for 33 ms
+  RenderConditions rolling;
+  rolling.readout_motion = fast;
+  const cv::Mat image = gray(renderer_.Render(pose_, rolling));
+  const Rectifier rectifier(camera_);
+  const GroundImage still = rectifier.Rectify(gray(renderer_.Render(pose_, {})));
+  const GroundImage corrected = rectifier.Rectify(image, fast);
+  const double pixels = cv::countNonZero(corrected.mask);
+  EXPECT_GT(pixels, 0.85 * cv::countNonZero(still.mask));
+  const auto difference = [&](const GroundImage& other) {
+    return cv::norm(still.gray, other.gray, cv::NORM_L1, corrected.mask) / pixels;
+  };
+  EXPECT_LT(difference(corrected), 2.0) << "grey levels";
+  EXPECT_GT(difference(rectifier.Rectify(image)), 10.0 * difference(corrected));
 }
 
 TEST_F(RollingShutterTest, TheSamplerMovesTheRobotByItsTwist) {
