@@ -15,7 +15,7 @@ namespace {
 constexpr std::int64_t kOdometryLagNs = 30'000'000;
 
 // A twist is the mean over this time; motion that was measured longer before an image does not tell its twist.
-constexpr std::int64_t kTwistWindowNs = 50'000'000;
+constexpr std::int64_t kTwistWindowNs = 30'000'000;
 constexpr std::int64_t kTwistAgeNs = 500'000'000;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
 
