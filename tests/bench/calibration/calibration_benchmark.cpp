@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "tests/bench/calibration/calibration_trial.h"
+#include "tests/bench/calibration/readout_trial.h"
 
 namespace floorloc {
 namespace {
@@ -46,8 +47,26 @@ void Print(const std::string& name, const CalibrationResult& result) {
   std::fflush(stdout);
 }
 
+void PrintReadout(const ReadoutRow& row) {
+  const auto print = [](const char* name, const CalibrationScore& score) {
+    std::printf("  %s %3d/%d  %5.2f  %5.2f  %6.1f", name, score.localized, score.frames, 1e3 * score.median_m,
+                1e3 * score.p95_m, score.mean_nees);
+  };
+  std::printf("%2.0f ms", 1e3 * row.readout_s);
+  print("given", row.given);
+  print("unknown", row.unknown);
+  print("ignored", row.ignored);
+  std::printf("  learnt %.2f +- %.2f ms\n", 1e3 * row.learnt_s, 1e3 * row.learnt_sigma_s);
+  std::fflush(stdout);
+}
+
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
+  if (arguments.cases == std::vector<std::string>{"readout"}) {
+    std::printf("Errors of the fixes in mm at 1 m/s: found, median, 95 %%, mean NEES; ideally 3\n");
+    RunReadouts({arguments.state, arguments.photograph, arguments.frames}, PrintReadout);
+    return;
+  }
   std::printf(
       "Errors in mm after the offset of map and base frame that no image can tell; NEES: mean of (x, y, yaw), ideally "
       "3\n"
@@ -87,7 +106,7 @@ int main(int argc, char** argv) {
   app.add_option("recorded", arguments.recorded,
                  "Recorded survey and folders of frames with ground truth, instead of the simulated cases");
   app.add_option("--systematic", arguments.systematic_m, "LocalizerOptions::systematic_m, metres");
-  app.add_option("--case", arguments.cases, "Only these cases, by name");
+  app.add_option("--case", arguments.cases, "Only these cases, by name; readout: rolling shutters alone");
   app.add_option("--frames", arguments.frames, "Frames per group")->capture_default_str();
   app.add_flag("--learn", arguments.learn,
                "Also as a vehicle that learns its camera: the rows above each group are of its second half");
