@@ -24,7 +24,7 @@ ObservedFrame Localize(const Localizer& localizer, const Rectifier& rectifier, c
                        const FrameHints& hints) {
   const Readout& readout = rectifier.camera().camera.readout;
   FrameObservation observation =
-      localizer.Observe(rectifier, raw, MotionOf(readout, hints.motion, localizer.options().readout));
+      localizer.Observe(rectifier, raw, MotionOf(readout, hints.motion, localizer.options().readout), hints.left_out);
   observation.samples.SetCameraPrior(hints.camera);
   LocalizationResult result = hints.anywhere ? localizer.LocalizeWithGlobalFallback(observation, hints.prior)
                                              : localizer.Localize(observation, hints.prior);

@@ -16,6 +16,7 @@ namespace floorloc {
 namespace {
 
 constexpr double kMaxCoordinateM = 1e7;
+constexpr double kMaxSpeed = 100.0;
 
 PosePrior MakePrior(const std::vector<double>& numbers, const std::optional<double>& radius_m) {
   if (numbers.size() != 3 || std::abs(numbers[0]) > kMaxCoordinateM || std::abs(numbers[1]) > kMaxCoordinateM ||
@@ -31,6 +32,21 @@ PosePrior MakePrior(const std::vector<double>& numbers, const std::optional<doub
     prior.radius_m = *radius_m;
   }
   return prior;
+}
+
+Eigen::Vector3d MakeTwist(const std::vector<double>& numbers) {
+  const bool plausible = numbers.size() == 3 && std::abs(numbers[0]) <= kMaxSpeed &&
+                         std::abs(numbers[1]) <= kMaxSpeed && std::abs(numbers[2]) <= kMaxSpeed;
+  if (!plausible) {
+    throw JsonError("twist must be three numbers vx,vy,wz (m/s, m/s, rad/s) within +-100.");
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+Eigen::Vector3d ParseTwistObject(JsonObject twist) {
+  const std::vector<double> numbers = {twist.Number("vx"), twist.Number("vy"), twist.Number("wz")};
+  twist.RejectUnknownKeys();
+  return MakeTwist(numbers);
 }
 
 // "x,y,yaw", [x, y, yaw] or {"x","y","yaw"}
@@ -73,10 +89,10 @@ std::optional<double> QueryNumber(const HttpRequest& request, const std::string&
 }
 
 LocalizeRequest ReadQuery(const HttpRequest& request) {
-  static const std::set<std::string> kKnown = {"vehicle", "prior", "radius", "stamp"};
+  static const std::set<std::string> kKnown = {"vehicle", "prior", "radius", "twist", "stamp"};
   for (const auto& [name, value] : request.query) {
     if (!kKnown.contains(name)) {
-      throw JsonError("'" + name + "' is not a query parameter of localize: vehicle, prior, radius, stamp.");
+      throw JsonError("'" + name + "' is not a query parameter of localize: vehicle, prior, radius, twist, stamp.");
     }
   }
   LocalizeRequest localize;
@@ -85,6 +101,9 @@ LocalizeRequest ReadQuery(const HttpRequest& request) {
   const std::optional<double> radius_m = QueryNumber(request, "radius");
   if (const std::optional<std::string> prior = request.QueryValue("prior")) {
     localize.prior = MakePrior(ParseNumberList(*prior), radius_m);
+  }
+  if (const std::optional<std::string> twist = request.QueryValue("twist")) {
+    localize.twist = MakeTwist(ParseNumberList(*twist));
   }
   CheckComplete(localize, radius_m.has_value());
   return localize;
@@ -136,6 +155,9 @@ LocalizeRequest ParseLocalizeJson(const std::string& text) {
   const std::optional<double> radius_m = has_radius ? std::optional(object.Number("radius")) : std::nullopt;
   if (object.Has("prior")) {
     request.prior = MakePrior(ParsePriorValue(object), radius_m);
+  }
+  if (object.Has("twist")) {
+    request.twist = ParseTwistObject(object.Object("twist"));
   }
   object.RejectUnknownKeys();
   CheckComplete(request, has_radius);

@@ -21,10 +21,11 @@ struct LocalizeRequest {
   CameraMask mask;                    ///< of the inline camera; may be empty
   std::optional<bool> correct;        ///< the camera, by the map; empty: as the vehicle registered, or true
   std::optional<PosePrior> prior;
+  std::optional<Eigen::Vector3d> twist;  ///< (vx, vy, wz) of the base at the image's time, m/s and rad/s
   std::optional<double> stamp_s;
 };
 
-/// From the query: vehicle, prior=x,y,yaw, radius, stamp. Throws Problem 400 invalid_parameter.
+/// From the query: vehicle, prior=x,y,yaw, radius, twist=vx,vy,wz, stamp. Throws Problem 400 invalid_parameter.
 LocalizeRequest ParseLocalizeQuery(const HttpRequest& request);
 /// From the part `request`: the same fields, or camera and floor; and
 /// correct_camera. Throws JsonError.

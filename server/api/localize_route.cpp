@@ -80,10 +80,15 @@ HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
   const LocalizeCall call = ParseCall(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(call.image->data());
   const JobLabel label = LabelOf(request, call.request.prior.has_value());
-  const LocalizeOutcome outcome =
-      Localize(state, label, call, {map, {}, {bytes, call.image->size()}, call.request.prior});
+  const LocalizeOutcome outcome = Localize(state, label, call,
+                                           {.map = map,
+                                            .camera = {},
+                                            .bytes = {bytes, call.image->size()},
+                                            .prior = call.request.prior,
+                                            .motion = {call.request.twist, std::nullopt}});
   const double now_s = UnixTimeNow();
-  const FrameLabel frame = {call.request.vehicle, now_s, call.request.stamp_s.value_or(now_s)};
+  const std::optional<double>& stamp_s = call.request.stamp_s;
+  const FrameLabel frame = {call.request.vehicle, now_s, stamp_s ? *stamp_s + outcome.to_middle_row_s : now_s};
   return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, frame, outcome), outcome));
 }
 

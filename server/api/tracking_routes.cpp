@@ -59,9 +59,11 @@ std::string ClientOf(const std::string& vehicle) { return "vehicle/" + vehicle; 
 // An image that still waits for a thread gives way to the newer one.
 FrameSlot AcquireSlot(AppState& state, const VehicleState& vehicle, const FrameRequest& request) {
   VehicleSession& session = *vehicle.session;
-  std::optional<FrameSlot> slot = session.BeginFrame(request.stamp_ns, request.motion);
+  const Readout& readout = vehicle.vehicle->camera.camera.camera.readout;
+  const FrameMessage message{request.stamp_ns, request.motion, readout.StampShiftNs()};
+  std::optional<FrameSlot> slot = session.BeginFrame(message);
   if (!slot && state.pool.Replace(ClientOf(vehicle.vehicle->id))) {
-    slot = session.BeginFrame(request.stamp_ns, request.motion, state.config.queue_timeout_s);
+    slot = session.BeginFrame(message, state.config.queue_timeout_s);
   }
   if (!slot) {
     throw Overload("vehicle_busy", "Another image of this vehicle is being localized; send one at a time.");
@@ -83,7 +85,8 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   const LocalizeOutcome outcome = RunInPool(state, job, [&] {
     const double waited_ms = MillisecondsSince(queued);
     const MapCamera camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
-    LocalizeOutcome localized = RunLocalization({map, camera, call.image, slot.prior, slot.camera_prior, slot.mask});
+    LocalizeOutcome localized =
+        RunLocalization({map, camera, call.image, slot.prior, slot.motion, slot.camera_prior, slot.mask});
     const auto fusion = std::chrono::steady_clock::now();
     report = vehicle.session->FinishFrame(slot, localized.features, localized.result, localized.floor);
     localized.queue_ms = waited_ms;
@@ -95,7 +98,7 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   if (report.fix) {
     CountFix(state, map->name, *report.fix);
   }
-  const FrameLabel label = {vehicle.vehicle->id, UnixTimeNow(), ToSeconds(slot.stamp_ns)};
+  const FrameLabel label = {vehicle.vehicle->id, UnixTimeNow(), ToSeconds(slot.image_ns)};
   return JsonResponse(200, FormatFrameResponse(report, RecordFix(state, *map, label, outcome), outcome));
 }
 

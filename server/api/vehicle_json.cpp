@@ -98,6 +98,8 @@ nlohmann::json FormatCameraEstimate(const CameraEstimate& estimate, const FloorC
   json["status"] = ToString(estimate.status);
   json["fixes"] = estimate.fixes;
   json["off_px"] = LargestDisplacementPx(camera, errors);
+  json["readout_s"] = estimate.readout ? nlohmann::json(estimate.readout->seconds) : nlohmann::json();
+  json["readout_sigma_s"] = estimate.readout ? nlohmann::json(estimate.readout->sigma_s) : nlohmann::json();
   return json;
 }
 

@@ -58,13 +58,14 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   const cv::Mat image = Decode(job);
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
-  const Localizer& localizer = *job.map->localizer;
-  FrameObservation observation = localizer.Observe(*job.camera.rectifier, image, job.mask.left_out);
-  observation.samples.SetCameraPrior(job.camera_prior);
-  outcome.result = localizer.LocalizeWithGlobalFallback(observation, job.prior);
-  outcome.features = std::move(observation.features);
-  outcome.floor = std::move(observation.floor);
+  ObservedFrame found = ObserveAndLocalize(
+      *job.map->localizer, *job.camera.rectifier, image,
+      {.prior = job.prior, .camera = job.camera_prior, .motion = job.motion, .left_out = job.mask.left_out});
+  outcome.result = std::move(found.result);
+  outcome.features = std::move(found.observation.features);
+  outcome.floor = std::move(found.observation.floor);
   outcome.masked_share = MaskedShare(*job.camera.rectifier, job.mask);
+  outcome.to_middle_row_s = 1e-9 * static_cast<double>(job.camera.rectifier->camera().camera.readout.StampShiftNs());
   outcome.correction = job.camera.correction;
   outcome.search = outcome.result.used_prior ? "prior" : "global";
   outcome.total_ms = MillisecondsSince(start);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/localization/localizer.h"
+#include "core/localization/moving_frame.h"
 #include "core/odometry/learned_mask.h"
 #include "server/serving/map_camera.h"
 #include "server/serving/map_catalog.h"
@@ -20,6 +21,7 @@ struct LocalizeJob {
   MapCamera camera;
   std::span<const std::uint8_t> bytes;
   std::optional<PosePrior> prior;
+  FrameMotion motion = {};                                 ///< of the robot while the image is read out
   std::optional<CameraPrior> camera_prior = std::nullopt;  ///< what the vehicle's earlier fixes tell of its camera
   LearnedMaskState mask = {};                              ///< what it learnt of its view; is left out of the image
 };
@@ -32,6 +34,7 @@ struct LocalizeOutcome {
   double masked_share = 0.0;                    ///< of the floor region in view, that was left out
   const char* search = "global";                ///< "prior" or "global"
   double queue_ms = 0.0;                        ///< waited for a thread; not part of total_ms
+  double to_middle_row_s = 0.0;                 ///< Readout::StampShiftNs of the camera
   double decode_ms = 0.0;
   std::optional<double> fusion_ms = std::nullopt;  ///< of a vehicle's image: visual odometry and filter; likewise
   double total_ms = 0.0;                           ///< of decoding and localizing

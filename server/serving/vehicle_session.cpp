@@ -210,8 +210,8 @@ MessageOutcome VehicleSession::RecordFrameStampLocked(std::int64_t stamp_ns) {
   return late ? MessageOutcome::kUsedLate : MessageOutcome::kUsed;
 }
 
-std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion,
-                                                    double max_wait_s) {
+std::optional<FrameSlot> VehicleSession::BeginFrame(const FrameMessage& message, double max_wait_s) {
+  const std::int64_t stamp_ns = message.stamp_ns;
   FrameSlot slot;
   slot.lock = std::unique_lock(frame_mutex_, std::chrono::duration<double>(max_wait_s));
   if (!slot.lock.owns_lock()) {
@@ -221,8 +221,10 @@ std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const
   RestartIfExpiredLocked();
   StampPoseLocked(stamp_ns);
   slot.stamp_ns = stamp_ns;
+  slot.image_ns = stamp_ns + message.to_middle_row_ns;
   // An image that is resent after an error repeats known odometry, but the image itself is new.
-  const MessageOutcome odometry = motion ? AddIncrementLocked({stamp_ns, *motion}) : MessageOutcome::kDuplicate;
+  const MessageOutcome odometry =
+      message.motion ? AddIncrementLocked({stamp_ns, *message.motion}) : MessageOutcome::kDuplicate;
   if (odometry != MessageOutcome::kDuplicate) {
     record_.AddOdometry(stamp_ns);
   }
@@ -232,9 +234,10 @@ std::optional<FrameSlot> VehicleSession::BeginFrame(std::int64_t stamp_ns, const
     slot.message = odometry == MessageOutcome::kDuplicate ? RecordFrameStampLocked(stamp_ns) : odometry;
   }
   slot.epoch = epoch_;
-  slot.prior = tracker_.Prior(stamp_ns);
+  slot.prior = tracker_.Prior(slot.image_ns);
   slot.camera_prior = tracker_.PriorOfCamera();
   slot.mask = tracker_.Mask();
+  slot.motion = tracker_.Motion(slot.image_ns);
   return slot;
 }
 
@@ -245,14 +248,14 @@ FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& f
   report.message = slot.epoch == epoch_ ? slot.message : MessageOutcome::kTooOld;
   if (IsUsed(report.message)) {
     frames_.Add(slot.stamp_ns);
-    report.fix = tracker_.AddFrame(slot.stamp_ns, features, floor, found).fix;
+    report.fix = tracker_.AddFrame(slot.image_ns, features, floor, found).fix;
   } else if (found.status == LocalizationStatus::kLocalized) {
     report.fix = FixOutcome();
     report.fix->reason =
         report.message == MessageOutcome::kDuplicate ? FixRejection::kDuplicate : FixRejection::kTooOld;
   }
   if (report.message != MessageOutcome::kDuplicate) {
-    record_.AddFrame(RecordedFrame::Of(slot.stamp_ns, found, tracker_.EstimateAt(slot.stamp_ns)));
+    record_.AddFrame(RecordedFrame::Of(slot.image_ns, found, tracker_.EstimateAt(slot.image_ns)));
   }
   CountLocked(report);
   report.view = ViewLocked();

@@ -65,12 +65,21 @@ struct OdometryMessage {
 /// Lock of a vehicle's localization: at most one of its images is localized at a time.
 struct FrameSlot {
   std::unique_lock<std::timed_mutex> lock;
-  std::int64_t stamp_ns = 0;
+  std::int64_t stamp_ns = 0;  ///< of the message
+  std::int64_t image_ns = 0;  ///< when the image's middle row was exposed
   std::uint64_t epoch = 0;
   MessageOutcome message = MessageOutcome::kUsed;
   std::optional<PosePrior> prior;
   std::optional<CameraPrior> camera_prior;
   LearnedMaskState mask;  ///< to be left out of the image
+  FrameMotion motion;
+};
+
+/// An image that a vehicle sends.
+struct FrameMessage {
+  std::int64_t stamp_ns = 0;
+  std::optional<Pose2> motion = std::nullopt;  ///< OdometryMessage::motion, when the image came with one
+  std::int64_t to_middle_row_ns = 0;           ///< Readout::StampShiftNs of its camera
 };
 
 /// Outcome of an image.
@@ -101,8 +110,7 @@ class VehicleSession {
 
   /// Adds the odometry sent with an image, and returns the prior for its localization. Empty when another image of
   /// this vehicle is being localized, still after max_wait_s.
-  std::optional<FrameSlot> BeginFrame(std::int64_t stamp_ns, const std::optional<Pose2>& motion,
-                                      double max_wait_s = 0.0);
+  std::optional<FrameSlot> BeginFrame(const FrameMessage& message, double max_wait_s = 0.0);
   /// Adds the result of localizing the image. features: of the image, base frame. floor: FrameObservation::floor of it,
   /// from which the vehicle learns what travels with its camera; without it, it does not.
   FrameReport FinishFrame(const FrameSlot& slot, const Features& features, const LocalizationResult& found,

@@ -72,6 +72,33 @@ TEST_F(LocalizeTest, SearchesAroundThePrior) {
   EXPECT_EQ(answer["fix"]["search"], "prior");
 }
 
+// A robot that stands is seen alike by every shutter: only what is not known of its motion widens the covariance.
+TEST_F(LocalizeTest, ATwistNarrowsTheCovarianceOfARollingShutter) {
+  json request = VehicleBody();
+  request["camera"]["readout_s"] = 0.02;
+  const auto variance = [&](const json& twist) {
+    json body = {{"camera", request["camera"]}, {"floor", request["floor"]}};
+    if (!twist.is_null()) {
+      body["twist"] = twist;
+    }
+    const json answer = Json(PostRequest(body, jpeg_));
+    ExpectKnownPose(answer);
+    return answer["pose"]["covariance"][0].get<double>();
+  };
+  const double standing = variance({{"vx", 0.0}, {"vy", 0.0}, {"wz", 0.0}});
+  EXPECT_NEAR(std::sqrt(variance(nullptr) - standing), 0.5 * 0.02 * 0.5, 1e-4);
+  EXPECT_EQ(PostImage("?vehicle=agv-7&twist=0.1,0,0.2", jpeg_).status, 200);
+}
+
+TEST_F(LocalizeTest, RefusesATwistThatIsNone) {
+  for (const char* twist : {"1,2", "1,2,fast", "1,2,1000"}) {
+    ExpectProblem(PostImage(std::string("?vehicle=agv-7&twist=") + twist, jpeg_), 400, "invalid_parameter");
+  }
+  for (const json& twist : {json{{"vx", 1}}, json{{"vx", 1}, {"vy", 0}, {"wz", 0}, {"vz", 0}}, json("1,0,0")}) {
+    ExpectProblem(PostRequest({{"vehicle", "agv-7"}, {"twist", twist}}, jpeg_), 422, "invalid_field");
+  }
+}
+
 TEST_F(LocalizeTest, FallsBackToTheWholeMapWhenThePriorIsWrong) {
   const json answer = Json(PostImage("?vehicle=agv-7&prior=5,5,3", jpeg_));
   ExpectKnownPose(answer);

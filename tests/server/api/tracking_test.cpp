@@ -78,6 +78,22 @@ TEST_F(TrackingTest, ADriveIsLocalizedAndThenPropagatedByOdometry) {
   EXPECT_EQ(status, "tracking_odometry");
 }
 
+TEST_F(TrackingTest, StampsOfTheFirstRowAreMovedToTheMiddleOne) {
+  json body = VehicleBody();
+  body["camera"]["readout_s"] = 0.03;
+  body["camera"]["readout_direction"] = "up";
+  body["camera"]["stamp_at"] = "start";
+  ASSERT_LT(client_.Put("/v1/vehicles/agv-7", body.dump()).status, 300);
+  EXPECT_EQ(Vehicle()["camera"]["readout_s"], 0.03);
+  EXPECT_EQ(Vehicle()["camera"]["readout_direction"], "up");
+  EXPECT_EQ(Vehicle()["camera"]["stamp_at"], "start");
+  const json answer = Json(PostFrame("?stamp=100.25", Jpeg(start_)));
+  EXPECT_EQ(answer["status"], "localized") << answer;
+  EXPECT_NEAR(answer["fix"]["pose"]["stamp"].get<double>(), 100.265, 1e-9);
+  const json again = Json(PostFrame("?stamp=100.25", Jpeg(start_)));
+  EXPECT_EQ(again["message"], "duplicate") << "messages are known by their own stamps";
+}
+
 TEST_F(TrackingTest, ReversedOdometryIsNamedAndOutvoted) {
   json answer;
   Pose2 before;
@@ -287,7 +303,7 @@ TEST_F(TrackingTest, AVehicleOfADamagedMapGetsNoAnswer) {
 
 TEST_F(TrackingTest, ASecondImageAtOnceIsRefusedButOdometryIsNot) {
   const auto session = server_.app().state().vehicles.Find("agv-7")->session;
-  auto slot = session->BeginFrame(*ToStampNs(1.0), std::nullopt);
+  auto slot = session->BeginFrame({*ToStampNs(1.0)});
   std::thread([&] {
     const auto refused = PostFrame("?stamp=2", Jpeg(start_));
     ExpectProblem(refused, 503, "vehicle_busy");

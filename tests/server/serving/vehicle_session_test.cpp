@@ -24,7 +24,7 @@ LocalizationResult FoundAt(const Pose2& pose, double p_wrong = 1e-9) {
 class VehicleSessionTest : public testing::Test {
  protected:
   FrameReport Frame(double stamp_s, const LocalizationResult& found, const std::optional<Pose2>& motion = Pose2()) {
-    const auto slot = session_.BeginFrame(Ns(stamp_s), motion);
+    const auto slot = session_.BeginFrame({Ns(stamp_s), motion});
     EXPECT_TRUE(slot.has_value());
     return session_.FinishFrame(*slot, {}, found);
   }
@@ -183,20 +183,20 @@ TEST_F(VehicleSessionTest, AClockStepIsDetectedByOdometryAndByImagesAlone) {
 
 TEST_F(VehicleSessionTest, OneImageAtATimeAndOdometryMeanwhile) {
   Frame(100.0, Pose2());
-  auto slot = session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));
+  auto slot = session_.BeginFrame({Ns(100.1), Pose2(0.1, 0, 0)});
   ASSERT_TRUE(slot.has_value());
-  EXPECT_FALSE(session_.BeginFrame(Ns(100.2), std::nullopt).has_value());
+  EXPECT_FALSE(session_.BeginFrame({Ns(100.2)}).has_value());
   EXPECT_EQ(Odometry(100.2, Pose2(0.1, 0, 0)), MessageOutcome::kUsed);
   const FrameReport report = session_.FinishFrame(*slot, {}, FoundAt(Pose2(0.101, 0, 0)));
   EXPECT_TRUE(report.fix->accepted);
   EXPECT_NEAR(report.view.fused->map_from_base.x(), 0.201, 2e-3);
   slot.reset();
-  EXPECT_TRUE(session_.BeginFrame(Ns(100.3), std::nullopt).has_value());
+  EXPECT_TRUE(session_.BeginFrame({Ns(100.3)}).has_value());
 }
 
 TEST_F(VehicleSessionTest, AnImageThatIsSentAgainBringsItsOdometryOnce) {
   Frame(100.0, Pose2());
-  session_.BeginFrame(Ns(100.1), Pose2(0.1, 0, 0));  // and localization failed
+  session_.BeginFrame({Ns(100.1), Pose2(0.1, 0, 0)});  // and localization failed
   const FrameReport report = Frame(100.1, FoundAt(Pose2(0.1, 0, 0)), Pose2(0.1, 0, 0));
   EXPECT_NE(report.message, MessageOutcome::kDuplicate);
   EXPECT_TRUE(report.fix->accepted);
@@ -211,13 +211,13 @@ TEST_F(VehicleSessionTest, ASetPoseIsWhereTheNextFixIsExpected) {
   // The first message defines the vehicle's clock.
   EXPECT_EQ(Rejection(Frame(5.0, Pose2(3, 1, 1))), FixRejection::kJumpDistance);
   EXPECT_TRUE(Frame(5.1, Pose2(1.01, 1, 1)).fix->accepted);
-  const auto slot = session_.BeginFrame(Ns(5.2), std::nullopt);
+  const auto slot = session_.BeginFrame({Ns(5.2)});
   EXPECT_TRUE(slot->prior.has_value());
 }
 
 TEST(VehicleExpiryTest, ASilentVehicleIsLost) {
   VehicleSession session({}, 0.001, 1e-9);
-  const auto slot = session.BeginFrame(Ns(100.0), std::nullopt);
+  const auto slot = session.BeginFrame({Ns(100.0)});
   session.FinishFrame(*slot, {}, FoundAt(Pose2()));
   EXPECT_TRUE(session.Expired());
   EXPECT_EQ(session.View().state(), TrackingState::kLost);
