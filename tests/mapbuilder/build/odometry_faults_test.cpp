@@ -67,10 +67,10 @@ class OdometryFaultsTest : public ::testing::Test {
       SimulateOptions options;
       options.out = recorded.path() / "survey";
       options.floor.source = "concrete";
-      options.floor.width_m = 2.4;
-      options.floor.height_m = 1.2;
+      options.floor.width_m = 2.6;
+      options.floor.height_m = 1.4;
       options.camera = SmallCamera();
-      options.path.overlap = 0.4;
+      options.path.overlap = 0.3;
       options.path.odometry_rate_hz = 50.0;
       options.seed = 4;
       const int all = Simulate(options).frames;
@@ -153,7 +153,7 @@ TEST_F(OdometryFaultsTest, ImagesThatAreStampedLate) {
 // Wheels that slip in turns that nobody saw: no step can be proved false.
 TEST_F(OdometryFaultsTest, TurnsThatAreWrong) {
   ChangeIncrements([](const Pose2& step, double) {
-    return std::abs(step.yaw()) > 0.005 ? Pose2(step.x() + 0.001, step.y(), 0.9 * step.yaw()) : step;
+    return std::abs(step.yaw()) > 0.012 ? Pose2(step.x() + 0.002, step.y(), 0.8 * step.yaw()) : step;
   });
   ExpectAllPlaced();
 }

@@ -65,9 +65,9 @@ TEST_F(RollingShutterTest, ThePoseOfTheImageIsThatOfItsMiddleRow) {
 // The law of the correction: rectified with the motion, the image is that of a global shutter.
 TEST_F(RollingShutterTest, RectifyingPutsEveryRowWhereItBelongs) {
   const auto gray = [](const cv::Mat& bgr) {
-    cv::Mat gray;
-    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-    return gray;
+    cv::Mat levels;
+    cv::cvtColor(bgr, levels, cv::COLOR_BGR2GRAY);
+    return levels;
   };
   const Eigen::Vector3d fast(0.033, 0.004, 0.02);  // 1 m/s for 33 ms
   RenderConditions rolling;
