@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/io/image.h"
+#include "core/io/jpeg_quality.h"
 
 namespace floorloc {
 namespace {
@@ -16,6 +19,7 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::uint8_t kStartOfImage = 0xD8;
 constexpr std::uint8_t kEndOfImage = 0xD9;
 constexpr std::uint8_t kStartOfScan = 0xDA;
+constexpr std::uint8_t kQuantization = 0xDB;
 
 bool IsFrameHeader(std::uint8_t marker) {
   return marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
@@ -110,6 +114,51 @@ std::optional<ImageHeader> ProbeJpeg(Bytes bytes) {
   return std::nullopt;
 }
 
+// The lowest frequencies of the luminance, in the order of the file (T.81 table K.1).
+constexpr std::array<int, 10> kLowFrequencies = {16, 11, 12, 14, 12, 10, 16, 14, 13, 14};
+using LowFrequencies = std::array<int, kLowFrequencies.size()>;
+
+// The quantisation tables by their numbers (T.81 B.2.4.1).
+using QuantizationTables = std::array<std::optional<LowFrequencies>, 4>;
+
+// Adds the tables of a segment; false when it is damaged.
+bool AddTables(Bytes data, QuantizationTables* tables) {
+  constexpr std::size_t kEntries = 64;
+  while (!data.empty()) {
+    const std::size_t bytes = (data[0] >> 4U) + std::size_t{1};
+    const std::size_t number = data[0] & 0x0FU;
+    data = data.subspan(1);
+    if (bytes > 2 || number >= tables->size() || data.size() < bytes * kEntries) {
+      return false;
+    }
+    LowFrequencies steps{};
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      steps[i] = bytes == 2 ? data[2 * i] * 256 + data[2 * i + 1] : data[i];
+    }
+    if (std::find(steps.begin(), steps.end(), 0) != steps.end()) {
+      return false;
+    }
+    (*tables)[number] = steps;
+    data = data.subspan(bytes * kEntries);
+  }
+  return true;
+}
+
+// The number of the table of the first component (T.81 B.2.2).
+std::optional<std::size_t> FirstTable(Bytes frame_header) {
+  constexpr std::size_t kTable = 8;
+  return frame_header.size() > kTable && frame_header[kTable] < QuantizationTables().size()
+             ? std::optional<std::size_t>(frame_header[kTable])
+             : std::nullopt;
+}
+
+int QualityOf(const LowFrequencies& steps) {
+  const double scale = 100.0 * std::accumulate(steps.begin(), steps.end(), 0) /
+                       std::accumulate(kLowFrequencies.begin(), kLowFrequencies.end(), 0);
+  const double quality = scale > 100.0 ? 5000.0 / scale : 100.0 - 0.5 * scale;
+  return std::clamp(static_cast<int>(std::lround(quality)), 1, 100);
+}
+
 std::uint32_t BigEndian32(Bytes bytes) {
   return static_cast<std::uint32_t>(bytes[0]) << 24 | static_cast<std::uint32_t>(bytes[1]) << 16 |
          static_cast<std::uint32_t>(bytes[2]) << 8 | static_cast<std::uint32_t>(bytes[3]);
@@ -137,6 +186,33 @@ std::optional<ImageHeader> ProbePng(Bytes bytes) {
 std::optional<ImageHeader> ProbeImage(std::span<const std::uint8_t> bytes) {
   const std::optional<ImageHeader> jpeg = ProbeJpeg(bytes);
   return jpeg ? jpeg : ProbePng(bytes);
+}
+
+std::optional<int> EstimateJpegQuality(std::span<const std::uint8_t> bytes) {
+  JpegParser parser(bytes);
+  if (!parser.StartsAsJpeg()) {
+    return std::nullopt;
+  }
+  QuantizationTables tables;
+  std::optional<std::size_t> first;
+  while (const std::optional<Segment> segment = parser.Next()) {
+    if (segment->marker == kQuantization && !AddTables(segment->payload, &tables)) {
+      return std::nullopt;
+    }
+    if (IsFrameHeader(segment->marker)) {
+      first = FirstTable(segment->payload);
+    }
+    if (segment->marker == kStartOfScan) {
+      return first && tables[*first] ? std::optional(QualityOf(*tables[*first])) : std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string CompressedTooMuch(int jpeg_quality) {
+  return "images are compressed too much, JPEG quality " + std::to_string(jpeg_quality) +
+         ": what the floor is recognized by is lost; set the camera to a quality of 50 or more, or to a higher bit "
+         "rate";
 }
 
 std::optional<int> CountJpegScans(std::span<const std::uint8_t> bytes) {

@@ -4,6 +4,7 @@
 #include "core/io/encoded_image.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/io/jpeg_quality.h"
 #include "server/serving/localize_service.h"
 #include "server/wire/problem.h"
 #include "tests/fuzz/refusal.h"
@@ -14,6 +15,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace floorloc;
   const std::span<const std::uint8_t> bytes(data, size);
   CountJpegScans(bytes);
+  if (const std::optional<int> quality = EstimateJpegQuality(bytes); quality && (*quality < 1 || *quality > 100)) {
+    std::abort();
+  }
   HasPngEnd(bytes);
   CameraModel camera;
   camera.width_px = 16;
