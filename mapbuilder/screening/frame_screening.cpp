@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "core/io/input_error.h"
+#include "mapbuilder/screening/compression.h"
 #include "mapbuilder/screening/standstill.h"
 
 namespace floorloc {
@@ -257,6 +258,8 @@ ScreenedFrames ScreenFrames(FrameSet set, const PairRegistrationOptions& registr
   screener.FindStandstill(registration);
   const std::vector<std::string> reasons = screener.reasons();
   ScreenedFrames result = screener.Result();
+  const std::vector<std::string> compression = FindPoorCompression(set);
+  result.warnings.insert(result.warnings.end(), compression.begin(), compression.end());
 
   for (std::size_t i = 0; i < set.frames.size(); ++i) {
     if (reasons[i].empty()) {
