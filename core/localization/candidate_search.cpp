@@ -38,13 +38,15 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
 FrameMatches CandidateSearch::FindMatches(const Features& features, const SearchScope& scope) const {
   FrameMatches found;
   if (scope.indistinct && binary_) {
-    found.matches =
-        FindAllNear(*index_, features.descriptors,
-                    {.count = options_.search.votes_per_keypoint, .max_distance = options_.search.max_vote_distance});
+    const SearchOptions& o = options_.search;
+    found.matches = FindAllNear(*index_, features.descriptors,
+                                {.count = scope.thorough ? o.thorough_votes : o.votes_per_keypoint,
+                                 .max_distance = scope.thorough ? o.thorough_vote_distance : o.max_vote_distance});
   } else {
+    const float max_ratio = binary_ ? options_.max_ratio_binary : options_.max_ratio_float;
     found.matches = FilterByRatio(scope.guide ? guided_.FindNearest(features, *scope.guide)
                                               : FindNearest(*index_, features.descriptors, scope.probes),
-                                  binary_ ? options_.max_ratio_binary : options_.max_ratio_float);
+                                  scope.thorough ? 1.0F : max_ratio);
   }
   found.oriented = ToOrientedMatches(found.matches, features.keypoints, map_.keypoints.keypoints);
   return found;
@@ -64,7 +66,11 @@ std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& feat
                                                             const FrameMatches& matches) const {
   const SearchRegion region = RegionOf(scope.guide);
   std::vector<VerifiedPose> verified;
-  for (const PoseCandidate& candidate : FindPoseCandidates(matches.oriented, options_.registration)) {
+  RegistrationOptions registration = options_.registration;
+  if (scope.thorough) {
+    registration.candidates = options_.search.thorough_candidates;
+  }
+  for (const PoseCandidate& candidate : FindPoseCandidates(matches.oriented, registration)) {
     if (IsDominated(candidate, verified)) {
       continue;
     }

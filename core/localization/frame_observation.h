@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "core/geometry/floor_plane.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/vision/features/features.h"
@@ -19,6 +21,12 @@ struct FrameObservation {
   GroundImage floor;  ///< rectified, with what was left out
   double rectify_ms = 0.0;
   double features_ms = 0.0;
+  std::optional<int> jpeg_quality = {};  ///< EstimateJpegQuality() of the image's file, by whoever has it
+
+  void SetContext(const std::optional<CameraPrior>& camera_prior, std::optional<int> quality) {
+    samples.SetCameraPrior(camera_prior);
+    jpeg_quality = quality;
+  }
 };
 
 }  // namespace floorloc

@@ -37,6 +37,15 @@ struct LocalizationTiming {
   double match_ms = 0.0;
   double register_ms = 0.0;
   double total_ms = 0.0;
+
+  LocalizationTiming& operator+=(const LocalizationTiming& other) {
+    rectify_ms += other.rectify_ms;
+    features_ms += other.features_ms;
+    match_ms += other.match_ms;
+    register_ms += other.register_ms;
+    total_ms += other.total_ms;
+    return *this;
+  }
 };
 
 struct LocalizationResult {
@@ -53,6 +62,7 @@ struct LocalizationResult {
   /// none: the frame was not compared with a mosaic.
   std::optional<double> support_area;
   bool used_prior = false;
+  std::optional<int> poor_jpeg_quality;       ///< of an image whose compression may be why it is not localized
   std::optional<CameraEvidence> camera;       ///< where the frame was aligned to the mosaic
   std::optional<ReadoutMeasurement> readout;  ///< where the image was used to measure its camera's read-out
   std::vector<PoseHypothesis> alternatives;   ///< as in PoseDecision

@@ -123,6 +123,39 @@ struct Localizer::Impl {
     }
   }
 
+  FrameObservation ObserveParts(const Rectifier& rectifier, const cv::Mat& raw, const ViewParts& parts,
+                                const ReadoutMotion& motion) const {
+    Stopwatch stage;
+    const PartialView view = RectifyParts(rectifier, raw, parts, {*extractor, motion.motion});
+    const double rectify_ms = stage.LapMs();
+    const GroundGrid& grid = view.keypoint_image.grid;
+    const Eigen::Vector2d low = grid.BaseFromPixel(grid.width_px - 0.5, grid.height_px - 0.5);
+    const Eigen::Vector2d high = grid.BaseFromPixel(-0.5, -0.5);
+    FrameObservation frame{extractor->Extract(view.keypoint_image, view.keypoint_prepared),
+                           FrameSamples(view.image, view.prepared, rectifier),
+                           RectM{low.x(), high.x(), low.y(), high.y()},
+                           rectifier.camera().floor.offset_sigma_m,
+                           motion.covariance,
+                           GroundImage(),
+                           rectify_ms,
+                           0.0};
+    frame.features_ms = stage.LapMs();
+    return frame;
+  }
+
+  bool IsPoor(const FrameObservation& frame) const {
+    return frame.jpeg_quality && *frame.jpeg_quality < options.search.poor_jpeg_quality;
+  }
+
+  std::vector<SearchScope> ScopesOf(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
+    std::vector<SearchScope> scopes = SearchScopes(prior, frame.roi, search.floor_repeats());
+    // On a self-similar floor weaker matches would speak for every copy.
+    if (IsPoor(frame) && !search.floor_repeats()) {
+      scopes.push_back(ThoroughScope(prior, frame.roi));
+    }
+    return scopes;
+  }
+
   static std::vector<int> CellsOf(const FrameObservation& frame) {
     std::vector<int> cells;
     cells.reserve(frame.features.keypoints.size());
@@ -248,6 +281,7 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
   result.timing.rectify_ms = frame.rectify_ms;
   result.timing.features_ms = frame.features_ms;
   result.keypoints = static_cast<int>(frame.features.keypoints.size());
+  result.poor_jpeg_quality = impl_->IsPoor(frame) ? frame.jpeg_quality : std::nullopt;
   Stopwatch search;
   if (result.keypoints < impl_->options.registration.min_inliers) {
     result.reason = NotLocalizedReason::kTooFewKeypoints;
@@ -258,7 +292,7 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
       near->map_from_base = map_from_origin.Inverse() * near->map_from_base;
     }
     GlobalSearchCache global;
-    for (const SearchScope& scope : SearchScopes(near, frame.roi, impl_->search.floor_repeats())) {
+    for (const SearchScope& scope : impl_->ScopesOf(frame, near)) {
       impl_->LocalizeIn(scope, frame, &global, &result);
       if (result.status == LocalizationStatus::kLocalized || result.reason == NotLocalizedReason::kContradictsPrior) {
         break;
@@ -286,9 +320,26 @@ LocalizationResult Localizer::LocalizeWithGlobalFallback(const FrameObservation&
   return anywhere;
 }
 
+std::optional<FrameObservation> Localizer::ObservePart(const Rectifier& rectifier, const cv::Mat& raw,
+                                                       const ReadoutMotion& motion) const {
+  const RectM& map_roi = impl_->map.info.camera().floor.roi;
+  const ViewParts parts =
+      ChooseViewParts(rectifier, map_roi.width_m() * map_roi.height_m(), impl_->options.partial_view);
+  return parts.keypoints.empty() ? std::nullopt : std::optional(impl_->ObserveParts(rectifier, raw, parts, motion));
+}
+
 LocalizationResult Localizer::Localize(const Rectifier& rectifier, const cv::Mat& raw,
                                        const std::optional<PosePrior>& prior) const {
-  return Localize(Observe(rectifier, raw), prior);
+  LocalizationResult by_part;
+  if (const std::optional<FrameObservation> part = ObservePart(rectifier, raw)) {
+    by_part = Localize(*part, prior);
+    if (by_part.status == LocalizationStatus::kLocalized) {
+      return by_part;
+    }
+  }
+  LocalizationResult whole = Localize(Observe(rectifier, raw), prior);
+  whole.timing += by_part.timing;
+  return whole;
 }
 
 }  // namespace floorloc

@@ -42,13 +42,17 @@ class Localizer {
   /// beside the rectifier's mask, as LearnedMaskState::left_out; may be empty.
   FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw, const ReadoutMotion& motion = {},
                            const cv::Mat& left_out = cv::Mat()) const;
+  /// Of a view much larger than that of the map's camera a part that suffices (PartialViewOptions), for most frames;
+  /// FrameObservation::floor is not set. Empty: the view is small enough to be looked at as a whole.
+  std::optional<FrameObservation> ObservePart(const Rectifier& rectifier, const cv::Mat& raw,
+                                              const ReadoutMotion& motion = {}) const;
   /// Searches near the prior, or the whole map without one. No global search when the prior fails: the caller decides.
   LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
   /// Searches near the prior, and the whole map when the frame is not localized there; result.used_prior says which
   /// search the result is from.
   LocalizationResult LocalizeWithGlobalFallback(const FrameObservation& frame,
                                                 const std::optional<PosePrior>& prior) const;
-  /// Observes and localizes.
+  /// Observes and localizes a frame, a large view by a part of it where that suffices. No global search either.
   LocalizationResult Localize(const Rectifier& rectifier, const cv::Mat& raw,
                               const std::optional<PosePrior>& prior) const;
 
@@ -62,6 +66,7 @@ class Localizer {
 
  private:
   struct Impl;
+
   std::unique_ptr<Impl> impl_;
 };
 

@@ -20,6 +20,7 @@ void LocalizerOptions::Check() const {
   decision.Check();
   readout.Check();
   readout_fit.Check();
+  partial_view.Check();
 }
 
 }  // namespace floorloc

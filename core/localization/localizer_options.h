@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/geometry/readout.h"
+#include "core/localization/partial_view.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/pose_verifier.h"
@@ -27,6 +28,7 @@ struct LocalizerOptions {
   DecisionOptions decision;
   ReadoutOptions readout;
   ReadoutFitOptions readout_fit;
+  PartialViewOptions partial_view;
   double systematic_m = 1.5e-4;      ///< error of the map that a residual does not show; `./run bench calibration`
   double systematic_share = 1.0;     ///< the same as a share of their RMS, where the mosaic was not compared
   double systematic_lever_m = 0.25;  ///< lever arm: systematic error of the heading = that of the position / lever

@@ -20,18 +20,30 @@ ReadoutMotion MotionOf(const Readout& readout, const FrameMotion& motion, const 
   return {motion.learnt->seconds * *motion.twist, error * error.transpose()};
 }
 
+bool IsLocalized(const ObservedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
+
+// A large view is looked at in part first; not where parts of it are left out, which the part could consist of.
 ObservedFrame Localize(const Localizer& localizer, const Rectifier& rectifier, const cv::Mat& raw,
                        const FrameHints& hints) {
-  const Readout& readout = rectifier.camera().camera.readout;
-  FrameObservation observation =
-      localizer.Observe(rectifier, raw, MotionOf(readout, hints.motion, localizer.options().readout), hints.left_out);
-  observation.samples.SetCameraPrior(hints.camera);
-  LocalizationResult result = hints.anywhere ? localizer.LocalizeWithGlobalFallback(observation, hints.prior)
-                                             : localizer.Localize(observation, hints.prior);
-  return {std::move(observation), std::move(result)};
+  const ReadoutMotion motion = MotionOf(rectifier.camera().camera.readout, hints.motion, localizer.options().readout);
+  LocalizationTiming of_part;
+  if (hints.left_out.empty()) {
+    if (std::optional<FrameObservation> part = localizer.ObservePart(rectifier, raw, motion)) {
+      part->SetContext(hints.camera, hints.jpeg_quality);
+      LocalizationResult result = localizer.Localize(*part, hints.prior);
+      if (result.status == LocalizationStatus::kLocalized) {
+        return {*std::move(part), std::move(result)};
+      }
+      of_part = result.timing;
+    }
+  }
+  FrameObservation whole = localizer.Observe(rectifier, raw, motion, hints.left_out);
+  whole.SetContext(hints.camera, hints.jpeg_quality);
+  LocalizationResult result = hints.anywhere ? localizer.LocalizeWithGlobalFallback(whole, hints.prior)
+                                             : localizer.Localize(whole, hints.prior);
+  result.timing += of_part;
+  return {std::move(whole), std::move(result)};
 }
-
-bool IsLocalized(const ObservedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
 // At speed nothing matches an image whose rows are far from where they belong: likely read-outs are tried. Each finds
 // images whose read-out is within 12 ms of it at 1 m/s (`./run bench calibration --case readout`). hints: gets the

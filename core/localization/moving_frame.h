@@ -21,8 +21,9 @@ struct FrameHints {
   std::optional<PosePrior> prior = {};
   std::optional<CameraPrior> camera = {};  ///< of the camera's errors
   FrameMotion motion = {};
-  cv::Mat left_out = {};  ///< as in Localizer::Observe
-  bool anywhere = true;   ///< search the whole map when the frame is not localized near the prior
+  cv::Mat left_out = {};                 ///< as in Localizer::Observe
+  std::optional<int> jpeg_quality = {};  ///< EstimateJpegQuality() of the image's file
+  bool anywhere = true;                  ///< search the whole map when the frame is not localized near the prior
 };
 
 struct ObservedFrame {

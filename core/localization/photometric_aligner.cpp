@@ -383,8 +383,10 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
     }
     const bool empty = cell(c).empty();
     cell_centers_.push_back(empty ? center_ : Eigen::Vector2d(sum / static_cast<double>(cell(c).size())));
-    cell_modes_.push_back(Expand<kCalibrationModes>(
-        cell_centers_.back(), [&](const Eigen::Vector2d& p) { return rectifier.calibration_modes().At(p); }));
+    cell_modes_.push_back(empty ? CellDisplacement<kCalibrationModes>::Zero()
+                                : Expand<kCalibrationModes>(cell_centers_.back(), [&](const Eigen::Vector2d& p) {
+                                    return rectifier.calibration_modes().At(p);
+                                  }));
   }
 }
 

@@ -10,6 +10,10 @@ void SearchOptions::Check() const {
   RequireOption(max_vote_distance >= 0.0F, "max_vote_distance must not be negative");
   RequireOption(prior_failure_rate > 0.0 && prior_failure_rate < 1.0, "prior_failure_rate must be between 0 and 1");
   RequireOption(min_rival_share >= 0.0 && min_rival_share <= 1.0, "min_rival_share must be 0 to 1");
+  RequireOption(poor_jpeg_quality >= 0 && poor_jpeg_quality <= 100, "poor_jpeg_quality must be 0 (none) to 100");
+  RequireOption(thorough_votes >= 1 && thorough_votes <= 100, "thorough_votes must be 1 to 100");
+  RequireOption(thorough_vote_distance >= 0.0F, "thorough_vote_distance must not be negative");
+  RequireOption(thorough_candidates >= 1 && thorough_candidates <= 1000, "thorough_candidates must be 1 to 1000");
   RequireOption(clear_log10_nfa <= 0.0, "clear_log10_nfa must not be positive");
 }
 

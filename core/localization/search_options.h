@@ -17,6 +17,15 @@ struct SearchOptions {
   double min_rival_share = 0.25;
   /// ... when the first one's log10 of the number of false alarms is below this (2407dfd).
   double clear_log10_nfa = -20.0;
+  /// Images of a lower JPEG quality lose what floors are recognized by, and are searched for more thoroughly where the
+  /// rest finds nothing: at 40 every hard frame of a faint concrete floor is found, at 30 three quarters
+  /// (docs/benchmarks/compression.md, as all of these).
+  int poor_jpeg_quality = 40;
+  /// Neighbours that vote per keypoint of such an image: its descriptors are off by more bits than those of other
+  /// floor. Of the concrete's mild frames of quality 20, 2 neighbours find 75 %, 6 find 90 %, 20 all ...
+  int thorough_votes = 20;
+  float thorough_vote_distance = 90.0F;  ///< ... their largest Hamming distance ...
+  int thorough_candidates = 50;          ///< ... and poses that are verified: hard frames 19 % with 10, 24 % with 50
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;

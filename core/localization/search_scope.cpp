@@ -51,4 +51,15 @@ std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, con
   return {few, SearchScope(), indistinct};
 }
 
+SearchScope ThoroughScope(const std::optional<PosePrior>& prior, const RectM& roi) {
+  SearchScope scope;
+  scope.thorough = true;
+  scope.indistinct = !prior;
+  if (prior) {
+    scope.prior = prior;
+    scope.guide = GuideOf(*prior, roi);
+  }
+  return scope;
+}
+
 }  // namespace floorloc

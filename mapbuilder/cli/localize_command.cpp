@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/io/camera_mask.h"
+#include "core/io/jpeg_quality.h"
 #include "core/io/text_file.h"
 #include "core/map/camera_correction.h"
 #include "core/map/camera_mask_table.h"
@@ -54,6 +55,20 @@ void PrintSummary(const std::vector<LocalizedFrame>& frames) {
   std::printf("%zu frames: %td localized, %td ambiguous, %td not localized; median %.1f ms per frame\n", frames.size(),
               with_status(LocalizationStatus::kLocalized), with_status(LocalizationStatus::kAmbiguous),
               with_status(LocalizationStatus::kNotLocalized), Median(ms));
+}
+
+// Says that compression may be why frames are lost.
+void PrintCompression(const std::vector<LocalizedFrame>& frames) {
+  std::vector<double> qualities;
+  for (const LocalizedFrame& f : frames) {
+    if (f.result.poor_jpeg_quality && f.result.status == LocalizationStatus::kNotLocalized) {
+      qualities.push_back(*f.result.poor_jpeg_quality);
+    }
+  }
+  if (!qualities.empty()) {
+    std::printf("%zu of the images not localized: %s\n", qualities.size(),
+                CompressedTooMuch(static_cast<int>(Median(qualities))).c_str());
+  }
 }
 
 // Says how the map corrected the camera; nothing when it did not move anything that one could see.
@@ -142,6 +157,7 @@ void LocalizeOnly(const Arguments& a, const Localizer& localizer, const Survey& 
   WriteFileAtomically(a.out, FormatTum(ToTrajectory(frames)));
   WriteResults(a.results, frames);
   PrintSummary(frames);
+  PrintCompression(frames);
 }
 
 void LocalizeAndFuse(Arguments& a, const Localizer& localizer, const Survey& survey) {
@@ -158,6 +174,7 @@ void LocalizeAndFuse(Arguments& a, const Localizer& localizer, const Survey& sur
     frames.push_back(frame.localized);
   }
   PrintSummary(frames);
+  PrintCompression(frames);
   PrintFusionSummary(drive);
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/io/jpeg_quality.h"
+
 namespace floorloc {
 namespace {
 
@@ -59,6 +61,27 @@ DriveRecord RecordOf(const Survey& drive, const FusedDrive& fused) {
   return record;
 }
 
+// Empty when not even one image in two is compressed too much.
+std::vector<Finding> FindingsOfCompression(const FusedDrive& fused, const DiagnosisOptions& options) {
+  std::vector<int> qualities;
+  std::size_t lost = 0;
+  for (const FusedFrame& frame : fused.frames) {
+    const LocalizationResult& result = frame.localized.result;
+    lost += result.status == LocalizationStatus::kLocalized ? 0 : 1;
+    if (result.poor_jpeg_quality) {
+      qualities.push_back(*result.poor_jpeg_quality);
+    }
+  }
+  if (2 * qualities.size() < fused.frames.size() || qualities.empty()) {
+    return {};
+  }
+  std::sort(qualities.begin(), qualities.end());
+  const double lost_share = static_cast<double>(lost) / static_cast<double>(fused.frames.size());
+  const bool works = lost_share <= 1.0 - options.min_localized_share;
+  return {{"images", works ? FindingStatus::kNote : FindingStatus::kWrong,
+           CompressedTooMuch(qualities[qualities.size() / 2]), ""}};
+}
+
 }  // namespace
 
 Survey WithoutForeignClocks(Survey drive) {
@@ -82,6 +105,8 @@ std::vector<Finding> CheckDrive(const Survey& drive, const FusedDrive& fused, co
   }
   const ObservedCamera camera = ObservedCamera::Of(fused.camera, fused.camera_off_px, drive.camera);
   std::vector<Finding> findings = Diagnose(RecordOf(drive, fused), camera, gyro, of_recording);
+  const std::vector<Finding> compression = FindingsOfCompression(fused, options);
+  findings.insert(findings.end(), compression.begin(), compression.end());
   if (foreign_imu) {
     findings.push_back({"gyro", FindingStatus::kWrong, foreign_imu->sentence, foreign_imu->cure});
   }

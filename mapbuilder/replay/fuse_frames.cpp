@@ -94,11 +94,8 @@ class Run {
                            .camera = tracker_.PriorOfCamera(),
                            .motion = tracker_.Motion(frame.stamp_ns),
                            .left_out = tracker_.Mask().left_out};
-    ObservedFrame found =
-        ObserveAndLocalize(localizer_, rectifier_, ReadFrame(survey_, frame, &fused.localized.decode_ms), hints);
-    fused.localized.result = std::move(found.result);
-    fused.outcome =
-        tracker_.AddFrame(frame.stamp_ns, found.observation.features, found.observation.floor, fused.localized.result);
+    const FrameObservation observation = LocateFrame(localizer_, rectifier_, survey_, hints, &fused.localized);
+    fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, observation.floor, fused.localized.result);
     fused.learnt_share = tracker_.Mask().share;
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {

@@ -8,8 +8,9 @@
 #include "core/geometry/option_check.h"
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/io/jpeg_quality.h"
+#include "core/io/text_file.h"
 #include "core/io/trajectory_twist.h"
-#include "core/localization/moving_frame.h"
 #include "core/localization/stopwatch.h"
 #include "core/map/camera_correction.h"
 #include "core/map/camera_mask_table.h"
@@ -30,8 +31,7 @@ LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifie
   LocalizedFrame localized;
   localized.frame = frame;
   const FrameHints hints{.prior = prior, .motion = KnownMotionAt(survey, frame), .anywhere = false};
-  localized.result =
-      ObserveAndLocalize(localizer, rectifier, ReadFrame(survey, frame, &localized.decode_ms), hints).result;
+  LocateFrame(localizer, rectifier, survey, hints, &localized);
   return localized;
 }
 
@@ -107,8 +107,7 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
     localized.frame = frame;
     // Anywhere: lost, possibly by a kidnap.
     const FrameHints hints{.prior = prior, .motion = {TwistAt(survey.odometry, frame.stamp_ns), readout.Estimate()}};
-    localized.result =
-        ObserveAndLocalize(localizer, rectifier, ReadFrame(survey, frame, &localized.decode_ms), hints).result;
+    LocateFrame(localizer, rectifier, survey, hints, &localized);
     if (localized.result.readout) {
       readout.Add(*localized.result.readout);
     }
@@ -123,12 +122,18 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
 
 }  // namespace
 
-cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms) {
+FrameObservation LocateFrame(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey,
+                             FrameHints hints, LocalizedFrame* localized) {
   const CameraModel& camera = survey.camera.camera;
+  const std::filesystem::path file = survey.ImagePath(localized->frame);
   Stopwatch watch;
-  cv::Mat raw = ReadGrayImage(survey.ImagePath(frame), camera.width_px, camera.height_px);
-  *decode_ms = watch.LapMs();
-  return raw;
+  const std::vector<std::uint8_t> bytes = ReadBinaryFile(file);
+  const cv::Mat raw = DecodeGray(bytes, camera.width_px, camera.height_px, file);
+  localized->decode_ms = watch.LapMs();
+  hints.jpeg_quality = EstimateJpegQuality(bytes);
+  ObservedFrame found = ObserveAndLocalize(localizer, rectifier, raw, hints);
+  localized->result = std::move(found.result);
+  return std::move(found.observation);
 }
 
 cv::Mat MaskIn(const MapInfo& info, const Survey& survey) {
@@ -187,6 +192,12 @@ std::string ToJsonLine(const LocalizedFrame& localized) {
   json["rms_m"] = r.rms_m;
   json["p_wrong"] = r.p_wrong;
   json["support_area"] = r.support_area ? nlohmann::ordered_json(*r.support_area) : nlohmann::ordered_json();
+  if (r.poor_jpeg_quality) {
+    json["jpeg_quality"] = *r.poor_jpeg_quality;
+    if (r.status == LocalizationStatus::kNotLocalized) {
+      json["warning"] = CompressedTooMuch(*r.poor_jpeg_quality);
+    }
+  }
   json["alternatives"] = nlohmann::ordered_json::array();
   for (const PoseHypothesis& a : r.alternatives) {
     const Pose2& pose = a.target_from_source;

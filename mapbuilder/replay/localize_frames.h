@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/io/survey.h"
-#include "core/localization/localizer.h"
+#include "core/localization/moving_frame.h"
 #include "mapbuilder/batch/run_options.h"
 
 namespace floorloc {
@@ -42,8 +42,10 @@ struct LocalizedFrame {
 /// The survey's own mask, or what the map has of its camera; empty: none.
 cv::Mat MaskIn(const MapInfo& info, const Survey& survey);
 
-/// Reads a frame's image (CV_8UC1) and measures the time. Throws InputError.
-cv::Mat ReadFrame(const Survey& survey, const SurveyFrame& frame, double* decode_ms);
+/// Reads and localizes localized->frame; sets localized->result and decode_ms. hints: without the JPEG's quality.
+/// Returns what was observed. Throws InputError.
+FrameObservation LocateFrame(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey,
+                             FrameHints hints, LocalizedFrame* localized);
 
 /// Localizes every frame of a survey folder, in order. Throws InputError.
 std::vector<LocalizedFrame> LocalizeFrames(const Localizer& localizer, const Survey& survey,

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/io/jpeg_quality.h"
 #include "server/api/camera_json.h"
 #include "server/api/pose_json.h"
 #include "server/wire/names.h"
@@ -174,6 +175,12 @@ nlohmann::json FormatFix(const FixRecord& record) {
                         {"rms_m", r.rms_m},         {"p_wrong", r.p_wrong}, {"search", record.search}};
   if (r.support_area) {
     fix["support_area"] = *r.support_area;
+  }
+  if (r.poor_jpeg_quality) {
+    fix["jpeg_quality"] = *r.poor_jpeg_quality;
+    if (r.status == LocalizationStatus::kNotLocalized) {
+      fix["warning"] = CompressedTooMuch(*r.poor_jpeg_quality);
+    }
   }
   return fix;
 }

@@ -6,6 +6,7 @@
 
 #include "core/io/image.h"
 #include "core/io/input_error.h"
+#include "core/io/jpeg_quality.h"
 #include "server/wire/problem.h"
 
 namespace floorloc {
@@ -58,9 +59,12 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
   const cv::Mat image = Decode(job);
   LocalizeOutcome outcome;
   outcome.decode_ms = MillisecondsSince(start);
-  ObservedFrame found = ObserveAndLocalize(
-      *job.map->localizer, *job.camera.rectifier, image,
-      {.prior = job.prior, .camera = job.camera_prior, .motion = job.motion, .left_out = job.mask.left_out});
+  ObservedFrame found = ObserveAndLocalize(*job.map->localizer, *job.camera.rectifier, image,
+                                           {.prior = job.prior,
+                                            .camera = job.camera_prior,
+                                            .motion = job.motion,
+                                            .left_out = job.mask.left_out,
+                                            .jpeg_quality = EstimateJpegQuality(job.bytes)});
   outcome.result = std::move(found.result);
   outcome.features = std::move(found.observation.features);
   outcome.floor = std::move(found.observation.floor);

@@ -84,27 +84,34 @@ cv::Mat Rectifier::Remap(const cv::Mat& raw, const PixelMap& map) const {
 
 cv::Mat Rectifier::RectifyImage(const cv::Mat& raw) const { return Remap(raw, map_); }
 
-GroundImage Rectifier::Rectify(const cv::Mat& raw) const {
+GroundImage Rectifier::Rectify(const cv::Mat& raw) const { return Rectify(raw, Eigen::Vector3d::Zero()); }
+
+GroundImage Rectifier::Rectify(const cv::Mat& raw, const Eigen::Vector3d& motion) const {
+  return Rectify(raw, cv::Rect(0, 0, grid_.width_px, grid_.height_px), motion);
+}
+
+GroundImage Rectifier::Rectify(const cv::Mat& raw, const cv::Rect& part, const Eigen::Vector3d& motion) const {
   if (raw.channels() != 1) {
     throw std::invalid_argument("the image is not grey");
   }
-  GroundImage image{grid_, RectifyImage(raw), mask_};
-  if (!raw_mask_.empty()) {
-    image.gray &= mask_;
+  GroundImage image{grid_, cv::Mat(), mask_(part)};
+  const Eigen::Vector2d top_left = grid_.BaseFromPixel(part.x, part.y);
+  image.grid.x_top_m = top_left.x();
+  image.grid.y_left_m = top_left.y();
+  image.grid.width_px = part.width;
+  image.grid.height_px = part.height;
+  PixelMap map{map_.xy(part), map_.fraction(part)};
+  if (!motion.isZero()) {
+    map = MoveRows(camera_, image.grid, map, motion);
+    image.mask = cv::Mat();
+    cv::extractChannel(map.xy, image.mask, 0);
+    image.mask = image.mask >= 0;
+    if (!raw_mask_.empty()) {
+      image.mask &= Remap(raw_mask_, map) == 255;
+    }
   }
-  return image;
-}
-
-GroundImage Rectifier::Rectify(const cv::Mat& raw, const Eigen::Vector3d& motion) const {
-  if (motion.isZero() || raw.channels() != 1) {
-    return Rectify(raw);
-  }
-  const PixelMap moved = MoveRows(camera_, grid_, map_, motion);
-  GroundImage image{grid_, Remap(raw, moved), cv::Mat()};
-  cv::extractChannel(moved.xy, image.mask, 0);
-  image.mask = image.mask >= 0;
+  image.gray = Remap(raw, map);
   if (!raw_mask_.empty()) {
-    image.mask &= Remap(raw_mask_, moved) == 255;
     image.gray &= image.mask;
   }
   return image;

@@ -23,6 +23,9 @@ class Rectifier {
   /// Of a camera that moves while its image is read out (ReadoutMotion::motion): every row is put where it belongs when
   /// the middle one is exposed.
   GroundImage Rectify(const cv::Mat& raw, const Eigen::Vector3d& motion) const;
+  /// A part of it: the same pixels. part: pixels of the rectified image, within it.
+  GroundImage Rectify(const cv::Mat& raw, const cv::Rect& part,
+                      const Eigen::Vector3d& motion = Eigen::Vector3d::Zero()) const;
   /// The same for mosaics, grey or colour: CV_8UC1 or CV_8UC3, returns the same type; invalid pixels are 0.
   cv::Mat RectifyImage(const cv::Mat& raw) const;
 

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/localization/moving_frame.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "tests/synthetic/synthetic_floor.h"
@@ -347,6 +348,54 @@ TEST(LocalizerMosaicTest, AMosaicCoarserThanTheFramesDoesNoHarm) {
   for (const Pose2& truth : RandomPoses(10, 34)) {
     ExpectNear(localizer.Localize(rectifier, GrayView(Floor(), truth, 34), std::nullopt), truth);
   }
+}
+
+// Looks at views in part that are usually looked at as a whole.
+LocalizerOptions InPart() {
+  LocalizerOptions options;
+  options.partial_view = {.max_views = 0.5, .keypoint_views = 0.4, .outer_cells = 40};
+  return options;
+}
+
+TEST(LocalizerPartTest, APartOfTheViewSuffices) {
+  const Localizer whole(TheMap(), LocalizerOptions{}, TheFile().Tiles());
+  const Localizer part(TheMap(), InPart(), TheFile().Tiles());
+  const Rectifier rectifier(Floor().camera());
+  for (const Pose2& truth : RandomPoses(10, 35)) {
+    const cv::Mat view = GrayView(Floor(), truth, 35);
+    const ObservedFrame located = ObserveAndLocalize(part, rectifier, view, {});
+    ExpectNear(located.result, truth);
+    const RectM& all = ObserveAndLocalize(whole, rectifier, view, {}).observation.roi;
+    EXPECT_LT(located.observation.roi.width_m(), 0.8 * all.width_m());
+    for (const Keypoint& keypoint : located.observation.features.keypoints) {
+      EXPECT_TRUE(located.observation.roi.Contains(keypoint.Position().cast<double>()));
+    }
+  }
+}
+
+TEST(LocalizerPartTest, WhereThePartDoesNotSufficeTheWholeViewIsSearched) {
+  const Localizer whole(TheMap(), LocalizerOptions{}, TheFile().Tiles());
+  const Localizer part(TheMap(), InPart(), TheFile().Tiles());
+  const Rectifier rectifier(Floor().camera());
+  cv::Mat view = GrayView(Floor(), RandomPoses(1, 36)[0], 36);
+  const cv::Rect middle(view.cols * 15 / 100, view.rows * 15 / 100, view.cols * 7 / 10, view.rows * 7 / 10);
+  view(middle).setTo(100);  // a sheet of paper
+  const LocalizationResult expected = whole.Localize(rectifier, view, std::nullopt);
+  const LocalizationResult found = part.Localize(rectifier, view, std::nullopt);
+  ASSERT_EQ(expected.status, LocalizationStatus::kLocalized);
+  EXPECT_EQ(found.status, LocalizationStatus::kLocalized);
+  EXPECT_EQ(found.map_from_base.Between(expected.map_from_base).Log().norm(), 0.0);
+  EXPECT_GT(found.timing.total_ms, found.timing.rectify_ms);
+}
+
+TEST(LocalizerCompressionTest, AQualityThatIsGoodEnoughChangesNothing) {
+  const Localizer localizer(TheMap(), LocalizerOptions{}, TheFile().Tiles());
+  const Rectifier rectifier(Floor().camera());
+  const cv::Mat blank(Floor().camera().camera.height_px, Floor().camera().camera.width_px, CV_8UC1, cv::Scalar(90));
+  EXPECT_EQ(ObserveAndLocalize(localizer, rectifier, blank, {.jpeg_quality = 40}).result.poor_jpeg_quality,
+            std::nullopt);
+  EXPECT_EQ(ObserveAndLocalize(localizer, rectifier, blank, {.jpeg_quality = 39}).result.poor_jpeg_quality, 39);
+  EXPECT_EQ(ObserveAndLocalize(localizer, rectifier, blank, {}).result.poor_jpeg_quality, std::nullopt);
 }
 
 TEST(LocalizationNamesTest, AreTheContracts) {

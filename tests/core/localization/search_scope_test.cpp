@@ -47,6 +47,18 @@ TEST(SearchScopeTest, EffortGrows) {
   EXPECT_TRUE(whole[2].indistinct);
 }
 
+TEST(SearchScopeTest, AThoroughSearchUsesEveryKeypoint) {
+  const SearchScope near = ThoroughScope(PosePrior(), kRoi);
+  ASSERT_TRUE(near.guide.has_value());
+  EXPECT_TRUE(near.thorough);
+  EXPECT_EQ(near.guide->stride, 1);
+  EXPECT_FALSE(near.Contains(Pose2(5.0, 0.0, 0.0))) << "it stays within the prior";
+  const SearchScope whole = ThoroughScope(std::nullopt, kRoi);
+  EXPECT_TRUE(whole.thorough);
+  EXPECT_TRUE(whole.indistinct);
+  EXPECT_FALSE(whole.guide.has_value());
+}
+
 TEST(SearchScopeTest, AFloorThatRepeatsItselfIsSearchedWithAllEffortAtOnce) {
   const auto whole = SearchScopes(std::nullopt, kRoi, true);
   ASSERT_EQ(whole.size(), 1U);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/server/fixture/server_fixture.h"
@@ -116,6 +119,18 @@ TEST_F(LocalizeTest, NotLocalizedIsAnAnswer) {
   EXPECT_EQ(answer["status"], "not_localized");
   EXPECT_NE(answer.value("reason", ""), "");
   EXPECT_FALSE(answer.contains("pose"));
+}
+
+TEST_F(LocalizeTest, SaysThatAnImageIsCompressedTooMuch) {
+  cv::Mat noise(SharedMaps().floor().camera().camera.height_px, SharedMaps().floor().camera().camera.width_px, CV_8UC1);
+  cv::randu(noise, 0, 256);
+  std::vector<std::uint8_t> poor;
+  cv::imencode(".jpg", noise, poor, {cv::IMWRITE_JPEG_QUALITY, 20});
+  const json fix = json::parse(PostImage("?vehicle=agv-7", {poor.begin(), poor.end()}).body)["fix"];
+  EXPECT_EQ(fix["jpeg_quality"], 20);
+  EXPECT_THAT(fix["warning"].get<std::string>(), testing::HasSubstr("JPEG quality 20"));
+  const json good = json::parse(PostImage("?vehicle=agv-7", jpeg_).body)["fix"];
+  EXPECT_FALSE(good.contains("jpeg_quality") || good.contains("warning")) << good;
 }
 
 TEST_F(LocalizeTest, TakesCameraAndPriorInline) {

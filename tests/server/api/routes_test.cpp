@@ -156,16 +156,10 @@ TEST_F(RoutesTest, DocumentAndRoutesAgree) {
   client_.Post("/v1/vehicles/a/frames?stamp=1", jpeg, "image/jpeg");
   client_.Post("/v1/vehicles/a/odometry", R"({"stamp":1.1,"dx":0,"dy":0,"dyaw":0})", "application/json");
   client_.Post("/v1/vehicles/a/initialpose", R"({"x":0,"y":0,"yaw":0})", "application/json");
-<<<<<<< ours
-  for (const std::string target : {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps",
-                                   "/v1/maps/hall", "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report",
-                                   "/v1/maps/hall/quality", "/v1/maps/hall/fixes", "/v1/vehicles", "/v1/vehicles/a"}) {
-=======
   for (const std::string target :
        {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps", "/v1/maps/hall",
-        "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report", "/v1/maps/hall/fixes", "/v1/vehicles",
-        "/v1/vehicles/a", "/v1/vehicles/a/diagnosis"}) {
->>>>>>> theirs
+        "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report", "/v1/maps/hall/quality", "/v1/maps/hall/fixes",
+        "/v1/vehicles", "/v1/vehicles/a", "/v1/vehicles/a/diagnosis"}) {
     client_.Get(target);
   }
   client_.Stream("/v1/events", [](const std::string& text) { return !text.empty(); });
