@@ -27,6 +27,7 @@ struct Arguments {
   std::string trajectory = "survey";
   std::string camera = "down";
   std::string condition = "mild";
+  double camera_height_m = 0.0;  // 0: the built-in camera's
   std::string camera_yaml;
   std::string floor_yaml;
   bool keep_direction = false;
@@ -61,10 +62,14 @@ FloorCamera ChooseCamera(const Arguments& arguments) {
     camera.floor = ParseFloorYaml(ReadTextFile(arguments.floor_yaml), arguments.floor_yaml);
     return camera;
   }
+  const double height_m = arguments.camera_height_m;
   if (arguments.camera == "forward") {
-    return MakeForwardCamera();
+    return height_m > 0.0 ? MakeForwardCamera(height_m) : MakeForwardCamera();
   }
-  return arguments.camera == "equidistant" ? MakeEquidistantCamera() : MakeDownwardCamera();
+  if (arguments.camera == "equidistant") {
+    return height_m > 0.0 ? MakeEquidistantCamera(height_m) : MakeEquidistantCamera();
+  }
+  return height_m > 0.0 ? MakeDownwardCamera(height_m) : MakeDownwardCamera();
 }
 
 ConditionLevels ChooseConditions(const Arguments& arguments) {
@@ -201,10 +206,16 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--camera", a.camera, "Built-in camera")
       ->check(CLI::IsMember({"down", "forward", "equidistant"}))
       ->capture_default_str();
+  auto* height = command
+                     .add_option("--camera-height", a.camera_height_m,
+                                 "Of the built-in camera over the floor, metres, instead of down 0.4, forward 0.35, "
+                                 "equidistant 0.3")
+                     ->check(CLI::Range(0.05, 10.0));
   auto* camera_yaml = command.add_option("--camera-yaml", a.camera_yaml, "Camera from a file, with --floor-yaml");
   auto* floor_yaml = command.add_option("--floor-yaml", a.floor_yaml, "Its place over the floor, with --camera-yaml");
   camera_yaml->needs(floor_yaml);
   floor_yaml->needs(camera_yaml);
+  camera_yaml->excludes(height);
   command.add_option("--condition", a.condition, "Light, blur, noise, vibration")
       ->check(CLI::IsMember({"clean", "mild", "hard"}))
       ->capture_default_str();

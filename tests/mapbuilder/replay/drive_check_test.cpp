@@ -81,12 +81,12 @@ class DriveCheckTest : public ::testing::Test {
 
 TEST_F(DriveCheckTest, ImagesThatAreCompressedTooMuchAreSaidSo) {
   ForFrames(0, kFrames, [](FusedFrame& frame) { frame.localized.result.poor_jpeg_quality = 20; });
-  Expect("images", CheckStatus::kNote, "JPEG quality 20");
+  Expect("images", FindingStatus::kNote, "JPEG quality 20");
   ForFrames(0, kFrames / 2, [](FusedFrame& frame) {
     frame.localized.result.status = LocalizationStatus::kNotLocalized;
     frame.localized.result.reason = NotLocalizedReason::kTooFewInliers;
   });
-  Expect("images", CheckStatus::kWrong, "JPEG quality 20");
+  Expect("images", FindingStatus::kWrong, "JPEG quality 20");
   ForFrames(0, kFrames / 2 + 1, [](FusedFrame& frame) { frame.localized.result.poor_jpeg_quality.reset(); });
   EXPECT_EQ(About("images").sentence.find("JPEG"), std::string::npos) << "less than half of the images";
 }
