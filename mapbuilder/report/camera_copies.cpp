@@ -224,6 +224,7 @@ void CameraCopyOptions::Check() const {
   RequireOption(min_sigmas > 0.0, "min_sigmas must be positive");
   RequireOption(min_correlation > 0.0 && min_correlation < 1.0, "min_correlation must be between 0 and 1");
   RequireOption(min_side_blocks >= 1, "min_side_blocks must be at least 1");
+  RequireOption(min_share > 0.0 && min_share < 1.0, "min_share must be between 0 and 1");
 }
 
 std::vector<CameraCopies> FindCameraCopies(const FloorMap& map, const std::vector<MapFrame>& frames,
@@ -247,7 +248,7 @@ std::vector<CameraCopies> FindCameraCopies(const FloorMap& map, const std::vecto
     copies.survey = static_cast<int>(survey);
     copies.blocks = finder.Repeating();
     copies.share = static_cast<double>(cv::countNonZero(copies.blocks)) / static_cast<double>(copies.blocks.total());
-    if (copies.share > 0.0) {
+    if (copies.share >= options.min_share) {
       found.push_back(std::move(copies));
     }
   }

@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(20, 100000))
       ->capture_default_str();
   auto* overlay = app.add_option("--overlay", arguments.overlay, "What stands still in the images; the vehicle stops")
-                      ->check(CLI::IsMember(OverlayKindNames()));
+                      ->check(CLI::IsMember(floorloc::OverlayKindNames()));
   app.add_option("--overlay-share", arguments.overlay_share, "Share of the image that it covers")
       ->needs(overlay)
       ->check(CLI::Range(0.01, 0.9))

@@ -111,7 +111,8 @@ TEST(CameraCopyOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("min_floor", &CameraCopyOptions::min_floor, {0.0, 1.1})
       .Refuses("min_sigmas", &CameraCopyOptions::min_sigmas, {0.0})
       .Refuses("min_correlation", &CameraCopyOptions::min_correlation, {0.0, 1.0})
-      .Refuses("min_side_blocks", &CameraCopyOptions::min_side_blocks, {0});
+      .Refuses("min_side_blocks", &CameraCopyOptions::min_side_blocks, {0})
+      .Refuses("min_share", &CameraCopyOptions::min_share, {0.0, 1.0});
 }
 
 }  // namespace
