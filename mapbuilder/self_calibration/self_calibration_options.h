@@ -30,9 +30,9 @@ struct SelfCalibrationOptions {
   double observable_share = 0.5;
   double contradiction_sigmas = 4.0;
   double distance_sigma_m = 1e-3;  ///< of known distances
-  double unmodelled_px = 0.1;  ///< what no unknown of the calibration describes, at the corners
-  double tilt_rad = 5e-4;      ///< vibration of a frame's roll and pitch, standard deviation
-  double tilt_height = 5e-4;   ///< and of its height, as a share
+  double unmodelled_px = 0.1;      ///< what no unknown of the calibration describes, at the corners
+  double tilt_rad = 5e-4;          ///< vibration of a frame's roll and pitch, standard deviation
+  double tilt_height = 5e-4;       ///< and of its height, as a share
   /// The same where each frame has a height of its own: what the links' scale leaves of it.
   double own_height = 5e-3;
   PairRegistrationOptions registration;  ///< for the links, which are measured again

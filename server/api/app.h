@@ -31,7 +31,7 @@ struct AppState {
   FixHistory fixes;
   std::atomic<bool> draining{false};
   std::function<int()> count_connections = [] { return 0; };  ///< set before serving
-  EventSource event_source;  ///< of the thread of events
+  EventSource event_source;                                   ///< of the thread of events
   EventStreams events;
   ComputePool pool;  ///< last, so destroyed first: its jobs use the members above
 };

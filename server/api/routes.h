@@ -15,7 +15,7 @@ void AddSystemRoutes(AppState& state, Router& router);    ///< health, metrics, 
 void AddMapRoutes(AppState& state, Router& router);       ///< maps, tiles, reports, recent fixes
 void AddVehicleRoutes(AppState& state, Router& router);   ///< registration of vehicles
 void AddTrackingRoutes(AppState& state, Router& router);  ///< images, odometry and poses of vehicles
-void AddEventRoutes(AppState& state, Router& router);    ///< what happens, as server-sent events
+void AddEventRoutes(AppState& state, Router& router);     ///< what happens, as server-sent events
 void AddLocalizeRoute(AppState& state, Router& router);
 void AddWebRoutes(Router& router);  ///< the web page
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/wire/request_head.h"
-
 #include <cstdlib>
 
 #include "server/wire/chunked_framing.h"
 #include "server/wire/problem.h"
+#include "server/wire/request_head.h"
 #include "tests/fuzz/refusal.h"
 
-// A head that grows byte by byte ends where it ends at once; a body of chunks is accepted in pieces as it is as a whole.
+// A head that grows byte by byte ends where it ends at once; a body of chunks is accepted in pieces as it is as a
+// whole.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floorloc;
   const std::string text = FuzzedText(data, size);

@@ -82,7 +82,8 @@ TEST_F(VehicleTest, RefusesWrongFields) {
   json body = VehicleBody();
   body["camera"]["distortion_coefficients"] = {0.1};
   ExpectProblem(client_.Put("/v1/vehicles/a", body.dump()), 422, "invalid_camera");
-  for (const char* pointer : {"/camera/calibration_sigma", "/camera/readout_s", "/floor/offset_sigma", "/floor/resolution"}) {
+  for (const char* pointer :
+       {"/camera/calibration_sigma", "/camera/readout_s", "/floor/offset_sigma", "/floor/resolution"}) {
     body = VehicleBody();
     body[json::json_pointer(pointer)] = -0.1;
     ExpectProblem(client_.Put("/v1/vehicles/a", body.dump()), 422, "invalid_camera");

@@ -47,8 +47,9 @@ TEST(MultipartTest, RefusesWhatIsMalformed) {
   const std::string part = "--b\r\n" + disposition + "\r\nx\r\n";
   for (const std::string& body :
        {std::string(), std::string("--c--"), std::string("--b"), part, part + "--b", part + "--bc--",
-        "--b\r\n" + disposition + "x\r\n--b--", std::string("--b\r\n\r\nx\r\n--b--"), "--b\n" + disposition + "\nx\n--b--",
-        "--b\r\n" + disposition + disposition + "\r\nx\r\n--b--", std::string("--b\r\nX: y\r\n\r\nx\r\n--b--"),
+        "--b\r\n" + disposition + "x\r\n--b--", std::string("--b\r\n\r\nx\r\n--b--"),
+        "--b\n" + disposition + "\nx\n--b--", "--b\r\n" + disposition + disposition + "\r\nx\r\n--b--",
+        std::string("--b\r\nX: y\r\n\r\nx\r\n--b--"),
         std::string("--b\r\nContent-Disposition: attachment; name=a\r\n\r\nx\r\n--b--"),
         std::string("--b\r\nContent-Disposition: form-data; name=\"a\r\n\r\nx\r\n--b--"),
         std::string("--b\r\nContent-Disposition: form-data; name=a; name=b\r\n\r\nx\r\n--b--")}) {
