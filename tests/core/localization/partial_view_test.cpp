@@ -71,7 +71,7 @@ TEST(PartialViewTest, ThePartsAreThoseOfTheWhole) {
   const GroundImage whole = rectifier.Rectify(raw);
   const cv::Mat prepared = extractor->Prepare(whole);
   const ViewParts parts = PartsOf(rectifier);
-  const PartialView view = RectifyParts(rectifier, raw, parts, *extractor);
+  const PartialView view = RectifyParts(rectifier, raw, parts, {*extractor});
   EXPECT_EQ(cv::norm(view.keypoint_image.gray, whole.gray(parts.keypoints), cv::NORM_INF), 0.0);
   const Eigen::Vector2d corner = whole.grid.BaseFromPixel(parts.keypoints.x, parts.keypoints.y);
   EXPECT_NEAR((view.keypoint_image.grid.BaseFromPixel(0, 0) - corner).norm(), 0.0, 1e-12);
