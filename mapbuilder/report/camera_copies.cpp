@@ -100,6 +100,19 @@ class BlockSums {
   cv::Mat frames_;
 };
 
+// Leaves the connected regions that cover at least this share: what travels with a camera is of one piece.
+cv::Mat LargeRegions(const cv::Mat& blocks, double min_share) {
+  cv::Mat labels, stats, centroids;
+  const int count = cv::connectedComponentsWithStats(blocks, labels, stats, centroids, 4);
+  cv::Mat large = cv::Mat::zeros(blocks.size(), CV_8U);
+  for (int i = 1; i < count; ++i) {
+    if (stats.at<int>(i, cv::CC_STAT_AREA) >= min_share * static_cast<double>(blocks.total())) {
+      large.setTo(255, labels == i);
+    }
+  }
+  return large;
+}
+
 class CopyFinder {
  public:
   CopyFinder(const MosaicRaster& raster, const ViewFrame& view, const CameraCopyOptions& options)
@@ -180,14 +193,15 @@ cv::Mat CopyFinder::Repeating() const {
         continue;
       }
       const double sigma = std::sqrt(2.0 / kFreedom) / frames;
-      const double beyond = real_.Correlation(row, column) - by_floor;
-      repeats.at<std::uint8_t>(row, column) =
-          beyond > std::max(options_.min_correlation, options_.min_sigmas * sigma) ? 255 : 0;
+      const double limit = std::max(options_.min_correlation, options_.min_sigmas * sigma);
+      // Where the floor repeats itself beside the frames' places, it may do so at them.
+      const bool repeats_here = by_floor < limit && real_.Correlation(row, column) - by_floor > limit;
+      repeats.at<std::uint8_t>(row, column) = repeats_here ? 255 : 0;
     }
   }
   const cv::Mat square = cv::Mat::ones(options_.min_side_blocks, options_.min_side_blocks, CV_8U);
   cv::morphologyEx(repeats, repeats, cv::MORPH_OPEN, square, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  return repeats;
+  return LargeRegions(repeats, options_.min_share);
 }
 
 std::vector<const MapFrame*> FramesOf(const std::vector<MapFrame>& frames, int survey) {
@@ -248,7 +262,7 @@ std::vector<CameraCopies> FindCameraCopies(const FloorMap& map, const std::vecto
     copies.survey = static_cast<int>(survey);
     copies.blocks = finder.Repeating();
     copies.share = static_cast<double>(cv::countNonZero(copies.blocks)) / static_cast<double>(copies.blocks.total());
-    if (copies.share >= options.min_share) {
+    if (copies.share > 0.0) {
       found.push_back(std::move(copies));
     }
   }

@@ -22,8 +22,8 @@ struct CameraCopyOptions {
   /// by chance, and at least. A part that is in a tenth of the frames' views has the square of that, 0.01.
   double min_sigmas = 8.0;
   double min_correlation = 0.004;
-  /// Side of the smallest square of blocks that is believed, and least share of the view: joints between tiles that
-  /// keep step with the frames are lines. A map of tiles left 2 blocks of 192, a part of 13 % of the images 18.
+  /// Side of the smallest square of blocks that is believed, and least share of the view of a connected region: joints
+  /// between tiles that keep step with the frames are lines.
   int min_side_blocks = 2;
   double min_share = 0.04;
 
