@@ -25,7 +25,7 @@ struct CameraCopyOptions {
   /// Side of the smallest square of blocks that is believed, and least share of the view of a connected region: joints
   /// between tiles that keep step with the frames are lines.
   int min_side_blocks = 2;
-  double min_share = 0.04;
+  double min_share = 0.03;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
