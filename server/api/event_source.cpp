@@ -15,7 +15,7 @@ namespace floorloc {
 namespace {
 
 // An event of a vehicle; the data begin with its id and map.
-Event MakeEvent(const char* type, const Vehicle& vehicle, nlohmann::json data) {
+StreamEvent MakeEvent(const char* type, const Vehicle& vehicle, nlohmann::json data) {
   data["vehicle"] = vehicle.id;
   data["map"] = vehicle.map;
   return {type, vehicle.map, vehicle.id, ToText(data)};
@@ -23,8 +23,8 @@ Event MakeEvent(const char* type, const Vehicle& vehicle, nlohmann::json data) {
 
 }  // namespace
 
-std::vector<Event> EventSource::Collect() {
-  std::vector<Event> events;
+std::vector<StreamEvent> EventSource::Collect() {
+  std::vector<StreamEvent> events;
   if (!begun_) {
     begun_ = true;
     last_fix_ = fixes_.last_sequence();
@@ -45,7 +45,7 @@ std::vector<Event> EventSource::Collect() {
   return events;
 }
 
-void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<Event>* events) {
+void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<StreamEvent>* events) {
   Seen& seen = seen_[vehicle.vehicle->id];
   const std::int64_t last_message = vehicle.session->LastMessageTime();
   const bool news = seen.session != vehicle.session || seen.last_message != last_message;
@@ -70,7 +70,7 @@ void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<Event>* ev
 }
 
 void EventSource::AddChanges(const VehicleState& vehicle, const VehicleView& view, Seen* seen,
-                             std::vector<Event>* events) const {
+                             std::vector<StreamEvent>* events) const {
   for (const FixRejection reason : view.counts.rejected.Values()) {
     const std::uint64_t count = view.counts.rejected[reason];
     if (reason != FixRejection::kNone && count > seen->rejected[reason]) {
@@ -95,7 +95,7 @@ void EventSource::AddChanges(const VehicleState& vehicle, const VehicleView& vie
   }
 }
 
-void EventSource::AddFixes(std::vector<Event>* events) {
+void EventSource::AddFixes(std::vector<StreamEvent>* events) {
   std::vector<FixRecord> fixes;
   for (const auto& map : maps_.All()) {
     for (FixRecord& fix : fixes_.Since(map->name, last_fix_)) {

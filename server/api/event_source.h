@@ -23,7 +23,7 @@ class EventSource {
       : maps_(maps), vehicles_(vehicles), fixes_(fixes), stale_after_s_(stale_after_s) {}
 
   /// The first call after a pause tells all vehicles' poses.
-  std::vector<Event> Collect();
+  std::vector<StreamEvent> Collect();
 
  private:
   struct Seen {
@@ -34,9 +34,10 @@ class EventSource {
     EnumCounts<FixRejection> rejected;
   };
 
-  void AddVehicle(const VehicleState& vehicle, std::vector<Event>* events);
-  void AddChanges(const VehicleState& vehicle, const VehicleView& view, Seen* seen, std::vector<Event>* events) const;
-  void AddFixes(std::vector<Event>* events);
+  void AddVehicle(const VehicleState& vehicle, std::vector<StreamEvent>* events);
+  void AddChanges(const VehicleState& vehicle, const VehicleView& view, Seen* seen,
+                  std::vector<StreamEvent>* events) const;
+  void AddFixes(std::vector<StreamEvent>* events);
 
   const MapCatalog& maps_;
   const VehicleRegistry& vehicles_;

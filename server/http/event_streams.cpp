@@ -26,7 +26,7 @@ bool IsClosed(int socket) {
 
 }  // namespace
 
-bool EventFilter::Wants(const Event& event) const {
+bool EventFilter::Wants(const StreamEvent& event) const {
   return (map.empty() || event.map == map) && (vehicle.empty() || event.vehicle == vehicle) &&
          (types.empty() || types.contains(event.type));
 }
@@ -101,9 +101,9 @@ bool EventStreams::WaitForInterval() {
 }
 
 void EventStreams::Collect() {
-  std::vector<Event> events = source_();
+  std::vector<StreamEvent> events = source_();
   const std::lock_guard lock(mutex_);
-  for (Event& event : events) {
+  for (StreamEvent& event : events) {
     std::string text = "id: " + std::to_string(next_id_) + "\nevent: " + event.type + "\ndata: " + event.data + "\n\n";
     log_.push_back({next_id_++, std::move(event), std::move(text)});
   }

@@ -19,7 +19,7 @@
 namespace floorloc {
 
 /// Something that happened, for viewers.
-struct Event {
+struct StreamEvent {
   std::string type;     ///< name of the event; no line breaks
   std::string map;      ///< empty: of no map
   std::string vehicle;  ///< empty: of no vehicle
@@ -32,7 +32,7 @@ struct EventFilter {
   std::string vehicle;
   std::set<std::string> types;
 
-  bool Wants(const Event& event) const;
+  bool Wants(const StreamEvent& event) const;
 };
 
 struct EventStreamOptions {
@@ -53,7 +53,7 @@ struct EventStreamOptions {
 class EventStreams {
  public:
   /// What happened since the last call; called from one thread, at most once per interval, while there are viewers.
-  using Source = std::function<std::vector<Event>()>;
+  using Source = std::function<std::vector<StreamEvent>()>;
 
   EventStreams(const EventStreamOptions& options, Source source);
   /// Closes all connections.
@@ -72,7 +72,7 @@ class EventStreams {
 
   struct LoggedEvent {
     std::uint64_t id;
-    Event event;
+    StreamEvent event;
     std::string text;  // as sent
   };
   struct Stream {
