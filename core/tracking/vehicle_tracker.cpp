@@ -275,7 +275,7 @@ FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& fea
 
 FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& features, const GroundImage& floor,
                                       const LocalizationResult& found) {
-  const FrameOutcome outcome = AddFrame(stamp_ns, features, found);
+  FrameOutcome outcome = AddFrame(stamp_ns, features, found);
   state_->LearnMask(PoseOf(stamp_ns, outcome, found), floor);
   return outcome;
 }
