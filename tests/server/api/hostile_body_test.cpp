@@ -58,6 +58,13 @@ TEST_F(HostileBodyTest, PartsAreReadAsDotNetSendsThem) {
   ExpectProblem(client_.Post(kLocalize, body + "--", "multipart/form-data; boundary=c"), 400, "malformed_body");
 }
 
+// Of a request, and of this client's own copies of it. The address sanitizer keeps for a while what was freed.
+#ifdef __SANITIZE_ADDRESS__
+constexpr std::size_t kMostBytes = std::size_t{160} << 20;
+#else
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+#endif
+
 TEST_F(HostileBodyTest, JsonOfAnySizeCostsLittle) {
   std::string wide = "{\"a\":[0";
   while (wide.size() < (std::size_t{15} << 20)) {
@@ -67,7 +74,7 @@ TEST_F(HostileBodyTest, JsonOfAnySizeCostsLittle) {
     const std::string body = CallWith(text, "x");
     const MemoryPeak peak;
     ExpectProblem(client_.Post(kLocalize, body, "multipart/form-data; boundary=b"), 413, "json_too_large");
-    EXPECT_LT(peak.bytes(), std::size_t{64} << 20);
+    EXPECT_LT(peak.bytes(), kMostBytes);
     ExpectProblem(client_.Put("/v1/vehicles/b", text), 413, "json_too_large");
   }
   ExpectProblem(client_.Post("/v1/vehicles/agv/odometry", std::string(300'000, ' '), "application/json"), 413,
