@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/server/fixture/pool_blocker.h"
 #include "tests/server/fixture/server_fixture.h"
 
 namespace floorloc {
@@ -18,18 +19,11 @@ TEST(OverloadTest, AFullQueueIsAnsweredWith503) {
   ContractClient client(server.port());
   ASSERT_EQ(client.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
 
-  std::promise<void> running;
-  std::promise<void> release;
-  const std::shared_future<void> released = release.get_future().share();
   ComputePool& pool = server.app().state().pool;
-  auto first = pool.Submit(JobLabel(), [&running, released] {
-    running.set_value();
-    released.wait();
-  });
-  running.get_future().wait();
+  PoolBlocker first(pool);
   auto second = pool.Submit(JobLabel(), [] {});
   const auto response = client.Post(std::string(kLocalize) + "?vehicle=a", SharedMaps().KnownJpeg(), "image/jpeg");
-  release.set_value();
+  first.Release();
   ExpectProblem(response, 503, "queue_full");
   EXPECT_EQ(response.get_header_value("Retry-After"), "1");
   second->get();
@@ -45,16 +39,9 @@ TEST(OverloadTest, AnAnswerThatWouldComeTooLateIsRefusedAtOnce) {
   ContractClient client(server.port());
   ASSERT_EQ(client.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
 
-  std::promise<void> running;
-  std::promise<void> release;
-  const std::shared_future<void> released = release.get_future().share();
   ComputePool& pool = server.app().state().pool;
+  PoolBlocker first(pool, {"address/127.0.0.1"});
   std::vector<std::future<void>> jobs;
-  jobs.push_back(*pool.Submit({"address/127.0.0.1"}, [&running, released] {
-    running.set_value();
-    released.wait();
-  }));
-  running.get_future().wait();
   for (int i = 0; i < 20; ++i) {
     jobs.push_back(*pool.Submit({"address/127.0.0.1"}, [] {}));
   }
@@ -66,7 +53,7 @@ TEST(OverloadTest, AnAnswerThatWouldComeTooLateIsRefusedAtOnce) {
                 "invalid_parameter");
   EXPECT_LT(pool.ExpectedTime({"vehicle/b", WorkClass::kTracking}).count(),
             0.5 * pool.ExpectedTime({"address/127.0.0.1"}).count());
-  release.set_value();
+  first.Release();
   for (std::future<void>& job : jobs) {
     job.get();
   }
@@ -88,13 +75,7 @@ TEST(OverloadTest, ANewerImageReplacesTheOneThatWaits) {
   ContractClient client(server.port());
   ASSERT_EQ(client.Put("/v1/vehicles/a", VehicleBody().dump()).status, 201);
   ComputePool& pool = server.app().state().pool;
-  std::promise<void> running;
-  std::promise<void> release;
-  auto blocker = pool.Submit(JobLabel(), [&running, released = release.get_future().share()] {
-    running.set_value();
-    released.wait();
-  });
-  running.get_future().wait();
+  PoolBlocker blocker(pool);
   const auto post = [&](const std::string& stamp) {
     return std::async(std::launch::async, [&server, stamp] {
       ContractClient robot(server.port());
@@ -107,12 +88,11 @@ TEST(OverloadTest, ANewerImageReplacesTheOneThatWaits) {
   }
   auto newer = post("100.2");
   ExpectProblem(older.get(), 503, "replaced");
-  release.set_value();
+  blocker.Release();
   const httplib::Response answer = newer.get();
   ASSERT_EQ(answer.status, 200);
   EXPECT_EQ(Json(answer)["status"], "localized");
   EXPECT_GE(Json(answer)["timing_ms"]["fusion"].get<double>(), 0.0);
-  blocker->get();
 }
 
 }  // namespace

@@ -5,31 +5,10 @@
 
 #include <atomic>
 
+#include "tests/server/fixture/pool_blocker.h"
+
 namespace floorloc {
 namespace {
-
-/// Occupies a pool's thread until it is destroyed.
-class Blocker {
- public:
-  explicit Blocker(ComputePool& pool) {
-    std::promise<void> running;
-    done_ = pool.Submit(JobLabel(), [&running, released = release_.get_future().share()] {
-      running.set_value();
-      released.wait();
-    });
-    running.get_future().wait();
-  }
-  ~Blocker() {
-    release_.set_value();
-    done_->get();
-  }
-  Blocker(const Blocker&) = delete;
-  Blocker& operator=(const Blocker&) = delete;
-
- private:
-  std::promise<void> release_;
-  std::optional<std::future<void>> done_;
-};
 
 ComputePoolOptions Options(int threads, std::size_t queue_length, double timeout_s = 60.0) {
   ComputePoolOptions options;
@@ -50,7 +29,7 @@ TEST(ComputePoolTest, RefusesWhatDoesNotFitIntoTheQueue) {
   ComputePool pool(Options(1, 2));
   std::vector<std::future<void>> queued;
   {
-    const Blocker blocker(pool);
+    const PoolBlocker blocker(pool);
     queued.push_back(std::move(*pool.Submit(JobLabel(), [] {})));
     queued.push_back(std::move(*pool.Submit(JobLabel(), [] {})));
     EXPECT_EQ(pool.QueueDepth(), 2U);
@@ -86,7 +65,7 @@ TEST(ComputePoolTest, AClientWithManyJobsMakesRoomForOneWithFew) {
   std::vector<std::future<void>> many;
   std::optional<std::future<void>> few;
   {
-    const Blocker blocker(pool);
+    const PoolBlocker blocker(pool);
     for (int i = 0; i < 3; ++i) {
       many.push_back(std::move(*pool.Submit({"greedy"}, [] {})));
     }
@@ -105,7 +84,7 @@ TEST(ComputePoolTest, ANewerJobReplacesTheOneThatWaits) {
   EXPECT_FALSE(pool.Replace("a"));
   std::optional<std::future<void>> older, other;
   {
-    const Blocker blocker(pool);
+    const PoolBlocker blocker(pool);
     older = pool.Submit({"a"}, [] {});
     other = pool.Submit({"b"}, [] {});
     EXPECT_TRUE(pool.Replace("a"));
@@ -118,7 +97,7 @@ TEST(ComputePoolTest, AJobIsGivenUpAfterItsOwnDeadline) {
   ComputePool pool(Options(1, 3));
   std::optional<std::future<void>> hurried, patient;
   {
-    const Blocker blocker(pool);
+    const PoolBlocker blocker(pool);
     hurried = pool.Submit({"a", WorkClass::kTracking, std::chrono::duration<double>(1e-9)}, [] {});
     patient = pool.Submit({"a", WorkClass::kTracking, std::chrono::duration<double>(1e9)}, [] {});
   }
@@ -140,7 +119,7 @@ TEST(ComputePoolTest, ExpectsToTakeAsLongAsTheJobsAhead) {
     }
   };
   {
-    const Blocker blocker(pool);
+    const PoolBlocker blocker(pool);
     EXPECT_EQ(pool.ExpectedTime({"a"}).count(), 0.0);  // the next one
     submit(10);
     const double after_ten = pool.ExpectedTime({"a"}).count();
