@@ -21,6 +21,7 @@
 #include "mapbuilder/export/export_mosaic.h"
 #include "mapbuilder/simulation/simulate.h"
 #include "tests/bench/calibration/frame_offset.h"
+#include "tests/bench/calibration/simulated_scene.h"
 #include "tests/bench/common/baseline.h"
 #include "tests/bench/common/bench_frames.h"
 
@@ -65,22 +66,6 @@ ConditionLevels GroupConditions(const std::string& name) {
     return WithAutoExposure(mild);
   }
   return name == "shaken" ? WithVibration(mild, 0.5 * kDegree) : ConditionLevels::FromName(name);
-}
-
-SimulateOptions SceneOptions(const std::string& photograph) {
-  SimulateOptions options;
-  options.floor.source = photograph;
-  options.floor.width_m = 2.2;
-  options.floor.height_m = 1.6;
-  options.conditions = ConditionLevels::FromName("mild");
-  return options;
-}
-
-void SimulateOnce(SimulateOptions options, const fs::path& out) {
-  if (!fs::exists(out)) {
-    options.out = out;
-    Simulate(options);
-  }
 }
 
 // The recording with another calibration: its tables are copied, its images linked.
@@ -207,7 +192,7 @@ double RmsOf(const std::vector<PoseAndTruth>& poses, const FrameOffset& offset) 
 
 CalibrationScene MakeCalibrationScene(const fs::path& folder, const std::string& photograph, int frames) {
   CalibrationScene scene{folder, {"still", "mild", "shaken", "hard", "rolling", "exposure"}};
-  SimulateOptions options = SceneOptions(photograph);
+  SimulateOptions options = SceneOptions(photograph, 2.2, 1.6);
   SimulateOnce(options, scene.Survey());
   options.path.type = PathType::kRandom;
   options.path.frames = frames;

@@ -15,30 +15,17 @@
 #include "mapbuilder/replay/fuse_frames.h"
 #include "mapbuilder/simulation/simulate.h"
 #include "tests/bench/calibration/frame_offset.h"
+#include "tests/bench/calibration/simulated_scene.h"
 
 namespace floorloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-SimulateOptions SceneOptions(const ReadoutTrialOptions& trial) {
-  SimulateOptions options;
-  options.floor.source = trial.photograph;
-  options.floor.width_m = 3.0;
-  options.floor.height_m = 2.2;
-  options.conditions = ConditionLevels::FromName("mild");
-  return options;
-}
-
-void SimulateOnce(SimulateOptions options, const fs::path& out) {
-  if (!fs::exists(out)) {
-    options.out = out;
-    Simulate(options);
-  }
-}
+SimulateOptions SurveyOptionsOf(const ReadoutTrialOptions& trial) { return SceneOptions(trial.photograph, 3.0, 2.2); }
 
 SimulateOptions DriveOptionsOf(const ReadoutTrialOptions& trial, double readout_s) {
-  SimulateOptions options = SceneOptions(trial);
+  SimulateOptions options = SurveyOptionsOf(trial);
   options.seed = 2;
   options.path.type = PathType::kDrive;
   options.path.frames = trial.frames;
@@ -87,7 +74,7 @@ CalibrationScore ScoreOf(const FusedDrive& drive, const Trajectory& truth, const
 
 void RunReadouts(const ReadoutTrialOptions& trial, const std::function<void(const ReadoutRow&)>& report) {
   const fs::path survey = trial.folder / "readout_survey";
-  SimulateOnce(SceneOptions(trial), survey);
+  SimulateOnce(SurveyOptionsOf(trial), survey);
   BuildOptions build;
   build.surveys = {survey};
   build.out = trial.folder / "readout.floormap";

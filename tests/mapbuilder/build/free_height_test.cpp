@@ -9,6 +9,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/simulation/simulate.h"
+#include "tests/mapbuilder/build/half_camera.h"
 #include "tests/option_test_support.h"
 #include "tests/synthetic/temporary_folder.h"
 
@@ -18,23 +19,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-// The downward camera at half the resolution.
-FloorCamera SmallCamera() {
-  FloorCamera small = MakeDownwardCamera();
-  small.camera.width_px = 320;
-  small.camera.height_px = 240;
-  for (double* value : {&small.camera.fx, &small.camera.fy}) {
-    *value *= 0.5;
-  }
-  small.camera.cx = 0.5 * (small.camera.cx + 0.5) - 0.5;
-  small.camera.cy = 0.5 * (small.camera.cy + 0.5) - 0.5;
-  Eigen::Matrix3d full_from_small;
-  full_from_small << 2.0, 0.0, 0.5, 0.0, 2.0, 0.5, 0.0, 0.0, 1.0;
-  small.floor.base_from_pixel = small.floor.base_from_pixel * full_from_small;
-  small.floor.resolution_m *= 2.0;
-  return small;
-}
 
 class FreeHeightTest : public ::testing::Test {
  protected:
@@ -46,7 +30,7 @@ class FreeHeightTest : public ::testing::Test {
       options.floor.source = "concrete";
       options.floor.width_m = 1.1;
       options.floor.height_m = 0.8;
-      options.camera = SmallCamera();
+      options.camera = HalfCamera();
       options.conditions.height_share = 0.15;
       options.path.overlap = 0.6;
       return Simulate(options).frames;

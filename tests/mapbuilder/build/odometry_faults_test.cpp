@@ -11,6 +11,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/simulation/simulate.h"
+#include "tests/mapbuilder/build/half_camera.h"
 #include "tests/synthetic/temporary_folder.h"
 
 namespace floorloc {
@@ -20,22 +21,6 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-// The downward camera at half the resolution.
-FloorCamera SmallCamera() {
-  FloorCamera small = MakeDownwardCamera();
-  small.camera.width_px = 320;
-  small.camera.height_px = 240;
-  small.camera.fx *= 0.5;
-  small.camera.fy *= 0.5;
-  small.camera.cx = 0.5 * (small.camera.cx + 0.5) - 0.5;
-  small.camera.cy = 0.5 * (small.camera.cy + 0.5) - 0.5;
-  Eigen::Matrix3d full_from_small;
-  full_from_small << 2.0, 0.0, 0.5, 0.0, 2.0, 0.5, 0.0, 0.0, 1.0;
-  small.floor.base_from_pixel = small.floor.base_from_pixel * full_from_small;
-  small.floor.resolution_m *= 2.0;
-  return small;
-}
 
 // Keeps the header and the frames that are not within three of the end of a lane, or two of its beginning: nobody saw
 // the turns, and odometry alone ties one lane to the next.
@@ -69,7 +54,7 @@ class OdometryFaultsTest : public ::testing::Test {
       options.floor.source = "concrete";
       options.floor.width_m = 2.6;
       options.floor.height_m = 1.4;
-      options.camera = SmallCamera();
+      options.camera = HalfCamera();
       options.path.overlap = 0.3;
       options.path.odometry_rate_hz = 50.0;
       options.seed = 4;
