@@ -228,15 +228,15 @@ void VehicleTracker::Restart() {
   const LearntValues learnt = Learnt();
   auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
   restarted->mask = std::move(state_->mask);
-  restarted->readout = std::move(state_->readout);
   state_ = std::move(restarted);
   Resume(learnt);
 }
 
-LearntValues VehicleTracker::Learnt() const { return {state_->fuser->Learnt(), state_->camera}; }
+LearntValues VehicleTracker::Learnt() const { return {state_->fuser->Learnt(), state_->camera, state_->readout}; }
 
 void VehicleTracker::Resume(const LearntValues& learnt) {
   state_->camera = learnt.camera;
+  state_->readout = learnt.readout;
   if (learnt.odometry) {
     state_->fuser->Resume(*learnt.odometry);
   }

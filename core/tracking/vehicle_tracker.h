@@ -69,6 +69,7 @@ struct FrameOutcome {
 struct LearntValues {
   std::optional<LearntOdometry> odometry;
   CameraEstimator camera;
+  ReadoutEstimator readout;
 };
 
 /// Estimates the pose of one vehicle from its images, odometry and IMU. Not thread-safe. The caller localizes images
