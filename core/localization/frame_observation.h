@@ -16,9 +16,7 @@ struct FrameObservation {
   FrameSamples samples;         ///< to be aligned to the mosaic
   RectM roi;                    ///< region of interest of the camera, base frame
   double offset_sigma_m = 0.0;  ///< FloorPlane::offset_sigma_m of the camera
-  /// ReadoutMotion::covariance: what rows that may not be where they belong do to the pose (x, y, yaw), base frame.
-  Eigen::Matrix3d readout_covariance = Eigen::Matrix3d::Zero();
-  GroundImage floor;  ///< rectified, with what was left out
+  GroundImage floor;            ///< rectified, with what was left out
   double rectify_ms = 0.0;
   double features_ms = 0.0;
   std::optional<int> jpeg_quality = {};  ///< EstimateJpegQuality() of the image's file, by whoever has it

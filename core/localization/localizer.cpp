@@ -124,9 +124,9 @@ struct Localizer::Impl {
   }
 
   FrameObservation ObserveParts(const Rectifier& rectifier, const cv::Mat& raw, const ViewParts& parts,
-                                const ReadoutMotion& motion) const {
+                                const Eigen::Vector3d& motion) const {
     Stopwatch stage;
-    const PartialView view = RectifyParts(rectifier, raw, parts, {*extractor, motion.motion});
+    const PartialView view = RectifyParts(rectifier, raw, parts, {*extractor, motion});
     const double rectify_ms = stage.LapMs();
     const GroundGrid& grid = view.keypoint_image.grid;
     const Eigen::Vector2d low = grid.BaseFromPixel(grid.width_px - 0.5, grid.height_px - 0.5);
@@ -135,7 +135,6 @@ struct Localizer::Impl {
                            FrameSamples(view.image, view.prepared, rectifier),
                            RectM{low.x(), high.x(), low.y(), high.y()},
                            rectifier.camera().floor.offset_sigma_m,
-                           motion.covariance,
                            GroundImage(),
                            rectify_ms,
                            0.0};
@@ -187,21 +186,6 @@ struct Localizer::Impl {
     }
     // The camera's place in the robot: no image shows its error, which is the same in all frames.
     result->covariance.topLeftCorner<2, 2>().diagonal().array() += frame.offset_sigma_m * frame.offset_sigma_m;
-    AddReadout(frame.readout_covariance, result);
-  }
-
-  // What a read-out shears looks like errors of the camera, which are not to be learnt from it.
-  static void AddReadout(const Eigen::Matrix3d& covariance_in_base, LocalizationResult* result) {
-    if (covariance_in_base.isZero()) {
-      return;
-    }
-    constexpr double kNegligibleM2 = 1e-8;
-    Eigen::Matrix3d map_from_base = Eigen::Matrix3d::Identity();
-    map_from_base.topLeftCorner<2, 2>() = result->map_from_base.rotation();
-    result->covariance += map_from_base * covariance_in_base * map_from_base.transpose();
-    if (covariance_in_base.topLeftCorner<2, 2>().trace() > kNegligibleM2) {
-      result->camera.reset();
-    }
   }
 
   // center_in_base: centre of the visible floor, metres.
@@ -243,10 +227,10 @@ const FloorMap& Localizer::map() const { return impl_->map; }
 
 const LocalizerOptions& Localizer::options() const { return impl_->options; }
 
-FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw, const ReadoutMotion& motion,
+FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& raw, const Eigen::Vector3d& motion,
                                     const cv::Mat& left_out) const {
   Stopwatch stage;
-  const GroundImage floor = rectifier.Rectify(raw, motion.motion);
+  const GroundImage floor = rectifier.Rectify(raw, motion);
   const GroundImage image = LeaveOut(floor, left_out);
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
@@ -254,7 +238,6 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
                          FrameSamples(image, prepared, rectifier),
                          rectifier.camera().floor.roi,
                          rectifier.camera().floor.offset_sigma_m,
-                         motion.covariance,
                          floor,
                          rectify_ms,
                          0.0};
@@ -266,6 +249,9 @@ std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservati
                                                             const MovingPrior& prior) const {
   PosePrior near = prior.near;
   near.map_from_base = impl_->map.keypoints.MapFromOrigin().Inverse() * near.map_from_base;
+  if (!ShowsReadout(frame.roi, prior.twist, impl_->options.readout_fit)) {
+    return std::nullopt;
+  }
   const SearchScope scope = SearchScopes(near, frame.roi, impl_->search.floor_repeats()).back();
   const FrameMatches found = impl_->search.FindMatches(frame.features, scope);
   ReadoutProblem problem{found.oriented, {}, prior.twist, camera.floor.resolution_m};
@@ -321,7 +307,7 @@ LocalizationResult Localizer::LocalizeWithGlobalFallback(const FrameObservation&
 }
 
 std::optional<FrameObservation> Localizer::ObservePart(const Rectifier& rectifier, const cv::Mat& raw,
-                                                       const ReadoutMotion& motion) const {
+                                                       const Eigen::Vector3d& motion) const {
   const RectM& map_roi = impl_->map.info.camera().floor.roi;
   const ViewParts parts =
       ChooseViewParts(rectifier, map_roi.width_m() * map_roi.height_m(), impl_->options.partial_view);

@@ -38,14 +38,15 @@ class Localizer {
   Localizer& operator=(const Localizer&) = delete;
 
   /// Rectifies a frame and extracts its features. raw: CV_8UC1 of the size of the rectifier's camera; throws
-  /// std::invalid_argument otherwise. motion: of the robot while the image is read out. left_out: what is no floor
-  /// beside the rectifier's mask, as LearnedMaskState::left_out; may be empty.
-  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw, const ReadoutMotion& motion = {},
+  /// std::invalid_argument otherwise. motion: ReadoutMotion::motion of the robot while the image is read out.
+  /// left_out: what is no floor beside the rectifier's mask, as LearnedMaskState::left_out; may be empty.
+  FrameObservation Observe(const Rectifier& rectifier, const cv::Mat& raw,
+                           const Eigen::Vector3d& motion = Eigen::Vector3d::Zero(),
                            const cv::Mat& left_out = cv::Mat()) const;
   /// Of a view much larger than that of the map's camera a part that suffices (PartialViewOptions), for most frames;
   /// FrameObservation::floor is not set. Empty: the view is small enough to be looked at as a whole.
   std::optional<FrameObservation> ObservePart(const Rectifier& rectifier, const cv::Mat& raw,
-                                              const ReadoutMotion& motion = {}) const;
+                                              const Eigen::Vector3d& motion = Eigen::Vector3d::Zero()) const;
   /// Searches near the prior, or the whole map without one. No global search when the prior fails: the caller decides.
   LocalizationResult Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const;
   /// Searches near the prior, and the whole map when the frame is not localized there; result.used_prior says which

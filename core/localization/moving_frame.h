@@ -28,12 +28,12 @@ struct FrameHints {
 
 struct ObservedFrame {
   FrameObservation observation;
-  LocalizationResult result;
+  LocalizationResult result;  ///< its covariance holds what rows that may not be where they belong do to the pose
 };
 
 /// Rectifies and localizes an image whose rows are put where they belong. A read-out that is unknown is measured from
-/// the image itself (LocalizationResult::readout), and the image localized once more with it. raw: as in
-/// Localizer::Observe.
+/// the image itself (LocalizationResult::readout), and the image localized once more with it where that moves the pose
+/// by more than ReadoutFitOptions::max_error_m. raw: as in Localizer::Observe.
 ObservedFrame ObserveAndLocalize(const Localizer& localizer, const Rectifier& rectifier, const cv::Mat& raw,
                                  const FrameHints& hints);
 

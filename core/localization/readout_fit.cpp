@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/option_check.h"
 #include "core/registration/least_squares.h"
@@ -43,11 +44,23 @@ Fit BestOfGrid(const ReadoutProblem& problem, RegistrationOptions registration, 
   const double step_s = std::min(options.max_s, 2.0 * registration.inlier_radius_m / FastestPoint(problem));
   const int steps = static_cast<int>(std::ceil(options.max_s / step_s));
   Fit best;
-  for (int i = -steps; i <= steps; ++i) {
+  const auto improves = [&](int i) {
     const double seconds = options.max_s * i / steps;
-    const auto candidates = FindPoseCandidates(PutRowsBack(problem, seconds), registration);
-    if (!candidates.empty() && candidates.front().inliers.size() > best.inliers.size()) {
-      best = {candidates.front().target_from_source, seconds, candidates.front().inliers};
+    auto candidates = FindPoseCandidates(PutRowsBack(problem, seconds), registration);
+    const bool better = !candidates.empty() && candidates.front().inliers.size() > best.inliers.size();
+    if (better) {
+      best = {candidates.front().target_from_source, seconds, std::move(candidates.front().inliers)};
+    }
+    return better;
+  };
+  improves(0);
+  const bool is_near =
+      static_cast<double>(best.inliers.size()) >= options.near_share * static_cast<double>(problem.matches.size());
+  for (const int direction : {-1, 1}) {
+    for (int i = 1; i <= steps; ++i) {
+      if (!improves(direction * i) && is_near) {
+        break;
+      }
     }
   }
   return best;
@@ -82,6 +95,7 @@ void ReadoutFitOptions::Check() const {
   RequireOption(max_s > 0.0 && max_s <= 0.2, "max_s must be positive and at most 0.2");
   RequireOption(min_motion_m > 0.0, "min_motion_m must be positive");
   RequireOption(min_inliers >= 8, "min_inliers must be at least 8");
+  RequireOption(near_share > 0.0 && near_share <= 1.0, "near_share must be positive and at most 1");
   RequireOption(shear_px >= 0.0, "shear_px must not be negative");
   RequireOption(max_error_m > 0.0, "max_error_m must be positive");
 }
@@ -92,6 +106,16 @@ double FastestPoint(const ReadoutProblem& problem) {
     fastest = std::max(fastest, VelocityAt(problem.twist, match.source_m).norm());
   }
   return fastest;
+}
+
+bool ShowsReadout(const RectM& roi, const Eigen::Vector3d& twist, const ReadoutFitOptions& options) {
+  double fastest = 0.0;
+  for (const double x : {roi.x_min, roi.x_max}) {
+    for (const double y : {roi.y_min, roi.y_max}) {
+      fastest = std::max(fastest, VelocityAt(twist, {x, y}).norm());
+    }
+  }
+  return fastest * options.max_s >= options.min_motion_m;
 }
 
 std::optional<ReadoutMeasurement> FitReadout(const ReadoutProblem& problem, const RegistrationOptions& registration,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/geometry/floor_plane.h"
 #include "core/registration/registration.h"
 
 namespace floorloc {
@@ -23,11 +24,16 @@ struct ReadoutFitOptions {
   /// metres.
   double min_motion_m = 0.002;
   int min_inliers = 30;
+  /// Where such a share of the matches agrees as the image was rectified, the read-out is near: their number falls to
+  /// both sides of it, and farther ones are not tried. A row is an inlier within a tenth of the longest read-out or so,
+  /// which leaves a fifth of the matches of an image that is far off.
+  double near_share = 0.4;
   /// What the calibration may shear the view by in all images alike, pixels between the first and the last row
   /// (PhotometricOptions::calibration_sigma_px, to both sides).
   double shear_px = 0.6;
-  /// A read-out that is known from earlier images is measured again where its error may move a pose by more, metres: it
-  /// was learnt at a lower speed.
+  /// What a read-out that is as good as known may move a pose by, metres. Beyond it, an image is localized again with
+  /// what it shows of its read-out, one that was learnt at a lower speed is measured again, and nothing is learnt of
+  /// the camera's other errors, which look alike.
   double max_error_m = 3e-4;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
@@ -44,6 +50,9 @@ struct ReadoutProblem {
 
 /// Speed of the fastest matched point, m/s.
 double FastestPoint(const ReadoutProblem& problem);
+
+/// False for a robot that is too slow everywhere in its view (roi, base frame). twist: (vx, vy, omega), m/s and rad/s.
+bool ShowsReadout(const RectM& roi, const Eigen::Vector3d& twist, const ReadoutFitOptions& options);
 
 /// Tries read-outs, keeps the one under which most matches agree, and refines it by least squares together with the
 /// pose and the camera's height. Relative to the read-out that the image was rectified with. Empty: the robot is too

@@ -60,7 +60,7 @@ HeldOutFrame LocalizeHeldOutFrame(const Localizer& localizer, const PlacedSurvey
       sought.height_ratio == 1.0 ? loaded.rectifier
                                  : std::make_shared<Rectifier>(CameraOf(sought, placed.surveys), loaded.survey.mask);
   const LocalizationResult found =
-      localizer.Localize(localizer.Observe(*rectifier, raw, {.motion = sought.readout_motion}), std::nullopt);
+      localizer.Localize(localizer.Observe(*rectifier, raw, sought.readout_motion), std::nullopt);
   HeldOutFrame result{sought.info.filename, *placed.map_from_base[i], ToString(found.status), ToString(found.reason)};
   result.keypoints = found.keypoints;
   result.inliers = found.inliers;
