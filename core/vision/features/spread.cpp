@@ -2,35 +2,53 @@
 #include "core/vision/features/spread.h"
 
 #include <algorithm>
-#include <numeric>
-#include <unordered_map>
+#include <bit>
+#include <cstdint>
 
 namespace floorloc {
+namespace {
+
+// Ascending keys: the strongest keypoint first, of equal ones the first.
+std::vector<std::uint64_t> SortedByStrength(const std::vector<cv::KeyPoint>& keypoints) {
+  std::vector<std::uint64_t> keys;
+  keys.reserve(keypoints.size());
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    // The bits of floats are ordered like the floats: those of positive ones upwards, of negative ones downwards.
+    const auto bits = std::bit_cast<std::uint32_t>(keypoints[i].response + 0.0F);
+    const std::uint32_t descending = (bits >> 31U) != 0 ? bits : ~(bits | 0x80000000U);
+    keys.push_back(static_cast<std::uint64_t>(descending) << 32U | i);
+  }
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+}  // namespace
 
 std::vector<int> SpreadEvenly(const std::vector<cv::KeyPoint>& keypoints, int cell_px, int max_count) {
-  std::vector<int> order(keypoints.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return keypoints[static_cast<std::size_t>(a)].response > keypoints[static_cast<std::size_t>(b)].response;
-  });
-  // rank = how many stronger keypoints share the cell.
-  std::unordered_map<long, int> taken;
-  std::vector<std::pair<int, int>> rank_and_index;
-  rank_and_index.reserve(order.size());
-  for (const int i : order) {
-    const cv::Point2f p = keypoints[static_cast<std::size_t>(i)].pt;
-    const long cell = static_cast<long>(p.y) / cell_px * 65536L + static_cast<long>(p.x) / cell_px;
-    rank_and_index.emplace_back(taken[cell]++, i);
+  int columns = 1;
+  int rows = 1;
+  for (const cv::KeyPoint& k : keypoints) {
+    columns = std::max(columns, static_cast<int>(k.pt.x) / cell_px + 1);
+    rows = std::max(rows, static_cast<int>(k.pt.y) / cell_px + 1);
   }
-  // The stable sort keeps the strongest first within one rank.
-  std::stable_sort(rank_and_index.begin(), rank_and_index.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<int> picked;
-  for (const auto& [rank, index] : rank_and_index) {
-    if (static_cast<int>(picked.size()) == max_count) {
-      break;
+  // Rank of a keypoint: how many stronger ones share its cell.
+  std::vector<int> taken(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
+  std::vector<std::vector<int>> by_rank;
+  for (const std::uint64_t key : SortedByStrength(keypoints)) {
+    const auto index = static_cast<std::uint32_t>(key);
+    const cv::Point2f& p = keypoints[index].pt;
+    const int cell = static_cast<int>(p.y) / cell_px * columns + static_cast<int>(p.x) / cell_px;
+    const auto rank = static_cast<std::size_t>(taken[static_cast<std::size_t>(cell)]++);
+    if (rank == by_rank.size()) {
+      by_rank.emplace_back();
     }
-    picked.push_back(index);
+    by_rank[rank].push_back(static_cast<int>(index));
+  }
+  std::vector<int> picked;
+  for (const std::vector<int>& indices : by_rank) {
+    const std::size_t room = static_cast<std::size_t>(max_count) - picked.size();
+    picked.insert(picked.end(), indices.begin(),
+                  indices.begin() + static_cast<std::ptrdiff_t>(std::min(room, indices.size())));
   }
   return picked;
 }
