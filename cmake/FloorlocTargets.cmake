@@ -73,12 +73,12 @@ endfunction()
 # Every test binary, and those of what several threads share: what presets asan and tsan build.
 add_custom_target(unit_tests)
 add_custom_target(thread_tests)
-set(FLOORLOC_THREAD_TESTS "^(server_.*|core_(fusion|localization|tracking)|mapbuilder_batch)_test$")
 
-# floorloc_test(NAME SOURCES... LIBS... [SHARDS n]): one GoogleTest binary. ctest starts it once, not once for each case
-# (each start of a binary with OpenCV takes 0.1 to 0.2 s), or in n parts at once, for long ones. Labels: unit, threads.
+# floorloc_test(NAME SOURCES... LIBS... [SHARDS n] [THREADS filter]): one GoogleTest binary. ctest starts it once, not
+# once for each case (each start of a binary with OpenCV takes 0.1 to 0.2 s), or in n parts at once, for long ones.
+# Labels: unit, and threads for those whose cases start threads; preset tsan runs those of them that match the filter.
 function(floorloc_test name)
-  cmake_parse_arguments(ARG "" "SHARDS" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "SHARDS;THREADS" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE floorloc_quick_options ${ARG_LIBS} GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
@@ -88,9 +88,13 @@ function(floorloc_test name)
   endif()
   set(labels unit)
   add_dependencies(unit_tests ${name})
-  if(name MATCHES ${FLOORLOC_THREAD_TESTS})
+  set(filter "*")
+  if(ARG_THREADS)
     list(APPEND labels threads)
     add_dependencies(thread_tests ${name})
+    if(FLOORLOC_SANITIZE MATCHES "thread")
+      set(filter "${ARG_THREADS}")
+    endif()
   endif()
   set(shards 1)
   if(ARG_SHARDS)
@@ -102,7 +106,7 @@ function(floorloc_test name)
     if(shards GREATER 1)
       string(APPEND part ".${shard}")
     endif()
-    add_test(NAME ${part} COMMAND ${name} --gtest_brief=1)
+    add_test(NAME ${part} COMMAND ${name} --gtest_brief=1 --gtest_filter=${filter})
     # tests/runner/count_cases.py counts the cases in the reports.
     set(environment GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/reports/${part}.xml
                     GTEST_TOTAL_SHARDS=${shards} GTEST_SHARD_INDEX=${shard})
