@@ -67,7 +67,18 @@ function(floorloc_kernels)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     list(APPEND options -mtune=haswell)
   endif()
+  if(FLOORLOC_SANITIZE)
+    list(APPEND options -O2)
+  endif()
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
+# floorloc_hot(SOURCES...): sources of the current folder in which the tests of sanitized builds, where nothing is
+# inlined otherwise, spend most of their time.
+function(floorloc_hot)
+  if(FLOORLOC_SANITIZE)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)
+  endif()
 endfunction()
 
 # Every test binary, and those of what several threads share: what presets asan and tsan build.

@@ -72,37 +72,57 @@ cv::Mat ChooseLevels(const cv::Mat& corners, const Eigen::Matrix3d& base_from_pi
   return levels;
 }
 
-// Transforms from base frame to texture pixel (level 0) at the samples of the exposure: whole cycles of four, each of
-// which samples the pixel's four quarters in turn.
-std::vector<Eigen::Affine2d> PlanSamples(const FloorTexture& floor, const Pose2& map_from_base,
+struct Point {
+  double x;
+  double y;
+};
+
+// From base frame to texture pixel (level 0). Most of a simulation's time is spent in it, and in unoptimised builds a
+// library's matrices would take it several times.
+struct TextureFromBase {
+  double xx, xy, x0;
+  double yx, yy, y0;
+
+  explicit TextureFromBase(const Eigen::Affine2d& t)
+      : xx(t(0, 0)), xy(t(0, 1)), x0(t(0, 2)), yx(t(1, 0)), yy(t(1, 1)), y0(t(1, 2)) {}
+};
+
+// At the samples of the exposure: whole cycles of four, each of which samples the pixel's four quarters in turn.
+std::vector<TextureFromBase> PlanSamples(const FloorTexture& floor, const Pose2& map_from_base,
                                          const Eigen::Vector3d& motion, double blur_px) {
   const int cycles = std::max(1, static_cast<int>(std::ceil(blur_px / kBlurPerCyclePx)));
   const int count = 4 * cycles;
   const double texel_per_m = 1.0 / floor.resolution_m;
   const Eigen::Affine2d texture_from_map =
       Eigen::Translation2d(floor.PixelFromMap({0.0, 0.0})) * Eigen::Scaling(texel_per_m, -texel_per_m);
-  std::vector<Eigen::Affine2d> samples;
+  std::vector<TextureFromBase> samples;
   for (int k = 0; k < count; ++k) {
     const double time = (k + 0.5) / count - 0.5;
     const Pose2 pose = map_from_base * Pose2::Exp(time * motion);
-    samples.push_back(texture_from_map * Eigen::Translation2d(pose.translation()) * Eigen::Rotation2Dd(pose.yaw()));
+    samples.emplace_back(texture_from_map * Eigen::Translation2d(pose.translation()) * Eigen::Rotation2Dd(pose.yaw()));
   }
   return samples;
 }
 
+// From undistorted pixel to base frame.
+struct FloorHomography {
+  double h[9];   // row by row
+  double front;  // sign of the third coordinate of points before the camera
+};
+
 // Centres of a pixel's quarters on the floor, base frame; NaN where the camera does not see the floor.
-// upper, lower: the undistorted corners at the pixel's left, each followed by the one at its right.
-std::array<Eigen::Vector2d, 4> QuartersInBase(const cv::Vec2d* upper, const cv::Vec2d* lower,
-                                              const Eigen::Matrix3d& base_from_pixel, double front) {
-  std::array<Eigen::Vector2d, 4> quarters;
-  for (std::size_t i = 0; i < quarters.size(); ++i) {
-    const auto& w = kQuarters[i];
-    const cv::Vec2d pixel = w[0] * upper[0] + w[1] * upper[1] + w[2] * lower[0] + w[3] * lower[1];
-    const Eigen::Vector3d base = base_from_pixel * Eigen::Vector3d(pixel[0], pixel[1], 1.0);
-    quarters[i] = base.z() * front > 0.0 ? Eigen::Vector2d(base.head<2>() / base.z())
-                                         : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+// upper, lower: the undistorted corners (u, v) at the pixel's left, each followed by the one at its right.
+void QuartersInBase(const double* upper, const double* lower, const FloorHomography& homography, Point* quarters) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const double* const h = homography.h;
+  for (int i = 0; i < 4; ++i) {
+    const double* const w = kQuarters[static_cast<std::size_t>(i)].data();
+    const double u = w[0] * upper[0] + w[1] * upper[2] + w[2] * lower[0] + w[3] * lower[2];
+    const double v = w[0] * upper[1] + w[1] * upper[3] + w[2] * lower[1] + w[3] * lower[3];
+    const double z = h[6] * u + h[7] * v + h[8];
+    quarters[i] = z * homography.front > 0.0 ? Point{(h[0] * u + h[1] * v + h[2]) / z, (h[3] * u + h[4] * v + h[5]) / z}
+                                             : Point{kNaN, kNaN};
   }
-  return quarters;
 }
 
 // Adds the interpolated colour of the texture at a position in texels of the level; dark outside the floor.
@@ -189,25 +209,34 @@ cv::Mat CameraRenderer::RenderFloor(const Pose2& map_from_base, const RenderCond
   const double blur_m = conditions.motion.head<2>().norm() + std::abs(conditions.motion.z()) * view_distance_m;
   // Points in front of the camera have the same sign of the homography's third coordinate as the region of interest.
   const double front = base_from_pixel.inverse().row(2) * camera_.floor.roi.Center().homogeneous();
+  FloorHomography homography{{}, front};
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(homography.h) = base_from_pixel;
   cv::Mat image = cv::Mat::zeros(levels_.size(), CV_32FC3);
   for (int v = 0; v < image.rows; ++v) {
     const Pose2 row_pose = PoseAtRow(map_from_base, conditions, v, image.rows);
-    const std::vector<Eigen::Affine2d> samples =
+    const std::vector<TextureFromBase> samples =
         PlanSamples(floor_, row_pose, conditions.motion, blur_m / camera_.floor.resolution_m);
     const float scale = 1.0F / static_cast<float>(samples.size());
-    const auto* upper = corners_.ptr<cv::Vec2d>(v);
-    const auto* lower = corners_.ptr<cv::Vec2d>(v + 1);
+    const auto* upper = corners_.ptr<double>(v);
+    const auto* lower = corners_.ptr<double>(v + 1);
     const auto* levels = levels_.ptr<std::uint8_t>(v);
-    auto* pixels = image.ptr<cv::Vec3f>(v);
-    for (int u = 0; u < image.cols; ++u) {
-      const auto quarters = QuartersInBase(upper + u, lower + u, base_from_pixel, front);
+    auto* bgr = image.ptr<float>(v);
+    for (int u = 0; u < image.cols; ++u, upper += 2, lower += 2, bgr += 3) {
+      Point quarters[4];
+      QuartersInBase(upper, lower, homography, quarters);
       const cv::Mat& level = pyramid_[levels[u]];
       const double shrink = 1.0 / (1 << levels[u]);
-      for (std::size_t k = 0; k < samples.size(); ++k) {
-        const Eigen::Vector2d texel = samples[k] * quarters[k % 4];
-        AddTexel(level, (texel.x() + 0.5) * shrink - 0.5, (texel.y() + 0.5) * shrink - 0.5, pixels[u].val);
+      int quarter = 0;
+      for (const TextureFromBase& sample : samples) {
+        const Point& p = quarters[quarter];
+        const double x = sample.xx * p.x + sample.xy * p.y + sample.x0;
+        const double y = sample.yx * p.x + sample.yy * p.y + sample.y0;
+        AddTexel(level, (x + 0.5) * shrink - 0.5, (y + 0.5) * shrink - 0.5, bgr);
+        quarter = (quarter + 1) % 4;
       }
-      pixels[u] *= scale;
+      for (int c = 0; c < 3; ++c) {
+        bgr[c] *= scale;
+      }
     }
   }
   return image;
