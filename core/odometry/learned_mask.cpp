@@ -58,6 +58,8 @@ void LearnedMaskOptions::Check() const {
   RequireOption(min_beside > 0.0 && min_beside <= min_standing, "min_beside must be above 0 and at most min_standing");
   RequireOption(max_floor >= 0.0 && max_floor < 1.0, "max_floor must be 0 to 1");
   RequireOption(min_region_cells >= 1, "min_region_cells must be at least 1");
+  RequireOption(rest_views >= 0, "rest_views must not be negative");
+  RequireOption(news_share >= 0.0 && news_share < 1.0, "news_share must be at least 0 and below 1");
   RequireOption(max_share > 0.0 && max_share < 1.0, "max_share must be between 0 and 1");
 }
 
@@ -88,6 +90,10 @@ bool LearnedMask::Add(const GroundImage& image, const std::vector<Pose2>& refere
                   [&](const Pose2& motion) { return share(motion) < options_.min_motion; })) {
     return false;
   }
+  if (resting_views_ > 0) {
+    --resting_views_;
+    return false;
+  }
   const SmallView view = cells_.Shrink(image);
   if (SameImage(*reference_, view) && background_views_ >= options_.min_background) {
     for (const Pose2& motion : reference_from_view) {
@@ -97,6 +103,7 @@ bool LearnedMask::Add(const GroundImage& image, const std::vector<Pose2>& refere
       if (const std::optional<CellVotes> votes = cells_.Compare(*reference_, view, background_, motion)) {
         AddVotes(*votes);
         Decide(view);
+        resting_views_ = ShowsNews(*votes) ? 0 : options_.rest_views;
         break;
       }
     }
@@ -135,6 +142,17 @@ void LearnedMask::AddVotes(const CellVotes& votes) {
     votes_.floor = kept * votes_.floor + votes.floor;
   }
   ++state_.pairs;
+}
+
+bool LearnedMask::ShowsNews(const CellVotes& votes) const {
+  if (state_.pairs < options_.memory_pairs || state_.status == LearnedMaskStatus::kTooMuch) {
+    return true;
+  }
+  cv::Mat news = votes.standing > 0.0;
+  if (!state_.left_out.empty()) {
+    news = (news & ~state_.left_out) | ((votes.floor > 0.0) & state_.left_out);
+  }
+  return cv::countNonZero(news) > options_.news_share * cv::countNonZero(votes.views > 0.0);
 }
 
 cv::Mat LearnedMask::Proven() const {

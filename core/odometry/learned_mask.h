@@ -26,6 +26,10 @@ struct LearnedMaskOptions {
   double max_floor = 0.2;      ///< share of the views in which the floor shows through
   int min_region_cells = 3;    ///< smaller regions are left
   double max_share = 0.4;      ///< of the floor in view; when more stands still nothing is masked
+  /// Views that are not looked at after one that showed nothing new, once memory_pairs are known: it saves time, and a
+  /// part that is mounted later is seen by the next one. 0: every view is looked at.
+  int rest_views = 8;
+  double news_share = 0.03;  ///< of the cells in view that are masked and moved, or not and stood still: something new
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -72,6 +76,7 @@ class LearnedMask {
   void Use(const SmallView& view);
   void AddVotes(const CellVotes& votes);
   void Decide(const SmallView& view);
+  bool ShowsNews(const CellVotes& votes) const;
   cv::Mat Proven() const;
 
   LearnedMaskOptions options_;
@@ -79,6 +84,7 @@ class LearnedMask {
   std::optional<SmallView> reference_;
   cv::Mat background_;  // CV_32FC1, mean contrast
   int background_views_ = 0;
+  int resting_views_ = 0;  // still to be left out
   CellVotes votes_;
   LearnedMaskState state_;
 };

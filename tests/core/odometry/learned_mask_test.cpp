@@ -101,7 +101,19 @@ TEST_F(LearnedMaskTest, NothingOfACleanViewIsLeftOut) {
     EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kNothing) << mask_.State().pairs << " pairs";
     EXPECT_EQ(mask_.State().share, 0.0);
   }
-  EXPECT_GT(mask_.State().pairs, 50);
+  EXPECT_GT(mask_.State().pairs, 30);
+}
+
+TEST_F(LearnedMaskTest, FewViewsAreLookedAtUntilOneShowsSomethingNew) {
+  Drive(Views());
+  Drive(Views());
+  const int known = mask_.State().pairs;
+  Drive(Views());
+  EXPECT_LT(mask_.State().pairs, known + 5);
+  Drive(Views(), kPart);
+  EXPECT_GT(mask_.State().pairs, known + 10);
+  Drive(Views(), kPart);
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kLearnt);
 }
 
 TEST_F(LearnedMaskTest, APlainFloorTellsNothing) {
@@ -197,6 +209,8 @@ TEST(LearnedMaskOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("min_beside", &LearnedMaskOptions::min_beside, {0.0, 0.9})
       .Refuses("max_floor", &LearnedMaskOptions::max_floor, {-0.1, 1.0})
       .Refuses("min_region_cells", &LearnedMaskOptions::min_region_cells, {0})
+      .Refuses("rest_views", &LearnedMaskOptions::rest_views, {-1})
+      .Refuses("news_share", &LearnedMaskOptions::news_share, {-0.1, 1.0})
       .Refuses("max_share", &LearnedMaskOptions::max_share, {0.0, 1.0});
 }
 
