@@ -7,6 +7,7 @@
 
 #include "core/fusion/filter_state.h"
 #include "core/geometry/option_check.h"
+#include "core/tracking/mask_learner.h"
 
 namespace floorloc {
 namespace {
@@ -33,14 +34,6 @@ struct Sigmas {
 Sigmas SigmasOf(const FusedPose& pose) {
   return {LargestSigma(pose.covariance.topLeftCorner<2, 2>()), std::sqrt(pose.covariance(2, 2))};
 }
-
-// Where a view was taken, as far as it is known.
-struct ViewPose {
-  std::int64_t stamp_ns = 0;
-  std::optional<Pose2> map_from_base;  // by an accepted fix
-  Pose2 odom_from_base;                // by visual odometry
-  std::optional<int> chain;            // of visual odometry; empty: it was lost
-};
 
 ViewPose PoseOf(std::int64_t stamp_ns, const FrameOutcome& outcome, const LocalizationResult& found) {
   ViewPose pose;
@@ -94,8 +87,7 @@ struct VehicleTracker::State {
   std::unique_ptr<PoseFuser> fuser;
   PlanarOdometry visual;
   CameraEstimator camera;
-  LearnedMask mask;
-  std::optional<ViewPose> reference;  // of the mask
+  MaskLearner mask;
   ReadoutEstimator readout;
   std::optional<std::int64_t> last_frame_ns;
   std::optional<MotionIncrement> last_wheels;
@@ -144,33 +136,11 @@ struct VehicleTracker::State {
     }
   }
 
-  // The motion since the mask's reference by fixes, visual odometry and wheels; those that know it.
-  std::vector<Pose2> MotionsSinceReference(const ViewPose& now) const {
-    std::vector<Pose2> motions;
-    if (!reference) {
-      return motions;
-    }
-    if (reference->map_from_base && now.map_from_base) {
-      motions.push_back(reference->map_from_base->Between(*now.map_from_base));
-    }
-    if (reference->chain && reference->chain == now.chain) {
-      motions.push_back(reference->odom_from_base.Between(now.odom_from_base));
-    }
-    if (odometry_until_ns && *odometry_until_ns + kOdometryLagNs >= now.stamp_ns) {
-      if (const std::optional<Pose2> wheels = fuser->MotionBetween(reference->stamp_ns, now.stamp_ns)) {
-        motions.push_back(*wheels);
-      }
-    }
-    return motions;
-  }
-
   void LearnMask(const ViewPose& now, const GroundImage& floor) {
-    if (floor.gray.empty() || (reference && now.stamp_ns <= reference->stamp_ns)) {
-      return;
-    }
-    if (mask.Add(floor, MotionsSinceReference(now))) {
-      reference = now;
-    }
+    mask.Add(now, floor, [&](std::int64_t from_ns, std::int64_t to_ns) {
+      const bool covered = odometry_until_ns && *odometry_until_ns + kOdometryLagNs >= to_ns;
+      return covered ? fuser->MotionBetween(from_ns, to_ns) : std::nullopt;
+    });
   }
 
   void ApplyFix(std::int64_t stamp_ns, const LocalizationResult& found, FrameOutcome* outcome) {
@@ -198,7 +168,7 @@ MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
   const MessageOutcome outcome = state_->fuser->AddIncrement(MotionSource::kWheels, increment);
   if (outcome == MessageOutcome::kClockJump) {
     state_->visual.Reset();
-    state_->reference.reset();
+    state_->mask.ForgetReference();
     state_->last_frame_ns.reset();
     state_->odometry_until_ns.reset();
     state_->last_wheels.reset();
@@ -228,6 +198,7 @@ void VehicleTracker::Restart() {
   const LearntValues learnt = Learnt();
   auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
   restarted->mask = std::move(state_->mask);
+  restarted->mask.ForgetReference();
   state_ = std::move(restarted);
   Resume(learnt);
 }
@@ -244,10 +215,7 @@ void VehicleTracker::Resume(const LearntValues& learnt) {
 
 const LearnedMaskState& VehicleTracker::Mask() const { return state_->mask.State(); }
 
-void VehicleTracker::TakeMaskOf(const VehicleTracker& other) {
-  state_->mask = other.state_->mask.Clone();
-  state_->reference.reset();
-}
+void VehicleTracker::TakeMaskOf(const VehicleTracker& other) { state_->mask = other.state_->mask.Clone(); }
 
 void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose); }
 
