@@ -46,6 +46,7 @@ class App {
   void ReloadToken();
 
   AppState& state() { return state_; }
+  const AppState& state() const { return state_; }
   Router& router() { return router_; }
 
  private:

@@ -3,9 +3,7 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
-#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <functional>
@@ -14,6 +12,9 @@
 #include <thread>
 
 #include "server/api/app.h"
+#include "server/daemon/check.h"
+#include "server/daemon/notify.h"
+#include "server/daemon/open_files.h"
 #include "server/http/http_server.h"
 
 namespace floorloc {
@@ -54,6 +55,7 @@ class Signals {
 };
 
 void Reload(App& app) {
+  NotifyManager(ReloadingLines());
   try {
     app.ReloadToken();
     spdlog::info("SIGHUP: {}", app.state().config.token_file.empty() ? "there is no token file to read again"
@@ -61,6 +63,7 @@ void Reload(App& app) {
   } catch (const std::exception& error) {
     spdlog::error("SIGHUP: the old token stays: {}", error.what());
   }
+  NotifyManager("READY=1");
 }
 
 void StartLogging(const std::string& level) {
@@ -76,23 +79,6 @@ std::string Address(const ServerConfig& config, int port) {
   return "http://" + (v6 ? "[" + config.host + "]" : config.host) + ":" + std::to_string(port) + "/";
 }
 
-int PrintCheck(const MapCatalog& catalog) {
-  bool all_ready = catalog.CountReady() > 0;
-  for (const auto& map : catalog.All()) {
-    all_ready = all_ready && map->ready();
-    if (map->ready()) {
-      std::cout << map->name << ": version " << map->info().content_version << ", " << map->info().area_m2 << " m2, "
-                << map->localizer->map().keypoints.size() << " keypoints\n";
-    } else {
-      std::cout << map->name << ": not served: " << map->error << '\n';
-    }
-  }
-  if (catalog.All().empty()) {
-    std::cout << "no NAME.floormap in the maps folder\n";
-  }
-  return all_ready ? 0 : 1;
-}
-
 void WarnWhenOpen(const ServerConfig& config) {
   if (!config.IsLoopback() && config.token_file.empty()) {
     spdlog::warn("OPEN SERVER: everybody who reaches {} can register and delete vehicles; set a token_file",
@@ -100,18 +86,11 @@ void WarnWhenOpen(const ServerConfig& config) {
   }
 }
 
-// Each connection is an open file, and many systems allow 1,024 unless asked for more.
-void AllowOpenFiles(const HttpLimits& limits) {
-  constexpr int kOwnFiles = 256;  // maps, log, listener
-  const auto wanted = static_cast<rlim_t>(limits.max_connections + limits.reserved_connections + kOwnFiles);
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted) {
-    return;
-  }
-  limit.rlim_cur = std::min(wanted, limit.rlim_max);
-  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur < wanted) {
+void RaiseOpenFiles(const HttpLimits& limits) {
+  const OpenFiles files = AllowOpenFiles(limits);
+  if (files.allowed < files.wanted) {
     spdlog::warn("this process may open {} files only: lower limits.max_connections, or raise ulimit -n to {}",
-                 limit.rlim_cur, wanted);
+                 files.allowed, files.wanted);
   }
 }
 
@@ -122,11 +101,15 @@ void Serve(App& app, const Signals& signals) {
   std::thread stopper([&] {
     signals.WaitForStop([&app] { Reload(app); });
     spdlog::info("stopping");
+    NotifyManager("STOPPING=1\nSTATUS=draining");
     state.draining = true;
     signals.WaitFor(state.config.drain_s);
     server.Stop();
   });
-  spdlog::info("serving {} maps on {}", state.catalog.CountReady(), Address(state.config, server.port()));
+  const std::string serving =
+      "serving " + std::to_string(state.catalog.CountReady()) + " maps on " + Address(state.config, server.port());
+  spdlog::info(serving);
+  NotifyManager("READY=1\nSTATUS=" + serving);  // the socket listens: clients wait from now on
   server.Serve();
   stopper.join();
   spdlog::info("stopped");
@@ -135,6 +118,11 @@ void Serve(App& app, const Signals& signals) {
 }  // namespace
 
 int RunDaemon(const DaemonOptions& options) {
+  if (options.check) {
+    StartLogging("off");  // what is found is printed
+    cv::setNumThreads(1);
+    return CheckDeployment(options, std::cout);
+  }
   ServerConfig config = options.config_file.empty() ? ServerConfig{} : ReadServerConfig(options.config_file);
   SetListenAddress(options.listen, config);
   StartLogging(config.log_level);
@@ -142,11 +130,8 @@ int RunDaemon(const DaemonOptions& options) {
   // One thread per request: OpenCV's own threads would compete with the other requests for cores.
   cv::setNumThreads(1);
   App app(config, options.maps_folder);
-  if (options.check) {
-    return PrintCheck(app.state().catalog);
-  }
   WarnWhenOpen(config);
-  AllowOpenFiles(config.limits.http);
+  RaiseOpenFiles(config.limits.http);
   Serve(app, signals);
   return 0;
 }

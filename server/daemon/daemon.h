@@ -11,11 +11,11 @@ struct DaemonOptions {
   std::filesystem::path maps_folder;
   std::string listen = "127.0.0.1:8080";
   std::filesystem::path config_file;  ///< empty: all defaults
-  bool check = false;                 ///< print which maps would be served, and exit
+  bool check = false;                 ///< try everything that a start needs, print it, and exit
 };
 
-/// Serves until SIGTERM or SIGINT, then finishes the requests in flight. Returns the exit code: with `check` 1 when a
-/// map cannot be served or there is none, otherwise 0. Throws with one sentence when it cannot start.
+/// Serves until SIGTERM or SIGINT, then finishes the requests in flight. Returns the exit code: 0, with `check` that of
+/// CheckDeployment. Throws with one sentence when it cannot start.
 int RunDaemon(const DaemonOptions& options);
 
 }  // namespace floorloc

@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
   app.add_option("--maps", options.maps_folder, "Folder with the maps, NAME.floormap")->required();
   app.add_option("--listen", options.listen, "Address and port; port 0 takes any free one")->capture_default_str();
   app.add_option("--config", options.config_file, "Configuration, a JSON file");
-  app.add_flag("--check", options.check, "Load the configuration and the maps, print what would be served, and exit");
+  app.add_flag("--check", options.check,
+               "Try what a start needs (configuration, tokens, address, every byte of the maps), print it, and exit");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

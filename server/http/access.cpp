@@ -106,6 +106,11 @@ AccessTokens::AccessTokens(const std::string& token) {
   entries_.push_back({{"token", Role::kAdmin, {}}, Sha256(token)});
 }
 
+std::size_t AccessTokens::CountOf(Role role) const {
+  return static_cast<std::size_t>(std::count_if(entries_.begin(), entries_.end(),
+                                                [role](const Entry& entry) { return entry.principal.role == role; }));
+}
+
 // What the time of the comparisons tells is about the hash of what was sent, and of no use to who sent it.
 const Principal* AccessTokens::Find(const std::string& authorization) const {
   static const std::string kScheme = "Bearer ";

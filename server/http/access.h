@@ -32,6 +32,8 @@ class AccessTokens {
   explicit AccessTokens(const std::string& token);
 
   bool empty() const { return entries_.empty(); }
+  std::size_t size() const { return entries_.size(); }
+  std::size_t CountOf(Role role) const;
   /// authorization: value of the Authorization header, "Bearer TOKEN". Null for a token that is not known.
   const Principal* Find(const std::string& authorization) const;
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The real server process: exit codes, signals, a log without a reader. Usage: process_test.py FLOORLOC_SERVER"""
 
+import json
+import os
 import pathlib
 import re
 import resource
@@ -12,6 +14,7 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.error
 import urllib.request
 
 SERVER = sys.argv.pop() if len(sys.argv) > 1 else "floorloc-server"
@@ -22,9 +25,9 @@ class ProcessTest(unittest.TestCase):
         self.maps = tempfile.TemporaryDirectory()
         self.addCleanup(self.maps.cleanup)
 
-    def start(self):
-        process = subprocess.Popen([SERVER, "--maps", self.maps.name, "--listen", "127.0.0.1:0"], text=True,
-                                   stderr=subprocess.PIPE)
+    def start(self, *options, **environment):
+        process = subprocess.Popen([SERVER, "--maps", self.maps.name, "--listen", "127.0.0.1:0", *options], text=True,
+                                   stderr=subprocess.PIPE, env=os.environ | environment)
         self.addCleanup(process.stderr.close)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
@@ -62,6 +65,60 @@ class ProcessTest(unittest.TestCase):
             process.send_signal(signal.SIGTERM)
             self.assertEqual(process.wait(timeout=20), 0)
             self.assertLess(time.monotonic() - start, 5)
+
+    def test_it_drains_for_drain_s_and_stops_whatever_clients_do(self):
+        config = pathlib.Path(self.maps.name) / "config.json"
+        config.write_text('{"drain_s": 0.5}')
+        process, port = self.start("--config", str(config))
+        begins = (b"", b"GET /livez HTTP/1.1\r\nHo", b"POST /v1/maps/a/localize HTTP/1.1\r\nHost: x\r\n",
+                  b"PUT /v1/vehicles/a HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 9\r\n\r\n{",
+                  b"GET /v1/events HTTP/1.1\r\nHost: x\r\n\r\n",  # a stream that nobody reads
+                  b"GET /openapi.yaml HTTP/1.1\r\nHost: x\r\n\r\n" * 200)  # answers that nobody takes
+        clients = [socket.create_connection(("127.0.0.1", port)) for _ in range(5 * len(begins))]
+        self.addCleanup(lambda: [client.close() for client in clients])
+        for client, begin in zip(clients, begins * 5):
+            client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            client.setblocking(False)
+            client.send(begin)
+        time.sleep(0.2)
+        start = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.2)
+        with self.assertRaises(urllib.error.HTTPError) as draining:
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=5)
+        self.assertEqual((draining.exception.code, json.load(draining.exception)["code"]), (503, "draining"))
+        self.assertTrue(self.alive(port))  # still answers: a balancer needs the time to notice
+        while process.poll() is None and time.monotonic() - start < 20:
+            for client in clients[1:]:  # some send a byte every moment
+                try:
+                    client.send(b"x")
+                except OSError:
+                    pass
+            time.sleep(0.05)
+        self.assertEqual(process.wait(timeout=1), 0)
+        self.assertGreater(time.monotonic() - start, 0.5)
+        self.assertLess(time.monotonic() - start, 0.5 + 4)
+
+    def test_it_tells_the_service_manager_what_it_does(self):
+        for name in (str(pathlib.Path(self.maps.name) / "notify"), f"@floorloc-test-{os.getpid()}"):
+            with self.subTest(name), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+                manager.bind(name.replace("@", "\0", 1))
+                manager.settimeout(10)
+                process, port = self.start(NOTIFY_SOCKET=name)
+                self.assertEqual(manager.recv(1000).decode().splitlines(),
+                                 ["READY=1", f"STATUS=serving 0 maps on http://127.0.0.1:{port}/"])
+                process.send_signal(signal.SIGHUP)
+                self.assertRegex(manager.recv(1000).decode(), r"\ARELOADING=1\nMONOTONIC_USEC=\d+\Z")
+                self.assertEqual(manager.recv(1000), b"READY=1")
+                process.send_signal(signal.SIGTERM)
+                self.assertEqual(manager.recv(1000), b"STOPPING=1\nSTATUS=draining")
+                self.assertEqual(process.wait(timeout=20), 0)
+
+    def test_it_runs_without_a_service_manager(self):
+        for name in ("", "relative", "/nowhere/notify", "/" + 200 * "x"):
+            process, port = self.start(NOTIFY_SOCKET=name)
+            self.assertTrue(self.alive(port), name)
+            process.kill()
 
     def test_a_hangup_and_a_closed_log_leave_it_running(self):
         process, port = self.start()
