@@ -4,6 +4,26 @@
 #include <chrono>
 
 namespace floorloc {
+namespace {
+
+LocalizationFigures FiguresOf(const LoadedMap& map, WorkClass work, const LocalizeOutcome& outcome) {
+  const LocalizationResult& result = outcome.result;
+  const LocalizationTiming& timing = result.timing;
+  LocalizationFigures figures;
+  figures.labels = {map.name, ToString(result.status)};
+  figures.work = ToString(work);
+  figures.seconds = 1e-3 * outcome.total_ms;
+  figures.queue_seconds = 1e-3 * outcome.queue_ms;
+  figures.stages = {{"decode", 1e-3 * outcome.decode_ms},    {"rectify", 1e-3 * timing.rectify_ms},
+                    {"features", 1e-3 * timing.features_ms}, {"match", 1e-3 * timing.match_ms},
+                    {"register", 1e-3 * timing.register_ms}, {"fusion", 1e-3 * outcome.fusion_ms.value_or(0.0)}};
+  if (result.status == LocalizationStatus::kLocalized) {
+    figures.fix = FixFigures{result.inliers, result.p_wrong};
+  }
+  return figures;
+}
+
+}  // namespace
 
 double UnixTimeNow() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -60,7 +80,7 @@ FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& lab
   if (!record.vehicle.empty()) {
     state.vehicles.SetLastFix(record.vehicle, record);
   }
-  state.metrics.CountLocalization({map.name, ToString(outcome.result.status)}, 1e-3 * outcome.total_ms);
+  state.metrics.CountLocalization(FiguresOf(map, label.work, outcome));
   return record;
 }
 

@@ -16,6 +16,7 @@ struct FrameLabel {
   std::string vehicle;  ///< empty: the request contained the camera
   double received_s = 0.0;
   double stamp_s = 0.0;
+  WorkClass work = WorkClass::kSearch;  ///< class of the queue that it waited in
 };
 
 double UnixTimeNow();

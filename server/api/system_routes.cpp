@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "schema/embedded.h"
 #include "server/api/routes.h"
-#include "server/api/vehicle_json.h"
+#include "server/api/vehicle_gauges.h"
 #include "web/assets.h"
 
 namespace floorloc {
@@ -11,39 +11,6 @@ namespace {
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
-std::vector<Gauge> VehicleGauges(const AppState& state) {
-  std::map<std::string, int> counts = {{kStaleStatus, 0}};
-  for (const TrackingState status :
-       {TrackingState::kLocalized, TrackingState::kTrackingOdometry, TrackingState::kLost}) {
-    counts[ToString(status)] = 0;
-  }
-  for (const VehicleState& vehicle : state.vehicles.All()) {
-    ++counts[StatusOf(vehicle.session->View(), state.config.limits.stale_after_s)];
-  }
-  std::vector<Gauge> gauges;
-  for (const auto& [status, count] : counts) {
-    gauges.push_back({"floorloc_vehicles_by_status", "Registered vehicles, by status.", static_cast<double>(count),
-                      "status=\"" + status + '"'});
-  }
-  return gauges;
-}
-
-std::vector<Gauge> OdometryGauges(const AppState& state) {
-  EnumCounts<OdometryHealth> counts;
-  for (const VehicleState& vehicle : state.vehicles.All()) {
-    const VehicleView view = vehicle.session->View();
-    if (view.fused && view.fused->odometry) {
-      ++counts[view.fused->odometry->health];
-    }
-  }
-  std::vector<Gauge> gauges;
-  for (const OdometryHealth health : counts.Values()) {
-    gauges.push_back({"floorloc_vehicles_by_odometry", "Vehicles with odometry, by how far the fixes confirm it.",
-                      static_cast<double>(counts[health]), std::string("health=\"") + ToString(health) + '"'});
-  }
-  return gauges;
-}
 
 std::vector<Gauge> ReadGauges(const AppState& state) {
   const auto total = static_cast<double>(state.catalog.All().size());
@@ -57,9 +24,8 @@ std::vector<Gauge> ReadGauges(const AppState& state) {
       {"floorloc_event_streams", "Viewers of events.", static_cast<double>(state.events.size())},
       {"floorloc_compute_threads", "Threads that localize.", static_cast<double>(state.pool.threads())},
       {"floorloc_queue_depth", "Localizations that wait for a thread.", static_cast<double>(state.pool.QueueDepth())}};
-  for (const std::vector<Gauge>& more : std::vector{VehicleGauges(state), OdometryGauges(state)}) {
-    gauges.insert(gauges.end(), more.begin(), more.end());
-  }
+  const std::vector<Gauge> vehicles = VehicleGauges(state);
+  gauges.insert(gauges.end(), vehicles.begin(), vehicles.end());
   return gauges;
 }
 

@@ -41,6 +41,8 @@ struct ServerConfig {
   bool open = false;                 ///< listen beyond loopback without a token
   bool protect_reads = false;        ///< reads and localize need the token too
   std::string log_level = "info";
+  bool json_log = false;    ///< a JSON object per line instead of text
+  bool access_log = false;  ///< a line per request
   ServerLimits limits;
   LocalizerOptions localizer;
 

@@ -76,6 +76,17 @@ void ReadLocalizer(JsonObject object, LocalizerOptions& options) {
   object.RejectUnknownKeys();
 }
 
+void ReadLogFormat(JsonObject& object, bool& json_log) {
+  if (!object.Has("log_format")) {
+    return;
+  }
+  const std::string format = object.Text("log_format");
+  if (format != "text" && format != "json") {
+    throw JsonError("log_format must be text or json.");
+  }
+  json_log = format == "json";
+}
+
 void ReadLogLevel(JsonObject& object, std::string& level) {
   if (!object.Has("log_level")) {
     return;
@@ -100,6 +111,8 @@ ServerConfig ParseServerConfig(const std::string& text) {
   ReadBool(object, "open", config.open);
   ReadBool(object, "protect_reads", config.protect_reads);
   ReadLogLevel(object, config.log_level);
+  ReadLogFormat(object, config.json_log);
+  ReadBool(object, "access_log", config.access_log);
   if (object.Has("token_file")) {
     config.token_file = object.Text("token_file");
   }

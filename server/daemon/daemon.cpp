@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/daemon/daemon.h"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "server/api/app.h"
 #include "server/daemon/check.h"
+#include "server/daemon/logging.h"
 #include "server/daemon/notify.h"
 #include "server/daemon/open_files.h"
 #include "server/http/http_server.h"
@@ -66,14 +66,6 @@ void Reload(App& app) {
   NotifyManager("READY=1");
 }
 
-void StartLogging(const std::string& level) {
-  static const char* const kLogger = "floorloc";
-  if (spdlog::get(kLogger) == nullptr) {
-    spdlog::set_default_logger(spdlog::stderr_color_mt(kLogger));
-  }
-  spdlog::set_level(spdlog::level::from_str(level));
-}
-
 std::string Address(const ServerConfig& config, int port) {
   const bool v6 = config.host.find(':') != std::string::npos;
   return "http://" + (v6 ? "[" + config.host + "]" : config.host) + ":" + std::to_string(port) + "/";
@@ -119,17 +111,21 @@ void Serve(App& app, const Signals& signals) {
 
 int RunDaemon(const DaemonOptions& options) {
   if (options.check) {
-    StartLogging("off");  // what is found is printed
+    StartLogging("off", LogFormat::kText);  // what is found is printed
     cv::setNumThreads(1);
     return CheckDeployment(options, std::cout);
   }
   ServerConfig config = options.config_file.empty() ? ServerConfig{} : ReadServerConfig(options.config_file);
   SetListenAddress(options.listen, config);
-  StartLogging(config.log_level);
+  const LogFormat format = config.json_log ? LogFormat::kJson : LogFormat::kText;
+  StartLogging(config.log_level, format);
   const Signals signals;
   // One thread per request: OpenCV's own threads would compete with the other requests for cores.
   cv::setNumThreads(1);
   App app(config, options.maps_folder);
+  if (config.access_log) {
+    app.router().SetAccessLog(MakeAccessLog(format));
+  }
   WarnWhenOpen(config);
   RaiseOpenFiles(config.limits.http);
   Serve(app, signals);

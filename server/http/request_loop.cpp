@@ -63,6 +63,7 @@ HttpRequest ToRequest(const httplib::Request& raw, const std::string& content_ty
   if (!content_type.empty()) {
     request.headers["content-type"] = content_type;
   }
+  request.trace = StartTrace(request.headers);
   return request;
 }
 
@@ -137,6 +138,7 @@ class RequestLoop : private httplib::Server {
     } catch (const Problem& problem) {
       HttpRequest nothing;
       nothing.remote_address = RemoteAddress(connection_.socket());
+      nothing.trace = StartTrace({});
       connection_.DrainInputOnClose();
       WriteLastResponse(handler_.Refuse(nothing, problem), connection_);
       return false;

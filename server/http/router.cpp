@@ -9,6 +9,7 @@
 
 #include "core/geometry/option_check.h"
 #include "server/http/address_group.h"
+#include "server/http/log_scope.h"
 #include "server/wire/number_text.h"
 #include "server/wire/strict_json.h"
 
@@ -33,12 +34,6 @@ std::vector<std::string_view> SplitPath(std::string_view path) {
 std::string RouteMethod(const HttpRequest& request) { return request.method == "HEAD" ? "GET" : request.method; }
 
 bool IsChange(RouteAccess access) { return access == RouteAccess::kWrite || access == RouteAccess::kChange; }
-
-std::string Printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c <= ' ' || c > '~'; }, '?');
-  return text;
-}
 
 void CheckContentType(const Route& route, const HttpRequest& head) {
   const std::string type = head.ContentType();
@@ -191,6 +186,7 @@ bool Router::IsHealthCheck(const HttpRequest& head) const {
 }
 
 std::optional<HttpResponse> Router::Admit(const HttpRequest& head) {
+  const LogScope scope(head.trace);
   std::string allow;
   HttpResponse refusal = Run(head, [&] {
     const Found found = Find(head);
@@ -204,12 +200,13 @@ std::optional<HttpResponse> Router::Admit(const HttpRequest& head) {
   if (refusal.status == 405) {
     refusal.headers["Allow"] = allow;
   }
-  Count(head, refusal, 0.0);
+  Finish(head, 0.0, refusal);
   return refusal;
 }
 
 HttpResponse Router::Handle(HttpRequest request) {
   const auto start = Clock::now();
+  const LogScope scope(request.trace);
   HttpResponse response = Run(request, [&] {
     const Found found = Find(request);
     if (found.route == nullptr) {
@@ -218,13 +215,14 @@ HttpResponse Router::Handle(HttpRequest request) {
     request.path_parameters = found.parameters;
     return found.route->handle(request);
   });
-  Count(request, response, SecondsSince(start));
+  Finish(request, SecondsSince(start), response);
   return response;
 }
 
 HttpResponse Router::Refuse(const HttpRequest& request, const Problem& problem) {
+  const LogScope scope(request.trace);
   HttpResponse response = ToResponse(problem);
-  Count(request, response, 0.0);
+  Finish(request, 0.0, response);
   return response;
 }
 
@@ -247,17 +245,46 @@ HttpResponse Router::Run(const HttpRequest& request, const std::function<HttpRes
   return ToResponse(Problem(500, "internal_error", "The server failed to answer; its log says why."));
 }
 
-void Router::Count(const HttpRequest& request, const HttpResponse& response, double seconds) const {
+void Router::LogAccess(const HttpRequest& request, AccessRecord record) const {
+  const std::shared_ptr<const AccessTokens> tokens = Tokens();
+  const Principal* who = tokens->Find(request.Header("authorization"));
+  record.method = request.method;
+  record.path = request.path;
+  record.remote = request.remote_address;
+  record.who = who == nullptr ? "" : who->name;
+  record.trace = request.trace;
+  access_log_(record);
+}
+
+// Every response passes here once.
+void Router::Finish(const HttpRequest& request, double seconds, HttpResponse& response) const {
   const Found found = Find(request);
-  metrics_.CountRequest({found.route == nullptr ? "unmatched" : found.route->pattern,
-                         found.route == nullptr ? "" : found.route->method, response.status},
-                        seconds);
+  const RequestLabels labels = {found.route == nullptr ? "unmatched" : found.route->pattern,
+                                found.route == nullptr ? "" : found.route->method, response.status};
+  if (response.problem.empty()) {
+    metrics_.CountRequest(labels, seconds);
+  } else {
+    metrics_.CountRefusal(labels, response.problem);
+  }
   const bool is_login_refused = response.status == 401 || response.status == 429;  // as many as somebody likes
   if (found.route != nullptr && found.route->access == RouteAccess::kChange && !is_login_refused) {
     Audit(request, response.status);
   }
-  spdlog::debug("{} {} {} -> {} ({:.1f} ms)", request.remote_address, request.method, Printable(request.path),
-                response.status, 1e3 * seconds);
+  if (access_log_ && (found.route == nullptr || found.route->access != RouteAccess::kHealth)) {
+    AccessRecord record;
+    record.route = labels.route;
+    record.status = response.status;
+    record.problem = response.problem;
+    record.bytes = response.body.size();
+    record.seconds = seconds;
+    LogAccess(request, std::move(record));
+  }
+  if (!request.trace.request_id.empty()) {
+    response.headers["X-Request-Id"] = request.trace.request_id;
+  }
+  if (request.trace.continued) {
+    response.headers["traceparent"] = request.trace.Traceparent();
+  }
 }
 
 }  // namespace floorloc

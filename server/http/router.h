@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/http/access.h"
+#include "server/http/access_log.h"
 #include "server/http/http_handler.h"
 #include "server/http/login_limiter.h"
 #include "server/http/metrics.h"
@@ -52,6 +53,8 @@ class Router : public HttpHandler {
 
   /// Only before serving: not thread-safe.
   void Add(Route route);
+  /// Likewise. Gets every request but those of health checks; empty: none.
+  void SetAccessLog(AccessLog log) { access_log_ = std::move(log); }
   /// From now on one of these tokens is required.
   void SetTokens(AccessTokens tokens);
   const std::vector<Route>& routes() const { return routes_; }
@@ -74,7 +77,8 @@ class Router : public HttpHandler {
   void CheckLogin(const Found& found, const std::string& client, const HttpRequest& head);
   void Audit(const HttpRequest& request, int status) const;
   HttpResponse Run(const HttpRequest& request, const std::function<HttpResponse()>& answer) const;
-  void Count(const HttpRequest& request, const HttpResponse& response, double seconds) const;
+  void Finish(const HttpRequest& request, double seconds, HttpResponse& response) const;
+  void LogAccess(const HttpRequest& request, AccessRecord record) const;
 
   RouterOptions options_;
   Metrics& metrics_;
@@ -83,6 +87,7 @@ class Router : public HttpHandler {
   RateLimiter rate_limiter_;
   LoginLimiter login_limiter_;
   std::vector<Route> routes_;
+  AccessLog access_log_;
 };
 
 /// Matches a path against a pattern. Returns the values of the names in braces; empty without a match.

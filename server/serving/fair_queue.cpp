@@ -13,6 +13,8 @@ constexpr std::size_t kSearchEvery = 4;
 
 }  // namespace
 
+const char* ToString(WorkClass work) { return work == WorkClass::kTracking ? "tracking" : "search"; }
+
 void FairQueue::Push(const std::string& client, WorkClass work, Job job) {
   Lane& lane = LaneOf(work);
   std::deque<Job>& jobs = lane.jobs[client];

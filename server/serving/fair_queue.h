@@ -18,6 +18,8 @@ enum class WorkClass {
   kSearch,    ///< a search of the whole map, a vehicle's first image, the tables of a camera
   kCount,     ///< how many there are; stays last
 };
+/// "tracking", "search"
+const char* ToString(WorkClass work);
 
 /// What becomes of a waiting job.
 enum class JobFate {

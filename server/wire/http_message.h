@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/wire/request_trace.h"
+
 namespace floorloc {
 
 /// One part of a multipart/form-data body.
@@ -26,6 +28,7 @@ struct HttpRequest {
   std::string remote_address;
   std::string body;             ///< empty for multipart/form-data
   std::vector<HttpPart> parts;  ///< of multipart/form-data
+  RequestTrace trace = {};
 
   /// Value of a header (name in lower case), or "".
   std::string Header(const std::string& name) const;
@@ -43,6 +46,7 @@ struct HttpResponse {
   /// Set: the body is not this one, but what is written to the connection from now on. Called when the head was sent;
   /// the socket is open during the call only: make a copy.
   std::function<void(int socket)> take_over = nullptr;
+  std::string problem = "";  ///< its code, when the response is a problem
 };
 
 }  // namespace floorloc

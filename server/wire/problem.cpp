@@ -10,6 +10,7 @@ namespace floorloc {
 HttpResponse ToResponse(const Problem& problem) {
   HttpResponse response;
   response.status = problem.status();
+  response.problem = problem.code();
   response.content_type = "application/problem+json";
   response.body = FormatProblem(problem);
   response.headers["Cache-Control"] = "no-store";

@@ -123,7 +123,9 @@ TEST_F(RoutesTest, CountsWhatItDid) {
   EXPECT_THAT(metrics, HasSubstr(R"(floorloc_http_requests_total{route="/v1/maps/{map}",method="GET",code="404"} 1)"));
   EXPECT_THAT(metrics, HasSubstr("floorloc_maps_ready 1\n"));
   EXPECT_THAT(metrics, HasSubstr("floorloc_maps_failed 1\n"));
-  EXPECT_THAT(metrics, HasSubstr(R"(floorloc_http_request_seconds_bucket{route="/v1/maps/{map}",le="+Inf"} 2)"));
+  EXPECT_THAT(metrics, HasSubstr(R"(floorloc_http_refusals_total{route="/v1/maps/{map}",reason="unknown_map"} 1)"));
+  EXPECT_THAT(metrics, HasSubstr(R"(floorloc_http_request_seconds_count{route="/v1/maps/{map}"} 1)"))
+      << "refusals take no time";
 }
 
 TEST_F(RoutesTest, ThePageMayOnlyTalkToItsServer) {

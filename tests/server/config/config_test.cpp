@@ -21,7 +21,7 @@ using testing::ThrowsMessage;
 TEST(ConfigTest, ReadsEveryKey) {
   const ServerConfig config = ParseServerConfig(R"({
     "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "deadline_ms": 120, "drain_s": 2, "open": true, "protect_reads": true,
-    "log_level": "warning", "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
+    "log_level": "warning", "log_format": "json", "access_log": true, "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
     "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
                "max_connections": 50, "max_connections_per_address": 51, "reserved_connections": 52,
                "max_failed_logins": 53, "max_vehicles": 60, "vehicle_timeout_s": 65, "stale_after_s": 66, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
@@ -34,6 +34,8 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_TRUE(config.open);
   EXPECT_TRUE(config.protect_reads);
   EXPECT_EQ(config.log_level, "warning");
+  EXPECT_TRUE(config.json_log);
+  EXPECT_TRUE(config.access_log);
   EXPECT_EQ(config.token_file, "token");
   EXPECT_EQ(config.localizer.registration.max_p_wrong, 1e-6);
   EXPECT_EQ(config.limits.http.max_body_bytes, 10U);
@@ -63,6 +65,7 @@ TEST(ConfigTest, NamesWhatIsWrong) {
            {R"({"limits":{"max_body_bytes":9000000000}})", "limits.max_bodies_bytes"},
            {R"({"localizer":{"max_p_wrong":2}})", "localizer.max_p_wrong"},
            {R"({"log_level":"loud"})", "log_level"},
+           {R"({"log_format":"xml"})", "log_format"},
            {R"({"open":1})", "open"},
            {R"({"threads":18446744073709551615})", "threads"},
            {R"({"threads":-1})", "threads must be a whole number from 0 to 256"},

@@ -114,6 +114,34 @@ class ProcessTest(unittest.TestCase):
                 self.assertEqual(manager.recv(1000), b"STOPPING=1\nSTATUS=draining")
                 self.assertEqual(process.wait(timeout=20), 0)
 
+    def test_the_log_is_json_with_request_ids_on_wish(self):
+        config = pathlib.Path(self.maps.name) / "config.json"
+        config.write_text('{"log_format": "json", "access_log": true}')
+        process, port = self.start("--config", str(config))
+        trace = "4bf92f3577b34da6a3ce929d0e0e4736"
+        for method, path in (("GET", "/v1/maps"), ("DELETE", "/v1/vehicles/agv7"), ("GET", "/livez")):
+            request = urllib.request.Request(f"http://127.0.0.1:{port}{path}", method=method, headers={
+                "X-Request-Id": f"{method}-1", "traceparent": f"00-{trace}-00f067aa0ba902b7-01"})
+            try:
+                answer = urllib.request.urlopen(request, timeout=5)
+            except urllib.error.HTTPError as problem:
+                answer = problem
+            self.assertEqual(answer.headers["X-Request-Id"], f"{method}-1")
+            self.assertRegex(answer.headers["traceparent"], f"^00-{trace}-[0-9a-f]{{16}}-01$")
+            answer.close()
+        process.send_signal(signal.SIGTERM)
+        lines = [json.loads(line) for line in process.stderr]
+        for line in lines:
+            self.assertRegex(line["time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")
+            self.assertEqual(line["level"], "info")
+        access = [line for line in lines if line["message"] == "access"]
+        self.assertEqual([(line["method"], line["path"], line["status"]) for line in access],
+                         [("GET", "/v1/maps", 200), ("DELETE", "/v1/vehicles/agv7", 404)])
+        self.assertEqual((access[1]["request_id"], access[1]["trace_id"], access[1]["problem"]),
+                         ("DELETE-1", trace, "unknown_vehicle"))
+        audit = [line for line in lines if line["message"].startswith("audit: DELETE")]
+        self.assertEqual([(line["request_id"], line["trace_id"]) for line in audit], [("DELETE-1", trace)])
+
     def test_it_runs_without_a_service_manager(self):
         for name in ("", "relative", "/nowhere/notify", "/" + 200 * "x"):
             process, port = self.start(NOTIFY_SOCKET=name)
