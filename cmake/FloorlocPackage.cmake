@@ -7,7 +7,8 @@ set(CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 
 install(TARGETS floorloc-mapbuilder floorloc-server RUNTIME COMPONENT floorloc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT floorloc FILES_MATCHING PATTERN *.md)
-install(FILES schema/openapi.yaml schema/map.sql DESTINATION ${CMAKE_INSTALL_DATADIR}/floorloc COMPONENT floorloc)
+install(FILES schema/openapi.yaml schema/map.sql ${ops}/alerts.yml ${ops}/grafana-dashboard.json
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/floorloc COMPONENT floorloc)
 install(FILES ${ops}/server.example.json DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT floorloc)
 
 # What belongs to the system, for the package only: a prefix has no place for it.

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What operators get in server/ops: configurations, the systemd unit. Usage: ops_test.py FLOORLOC_SERVER"""
+"""What operators get in server/ops: configurations, the systemd unit, alerts, the dashboard.
+Usage: ops_test.py FLOORLOC_SERVER"""
 
 import json
 import pathlib
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.request
 
 ROOT = pathlib.Path(__file__).parents[3]
 OPS = ROOT / "server/ops"
@@ -79,6 +81,71 @@ class UnitTest(unittest.TestCase):
     def test_little_is_exposed(self):
         result = run("systemd-analyze", "security", "--offline=yes", "--threshold=20", str(self.unit))
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+
+METRIC = re.compile(r"\b(?:floorloc|process)_[a-z_]+\b(?![\"(])")
+
+
+def metrics_in(text):
+    """Metrics that an expression names, without the suffixes of histograms."""
+    return {re.sub(r"_(bucket|sum|count)$", "", name) for name in METRIC.findall(text)}
+
+
+def dashboard_expressions():
+    dashboard = json.loads((OPS / "grafana-dashboard.json").read_text(encoding="utf-8"))
+    return [target["expr"] for panel in dashboard["panels"] for target in panel["targets"]]
+
+
+class MetricsTest(unittest.TestCase):
+    """Names that the rules, the dashboard and docs/server.md use against what a server answers."""
+
+    @classmethod
+    def setUpClass(cls):
+        with tempfile.TemporaryDirectory() as maps:
+            server = subprocess.Popen([SERVER, "--maps", maps, "--listen", "127.0.0.1:0"], text=True,
+                                      stderr=subprocess.PIPE)
+            try:
+                address = next(filter(None, (re.search(r"http://\S+/", line) for line in server.stderr))).group()
+                with urllib.request.urlopen(address + "metrics", timeout=10) as page:
+                    cls.page = page.read().decode()
+            finally:
+                server.kill()
+                server.wait()
+                server.stderr.close()
+        # Of vehicles, of which this server has none.
+        cls.served = set(re.findall(r"^# TYPE (\S+)", cls.page, re.M)) | {"floorloc_vehicle_silent_seconds"}
+
+    def test_the_page_documents_exactly_what_is_served(self):
+        table = re.findall(r"^\| (`(?:floorloc|process)_.*?) \|", (ROOT / "docs/server.md").read_text(encoding="utf-8"), re.M)
+        self.assertEqual({name for cell in table for name in METRIC.findall(cell)}, self.served)
+
+    def test_alerts_and_dashboard_use_what_is_served(self):
+        rules = re.findall(r"expr: (?:>\n)?((?:.|\n)*?)\n +(?:for|labels):", (OPS / "alerts.yml").read_text(encoding="utf-8"))
+        self.assertGreater(len(rules), 10)
+        for expression in rules + dashboard_expressions():
+            self.assertLessEqual(metrics_in(expression), self.served, expression)
+
+
+@unittest.skipUnless(shutil.which("promtool"),
+                     "promtool (Debian package prometheus) is not installed: rules and expressions are not checked by it")
+class PrometheusTest(unittest.TestCase):
+    def test_it_understands_the_alerts_and_they_fire(self):
+        result = run("promtool", "check", "rules", str(OPS / "alerts.yml"))
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copy(OPS / "alerts.yml", folder)
+            shutil.copy(ROOT / "tests/server/ops/alerts_test.yml", folder)
+            result = run("promtool", "test", "rules", str(pathlib.Path(folder) / "alerts_test.yml"))
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_it_understands_the_dashboard(self):
+        rules = [{"record": f"x:{number}", "expr": text.replace("$__rate_interval", "5m")}
+                 for number, text in enumerate(dashboard_expressions())]
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "rules.yml"
+            file.write_text(json.dumps({"groups": [{"name": "dashboard", "rules": rules}]}), encoding="utf-8")
+            result = run("promtool", "check", "rules", str(file))
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
 
 class MaintainerScriptsTest(unittest.TestCase):
