@@ -147,7 +147,8 @@ def http_requests():
                     b"5\r\n{\"map\r\n2\r\n\":\r\n0\r\n\r\n"),
             request("PUT /v1/vehicles/a", ["Content-Type: application/json", "Content-Encoding: gzip",
                                            "Content-Length: 20"], zlib.compress(b"{}", wbits=31)),
-            request("DELETE /v1/vehicles/a", ["Authorization: Bearer abc", "Connection: close"]),
+            request("DELETE /v1/vehicles/a", ["Authorization: Bearer abc", "Connection: close", "X-Request-Id: a",
+                                              "traceparent: 00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"]),
             request("POST /" + "a" * 4000, ["Content-Length: 0"]), b"\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n"]
 
 
@@ -179,7 +180,7 @@ def server_texts():
 
     localize = {"camera": CAMERA, "floor": FLOOR, "stamp": 1.5, "prior": {"x": 1, "y": 2, "yaw": 3}, "radius": 0.5}
     config = {"threads": 2, "queue_length": 8, "queue_timeout_s": 1, "drain_s": 0, "open": True,
-              "protect_reads": False, "log_level": "info", "token_file": "t",
+              "protect_reads": False, "log_level": "info", "log_format": "json", "access_log": True, "token_file": "t",
               "limits": {"max_body_bytes": 1000, "max_bodies_bytes": 2000, "max_vehicles": 5, "idle_timeout_s": 9},
               "localizer": {"max_p_wrong": 0.1}}
     return {"localize_json": texts(localize, {"vehicle": "a", "prior": "1,2,3"}, {"vehicle": "a", "prior": [1, 2, 3]}),
