@@ -9,7 +9,8 @@ namespace floorloc {
 
 OpenFiles AllowOpenFiles(const HttpLimits& limits) {
   constexpr int kOwnFiles = 256;  // maps, log, listener
-  const auto wanted = static_cast<rlim_t>(limits.max_connections + limits.reserved_connections + kOwnFiles);
+  const int files = limits.max_connections + limits.reserved_connections + kOwnFiles;
+  const auto wanted = static_cast<rlim_t>(files);
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < wanted) {
     const rlimit raised{std::min(wanted, limit.rlim_max), limit.rlim_max};
