@@ -6,11 +6,12 @@
 #include <opencv2/core.hpp>
 
 #include "core/geometry/option_check.h"
+#include "core/localization/photometric_aligner.h"
 
 namespace floorloc {
 namespace {
 
-constexpr int kCellPx = 48;  // of FrameSamples
+constexpr int kCellPx = FrameSamples::kCellPx;
 
 // Side of a patch in cells: larger ones need less margin each, but are fewer places.
 constexpr int kPatchCells = 2;

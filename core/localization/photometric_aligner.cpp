@@ -7,134 +7,21 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "core/geometry/option_check.h"
+#include "core/localization/cell_comparison.h"
 #include "core/localization/mounting_average.h"
 
 namespace floorloc {
 namespace {
 
-// Mean grey level of a normalised image.
-constexpr float kMiddle = 128.0F;
-
-constexpr int kSampleStridePx = 6;
-constexpr int kCellPx = 48;
 constexpr int kMaxIterations = 6;
 constexpr double kConvergedPx = 0.25;
 
 // Margin of the mosaic patch around the frame, so that the fit can move.
 constexpr double kMarginPx = 8.0;
-
-// What a pixel tells of a displacement that is linear in the cell: its slope (gx, gy), and the slope times the position
-// relative to the cell's centre (gx dx, gx dy, gy dx, gy dy). Eight floats, so that compilers keep a row in one
-// register; the last two are padding.
-constexpr int kRow = 8;
-using Row = std::array<float, kRow>;
-
-// Sums over the pixels of a cell.
-struct CellSums {
-  float n = 0.0F, f = 0.0F, m = 0.0F, ff = 0.0F, mm = 0.0F, fm = 0.0F;
-  std::array<Row, kRow> information{};  // of row row^T
-  Row frame_pull{};                     // of row * frame
-  Row mosaic_pull{};                    // of row * mosaic
-
-  void Add(float frame, float mosaic, const Row& row) {
-    n += 1.0F;
-    f += frame;
-    m += mosaic;
-    ff += frame * frame;
-    mm += mosaic * mosaic;
-    fm += frame * mosaic;
-    for (std::size_t i = 0; i < kRow; ++i) {
-      for (std::size_t j = 0; j < kRow; ++j) {
-        information[i][j] += row[i] * row[j];
-      }
-      frame_pull[i] += row[i] * frame;
-      mosaic_pull[i] += row[i] * mosaic;
-    }
-  }
-  float Correlation() const {
-    const float variance_f = ff - f * f / n;
-    const float variance_m = mm - m * m / n;
-    return variance_f > 0.0F && variance_m > 0.0F ? (fm - f * m / n) / std::sqrt(variance_f * variance_m) : 0.0F;
-  }
-};
-
-// The estimated motion, as numbers for the inner loop: a pixel of the frame -> a pixel of the mosaic.
-struct Warp {
-  float cos_yaw, sin_yaw;
-  float camera_x, camera_y, height;  // base frame
-  float center_x, center_y;          // base frame, about which the frame turns
-  float middle_u, middle_v;          // mosaic pixel of the centre
-  float per_m;                       // px per metre
-  float rotation_x, rotation_y, rotation_z, height_share;
-
-  struct Point {
-    float u, v;
-  };
-
-  Point At(const FrameSamples::Sample& s) const {
-    const float x = s.x_m - camera_x;
-    const float y = s.y_m - camera_y;
-    const float inverse = 1.0F / height;
-    // Columns of MountingJacobian().
-    const float ax = x * y * inverse, ay = height + y * y * inverse;
-    const float bx = -(height + x * x * inverse), by = -x * y * inverse;
-    const float px = s.x_m - center_x + ax * rotation_x + bx * rotation_y - y * rotation_z + x * height_share;
-    const float py = s.y_m - center_y + ay * rotation_x + by * rotation_y + x * rotation_z + y * height_share;
-    return {middle_u + (cos_yaw * px - sin_yaw * py) * per_m, middle_v - (sin_yaw * px + cos_yaw * py) * per_m};
-  }
-};
-
-// Adds the pixels of a cell that lie on surveyed floor. Slopes are grey levels per metre in the map.
-void AddCell(std::span<const FrameSamples::Sample> samples, const Eigen::Vector2f& center, const Warp& warp,
-             const cv::Mat& gray, CellSums* sums) {
-  for (const FrameSamples::Sample& s : samples) {
-    const Warp::Point p = warp.At(s);
-    if (!(p.u >= 0.0F && p.v >= 0.0F && p.u < static_cast<float>(gray.cols - 1) &&
-          p.v < static_cast<float>(gray.rows - 1))) {
-      continue;
-    }
-    const int column = static_cast<int>(p.u);
-    const int row = static_cast<int>(p.v);
-    const std::uint8_t* upper = gray.ptr<std::uint8_t>(row) + column;
-    const std::uint8_t* lower = upper + gray.step[0];
-    if (upper[0] == 0 || upper[1] == 0 || lower[0] == 0 || lower[1] == 0) {
-      continue;
-    }
-    const float a = p.u - static_cast<float>(column);
-    const float b = p.v - static_cast<float>(row);
-    const auto upper_slope = static_cast<float>(upper[1] - upper[0]);
-    const auto lower_slope = static_cast<float>(lower[1] - lower[0]);
-    const float top = static_cast<float>(upper[0]) + a * upper_slope;
-    const float bottom = static_cast<float>(lower[0]) + a * lower_slope;
-    // Image rows run against the y axis.
-    const float gx = (upper_slope + b * (lower_slope - upper_slope)) * warp.per_m;
-    const float gy = (top - bottom) * warp.per_m;
-    const float dx = s.x_m - center.x();
-    const float dy = s.y_m - center.y();
-    sums->Add(s.value, top + b * (bottom - top) - kMiddle, {gx, gy, gx * dx, gx * dy, gy * dx, gy * dy, 0.0F, 0.0F});
-  }
-}
-
-using CellVector = Eigen::Matrix<double, 6, 1>;
-using CellMatrix = Eigen::Matrix<double, 6, 6>;
-
-CellVector ToVector(const Row& row) {
-  CellVector v;
-  for (int i = 0; i < v.size(); ++i) {
-    v(i) = static_cast<double>(row[static_cast<std::size_t>(i)]);
-  }
-  return v;
-}
-
-CellMatrix ToMatrix(const std::array<Row, kRow>& rows) {
-  CellMatrix m;
-  for (int i = 0; i < m.rows(); ++i) {
-    m.row(i) = ToVector(rows[static_cast<std::size_t>(i)]).transpose();
-  }
-  return m;
-}
 
 // First-order expansion of a displacement about a point. displacement: 2xN, of a point of the base frame.
 template <int N, typename Displacement>
@@ -164,49 +51,129 @@ CellDisplacement<N> Turned(const Eigen::Matrix2d& rotation, const CellDisplaceme
   return in_map;
 }
 
-// One fit of a frame to a patch of the mosaic.
+// The mosaic under a frame, as blurred as asked for.
+class BlurredMosaic {
+ public:
+  BlurredMosaic(const MosaicRaster& raster, const FrameSamples& frame, const Pose2& start) : raster_(raster) {
+    const Eigen::Vector2d middle = start * frame.center();
+    const double reach = frame.radius_m() + kMarginPx * raster.resolution_m();
+    rect_ = {middle.x() - reach, middle.x() + reach, middle.y() - reach, middle.y() + reach};
+  }
+  const RasterPatch& At(int blur_level) {
+    std::optional<RasterPatch>& patch = patches_[static_cast<std::size_t>(blur_level)];
+    if (!patch) {
+      patch = raster_.Cut(rect_, blur_level);
+    }
+    return *patch;
+  }
+
+ private:
+  const MosaicRaster& raster_;
+  RectM rect_;
+  std::array<std::optional<RasterPatch>, MosaicRaster::kMaxBlurLevel + 1> patches_;
+};
+
+// One fit of a frame to the mosaic.
 class Fit {
  public:
-  Fit(const FrameSamples& frame, const RasterPatch& patch, const PhotometricOptions& options)
-      : frame_(frame), patch_(patch), options_(options) {}
+  Fit(const FrameSamples& frame, BlurredMosaic mosaic, const PhotometricOptions& options)
+      : frame_(frame), mosaic_(std::move(mosaic)), options_(options) {}
 
+  // The mosaic is blurred as the frame is: where the frame lacks what the mosaic shows, slopes of the mosaic promise
+  // more than the frame can tell, so that steps and covariance become too small.
   PhotometricFit Run(const Pose2& start) {
     start_ = start;
-    Compare();
-    for (int iteration = 0; iteration < kMaxIterations && gain_ > 0.0; ++iteration) {
-      const MountingVector step = MountingStep(problem_, unknowns_);
-      unknowns_ += step;
-      Compare();
-      const double moved_m = step.head<2>().norm() + std::abs(step(2)) * frame_.radius_m();
-      if (!(moved_m >= kConvergedPx * patch_.resolution_m)) {
-        break;
-      }
+    ChooseBlur();
+    Iterate();
+    // A frame that was not where it belongs looked blurred.
+    while (blur_level_ > 0 && CorrelationAt(blur_level_ - 1) > CorrelationAt(blur_level_)) {
+      --blur_level_;
+      Iterate();
     }
+    Compare(SampleSet::kAll);
     return Conclude();
   }
 
  private:
-  Warp MakeWarp() const {
+  enum class SampleSet { kSparse, kAll };
+
+  void ChooseBlur() {
+    double correlation = CorrelationAt(0);
+    while (blur_level_ < options_.max_blur_level) {
+      const double next = CorrelationAt(blur_level_ + 1);
+      if (!(next > correlation)) {
+        return;
+      }
+      correlation = next;
+      ++blur_level_;
+    }
+  }
+
+  void Iterate() {
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+      Compare(SampleSet::kSparse);
+      if (gain_ <= 0.0) {
+        return;
+      }
+      const MountingVector step = MountingStep(problem_, unknowns_);
+      unknowns_ += step;
+      const double moved_m = step.head<2>().norm() + std::abs(step(2)) * frame_.radius_m();
+      if (!(moved_m >= kConvergedPx * mosaic_.At(blur_level_).resolution_m)) {
+        return;
+      }
+    }
+  }
+
+  CellWarp MakeWarp(const RasterPatch& patch) const {
     const double yaw = start_.yaw() + unknowns_(2);
-    const Eigen::Vector2d middle = patch_.PixelFromMap(start_ * frame_.center() + unknowns_.head<2>());
+    const Eigen::Vector2d middle = patch.PixelFromMap(start_ * frame_.center() + unknowns_.head<2>());
     const Eigen::Matrix<float, 14, 1> n =
         (Eigen::Matrix<double, 14, 1>() << std::cos(yaw), std::sin(yaw), frame_.camera_center(), frame_.center(),
-         middle, 1.0 / patch_.resolution_m, unknowns_.tail<4>())
+         middle, 1.0 / patch.resolution_m, unknowns_.tail<4>())
             .finished()
             .cast<float>();
     return {n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), n(11), n(12), n(13)};
   }
 
+  // Of the cells with the mosaic under the present unknowns, by their sparse samples.
+  std::vector<CellCorrelation> CorrelateCells(int blur_level) {
+    const RasterPatch& patch = mosaic_.At(blur_level);
+    const CellWarp warp = MakeWarp(patch);
+    std::vector<CellCorrelation> cells;
+    for (int c = 0; c < frame_.cells(); ++c) {
+      cells.push_back(CorrelateCell(frame_.sparse_cell(c), warp, patch.gray));
+    }
+    return cells;
+  }
+
+  // Of all cells together.
+  double CorrelationAt(int blur_level) {
+    double covariance = 0.0;
+    double variance_f = 0.0;
+    double variance_m = 0.0;
+    for (const CellCorrelation& cell : CorrelateCells(blur_level)) {
+      if (cell.n >= static_cast<float>(options_.min_cell_samples)) {
+        covariance += static_cast<double>(cell.fm - cell.f * cell.m / cell.n);
+        variance_f += static_cast<double>(cell.ff - cell.f * cell.f / cell.n);
+        variance_m += static_cast<double>(cell.mm - cell.m * cell.m / cell.n);
+      }
+    }
+    return variance_f > 0.0 && variance_m > 0.0 ? covariance / std::sqrt(variance_f * variance_m) : 0.0;
+  }
+
   // Correlations and normal equations under the present unknowns, residuals frame - gain * mosaic. A cell is weighted
   // by its correlation: changed floor has no weight.
-  void Compare() {
-    const Warp warp = MakeWarp();
+  void Compare(SampleSet set) {
+    const RasterPatch& patch = mosaic_.At(blur_level_);
+    const CellWarp warp = MakeWarp(patch);
+    min_samples_ = options_.min_cell_samples * (set == SampleSet::kAll ? FrameSamples::kSparseShare : 1);
     sums_.assign(static_cast<std::size_t>(frame_.cells()), CellSums());
     double covariance = 0.0;
     double variance = 0.0;
     for (int c = 0; c < frame_.cells(); ++c) {
       CellSums& cell = sums_[static_cast<std::size_t>(c)];
-      AddCell(frame_.cell(c), frame_.cell_center(c).cast<float>(), warp, patch_.gray, &cell);
+      AddCell(set == SampleSet::kAll ? frame_.cell(c) : frame_.sparse_cell(c), frame_.cell_center(c).cast<float>(),
+              warp, patch, &cell);
       covariance += Weight(cell) * static_cast<double>(cell.fm);
       variance += Weight(cell) * static_cast<double>(cell.mm);
     }
@@ -214,9 +181,8 @@ class Fit {
     Assemble();
   }
 
-  bool Compares(const CellSums& cell) const { return cell.n >= static_cast<float>(options_.min_cell_samples); }
   double Weight(const CellSums& cell) const {
-    return Compares(cell) ? std::max(0.0, static_cast<double>(cell.Correlation())) : 0.0;
+    return cell.n >= static_cast<float>(min_samples_) ? std::max(0.0, static_cast<double>(cell.Correlation())) : 0.0;
   }
 
   // Displacement of a cell in the map by the motion and the mounting.
@@ -255,11 +221,9 @@ class Fit {
   }
 
   CellMatrix InformationOf(const CellSums& cell, double weight) const {
-    return weight * gain_ * gain_ * ToMatrix(cell.information);
+    return weight * gain_ * gain_ * cell.Information();
   }
-  CellVector PullOf(const CellSums& cell, double weight) const {
-    return weight * gain_ * (ToVector(cell.frame_pull) - gain_ * ToVector(cell.mosaic_pull));
-  }
+  CellVector PullOf(const CellSums& cell, double weight) const { return weight * gain_ * cell.Pull(gain_); }
 
   double CalibrationSigmaPx() const {
     return frame_.calibration_sigma_px() > 0.0 ? frame_.calibration_sigma_px() : options_.calibration_sigma_px;
@@ -283,11 +247,12 @@ class Fit {
     return problem;
   }
 
-  PhotometricFit Conclude() const {
+  PhotometricFit Conclude() {
     PhotometricFit fit;
-    for (const CellSums& cell : sums_) {
-      fit.cell_correlation.push_back(Compares(cell) ? cell.Correlation() : 0.0F);
-      fit.cell_samples.push_back(Compares(cell) ? static_cast<int>(cell.n) : 0);
+    for (const CellCorrelation& cell : CorrelateCells(0)) {
+      const bool compares = cell.n >= static_cast<float>(options_.min_cell_samples);
+      fit.cell_correlation.push_back(compares ? cell.Correlation() : 0.0F);
+      fit.cell_samples.push_back(compares ? static_cast<int>(cell.n) : 0);
     }
     const Eigen::Vector2d bent = MountingJacobian(frame_.camera_center(), frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
@@ -312,9 +277,11 @@ class Fit {
   }
 
   const FrameSamples& frame_;
-  const RasterPatch& patch_;
+  BlurredMosaic mosaic_;
   const PhotometricOptions& options_;
   Pose2 start_;
+  int blur_level_ = 0;
+  int min_samples_ = 0;  // of a cell that is compared
   MountingVector unknowns_ = MountingVector::Zero();
   std::vector<CellSums> sums_;
   double gain_ = 0.0;
@@ -333,6 +300,7 @@ void PhotometricOptions::Check() const {
   RequireOption(min_cell_samples >= 1, "min_cell_samples must be positive");
   RequireOption(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
   RequireOption(max_correction_radii > 0, "max_correction_radii must be positive");
+  RequireOption(max_blur_level >= 0 && max_blur_level <= MosaicRaster::kMaxBlurLevel, "max_blur_level must be 0 to 3");
   RequireOption(mosaic_sigma_px > 0, "mosaic_sigma_px must be positive");
   RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
@@ -365,15 +333,7 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
   radius_m_ = 0.5 * grid.resolution_m * std::hypot(grid.width_px, grid.height_px);
   for (int top = 0; top < grid.height_px; top += kCellPx) {
     for (int left = 0; left < grid.width_px; left += kCellPx) {
-      for (int v = top + kSampleStridePx / 2; v < std::min(top + kCellPx, grid.height_px); v += kSampleStridePx) {
-        for (int u = left + kSampleStridePx / 2; u < std::min(left + kCellPx, grid.width_px); u += kSampleStridePx) {
-          if (image.mask.at<std::uint8_t>(v, u) != 0) {
-            const Eigen::Vector2f p = grid.BaseFromPixel(u, v).cast<float>();
-            samples_.push_back({p.x(), p.y(), static_cast<float>(normalized.at<std::uint8_t>(v, u)) - kMiddle});
-          }
-        }
-      }
-      cell_start_.push_back(static_cast<int>(samples_.size()));
+      AddCell({image, normalized}, cv::Rect(left, top, kCellPx, kCellPx) & cv::Rect({}, normalized.size()));
     }
   }
   for (int c = 0; c < cells(); ++c) {
@@ -390,6 +350,25 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
   }
 }
 
+void FrameSamples::AddCell(const NormalizedImage& image, const cv::Rect& cell) {
+  constexpr int kSparse = 2;  // every other sample of a row and of a column
+  const auto add = [&](bool sparse) {
+    for (int v = 0; v * kStridePx < cell.height; ++v) {
+      for (int u = 0; u * kStridePx < cell.width; ++u) {
+        const cv::Point pixel(cell.x + u * kStridePx, cell.y + v * kStridePx);
+        if ((u % kSparse == 1 && v % kSparse == 1) == sparse && image.floor.mask.at<std::uint8_t>(pixel) != 0) {
+          const Eigen::Vector2f p = image.floor.grid.BaseFromPixel(pixel.x, pixel.y).cast<float>();
+          samples_.push_back({p.x(), p.y(), static_cast<float>(image.gray.at<std::uint8_t>(pixel)) - kMiddle});
+        }
+      }
+    }
+  };
+  add(true);
+  sparse_end_.push_back(static_cast<int>(samples_.size()));
+  add(false);
+  cell_start_.push_back(static_cast<int>(samples_.size()));
+}
+
 int FrameSamples::CellAt(const Eigen::Vector2d& point_in_base) const {
   const Eigen::Vector2d pixel = grid_.PixelFromBase(point_in_base);
   const auto u = static_cast<int>(std::lround(pixel.x()));
@@ -402,11 +381,7 @@ int FrameSamples::CellAt(const Eigen::Vector2d& point_in_base) const {
 }
 
 PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Pose2& start) const {
-  const Eigen::Vector2d middle = start * frame.center();
-  const double reach = frame.radius_m() + kMarginPx * raster_.resolution_m();
-  const RasterPatch patch =
-      raster_.Cut({middle.x() - reach, middle.x() + reach, middle.y() - reach, middle.y() + reach});
-  return Fit(frame, patch, options_).Run(start);
+  return Fit(frame, BlurredMosaic(raster_, frame, start), options_).Run(start);
 }
 
 }  // namespace floorloc

@@ -26,6 +26,9 @@ struct PhotometricOptions {
   double min_correlation = 0.15;
   /// Largest correction of the frame's centre relative to the pose by keypoints, in inlier radii: a fit can diverge.
   double max_correction_radii = 2.0;
+  /// The mosaic is blurred up to this level (MosaicRaster::Cut) where a frame agrees better with it then: one that is
+  /// blurred, or taken from higher than the map's. 0: never. Effect: docs/benchmarks/views.md.
+  int max_blur_level = 3;
   /// Standard deviation of the calibration of a camera that does not tell its own (CameraModel::sigma_px), pixels at
   /// the corners of the region of interest: a careful one leaves 0.2 to 1 px. `./run bench calibration` measures its
   /// effect.
@@ -46,8 +49,9 @@ struct PhotometricFit {
   MountingError mounting;                                ///< deviation of the camera from its calibration
   CameraEvidence camera;                                 ///< what the frame tells of its camera's constant errors
   double moved_m = 0.0;                                  ///< displacement of the image's centre by the fit
-  std::vector<float> cell_correlation;                   ///< per cell of the frame, -1..1; 0: not compared
-  std::vector<int> cell_samples;                         ///< pixels compared per cell
+  /// Per cell of the frame, with the mosaic as sharp as it is, -1..1; 0: not compared.
+  std::vector<float> cell_correlation;
+  std::vector<int> cell_samples;  ///< pixels compared per cell
 
   /// Correlations of the compared cells.
   std::vector<float> ComparedCells() const;
@@ -66,6 +70,10 @@ using CellDisplacement = Eigen::Matrix<double, 6, N>;
 /// square cells, so that changed floor affects only its own cells.
 class FrameSamples {
  public:
+  static constexpr int kCellPx = 48;        ///< side of a cell
+  static constexpr int kSparseShare = 4;    ///< one of so many samples is a sparse one
+  static constexpr float kMiddle = 128.0F;  ///< mean grey level of a normalised image
+
   /// normalized: CV_8UC1 of the image's grid, mean 128. rectifier: of the image.
   FrameSamples(const GroundImage& image, const cv::Mat& normalized, const Rectifier& rectifier);
 
@@ -77,6 +85,11 @@ class FrameSamples {
   std::span<const Sample> cell(int c) const {
     const auto i = static_cast<std::size_t>(c);
     return {samples_.data() + cell_start_[i], samples_.data() + cell_start_[i + 1]};
+  }
+  /// The first of them, spread over the cell: enough to get near.
+  std::span<const Sample> sparse_cell(int c) const {
+    const auto i = static_cast<std::size_t>(c);
+    return {samples_.data() + cell_start_[i], samples_.data() + sparse_end_[i]};
   }
   /// Mean position of a cell's samples, base frame, metres.
   const Eigen::Vector2d& cell_center(int c) const { return cell_centers_[static_cast<std::size_t>(c)]; }
@@ -103,8 +116,19 @@ class FrameSamples {
   double resolution_m() const { return grid_.resolution_m; }
 
  private:
+  // Denser ones hardly tell more: error of hard frames 0.35, 0.24, 0.21, 0.19 mm at 6, 4, 3, 2 pixels.
+  static constexpr int kStridePx = 3;
+
+  struct NormalizedImage {
+    const GroundImage& floor;
+    const cv::Mat& gray;
+  };
+
+  void AddCell(const NormalizedImage& image, const cv::Rect& cell);
+
   std::vector<Sample> samples_;  // cell by cell
   std::vector<int> cell_start_{0};
+  std::vector<int> sparse_end_;
   std::vector<Eigen::Vector2d> cell_centers_;
   std::vector<CellDisplacement<kCalibrationModes>> cell_modes_;
   Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();

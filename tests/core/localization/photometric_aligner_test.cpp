@@ -213,6 +213,34 @@ TEST_F(PhotometricAlignerTest, CovarianceIsHonest) {
   EXPECT_LT(nees, 5.0);
 }
 
+// A blurred frame lacks what a sharp mosaic shows: slopes that promise too much make the covariance too small.
+TEST_F(PhotometricAlignerTest, BlurredFramesAreComparedWithABlurredMosaic) {
+  options_.calibration_sigma_px = 0.0;  // the camera is exact
+  constexpr int kViews = 15;
+  double error_m[] = {0.0, 0.0};
+  double nees[] = {0.0, 0.0};
+  for (int view = 0; view < kViews; ++view) {
+    const Pose2 truth = RandomTruth();
+    RenderConditions conditions;
+    conditions.motion = {0.008, 0.0, 0.0};
+    conditions.vibration = {Normal(4e-3), Normal(4e-3), 0.0};
+    conditions.read_noise = 3.0;
+    conditions.noise_seed = static_cast<std::uint64_t>(view) + 1;
+    const cv::Mat gray = GrayView(truth, conditions);
+    const Pose2 start = Moved(truth, kResolutionM, Uniform(0.002));
+    for (const int adapted : {0, 1}) {
+      options_.max_blur_level = adapted * MosaicRaster::kMaxBlurLevel;
+      const PhotometricFit fit = AlignView(gray, start);
+      const Eigen::Vector3d off(fit.map_from_base.x() - truth.x(), fit.map_from_base.y() - truth.y(),
+                                WrapAngle(fit.map_from_base.yaw() - truth.yaw()));
+      error_m[adapted] += ErrorOf(fit, truth) / kViews;
+      nees[adapted] += off.dot(fit.covariance.ldlt().solve(off)) / kViews;
+    }
+  }
+  EXPECT_LT(error_m[1], 0.6 * error_m[0]);
+  EXPECT_LT(nees[1], 6.0) << "of a sharp mosaic: " << nees[0];
+}
+
 TEST(FrameSamplesTest, TakesTheSeenPixelsCellByCell) {
   GroundImage image{{0.5, 0.2, 0.001, 100, 60}, {}, cv::Mat(60, 100, CV_8UC1, cv::Scalar(255))};
   image.mask(cv::Rect(0, 0, 50, 60)).setTo(0);

@@ -10,6 +10,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <random>
 #include <thread>
 #include <utility>
@@ -147,6 +148,41 @@ TEST(MosaicRasterTest, ReadsTheFinestLevelOnly) {
       {kTilePx, kMaxZoom, kResolutionM}, ContrastOptions(), kPlenty);
   raster.Cut(TileRect(-4, 5));
   EXPECT_EQ(asked, std::vector<TileId>({{kMaxZoom, -4, 5}}));
+}
+
+// Every level shows the same floor at the same place.
+TEST(MosaicRasterTest, BlurLevelsKeepTheFloorInPlace) {
+  const RandomMosaic mosaic;
+  const MosaicRaster raster = mosaic.Raster();
+  const RasterPatch sharp = raster.Cut(TileRect(-1, 0));
+  cv::Mat smooth;
+  const cv::Mat kernel = (cv::Mat_<double>(1, 5) << 1.0, 4.0, 6.0, 4.0, 1.0) / 16.0;
+  cv::sepFilter2D(sharp.gray, smooth, CV_8U, kernel, kernel);
+  for (int level = 1; level <= 2; ++level) {
+    const RasterPatch blurred = raster.Cut(TileRect(-1, 0), level);
+    EXPECT_NEAR(blurred.resolution_m, kResolutionM * (1 << level), 1e-12);
+    EXPECT_EQ(blurred.gray.cols, kTilePx >> level);
+    for (int k = 2; k < blurred.gray.cols - 2; ++k) {
+      const Eigen::Vector2d pixel = sharp.PixelFromMap(
+          {blurred.x_left_m + k * blurred.resolution_m, blurred.y_top_m - (k + 1) * blurred.resolution_m});
+      const cv::Point at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
+      EXPECT_LT((pixel - Eigen::Vector2d(at.x, at.y)).norm(), 1e-6) << level;
+      if (level == 1) {
+        EXPECT_NEAR(blurred.gray.at<std::uint8_t>(k + 1, k), smooth.at<std::uint8_t>(at), 1) << k;
+      }
+    }
+  }
+}
+
+TEST(MosaicRasterTest, BlurringDoesNotFillGaps) {
+  RandomMosaic mosaic;
+  cv::Mat holed(kTilePx, kTilePx, CV_8UC1, cv::Scalar(120));
+  holed(cv::Rect(8, 8, 16, 16)).setTo(0);
+  mosaic.Set(0, 0, holed);
+  const RasterPatch patch = mosaic.Raster().Cut(TileRect(0, 0), 1);
+  EXPECT_TRUE(patch.has_gaps);
+  EXPECT_EQ(patch.gray.at<std::uint8_t>(patch.gray.rows / 2, patch.gray.cols / 2), 0);
+  EXPECT_FALSE(mosaic.Raster().Cut(TileRect(-1, -1), 1).has_gaps);
 }
 
 TEST(MosaicRasterTest, AHoleInTheFloorIsZeroWithItsEdge) {
