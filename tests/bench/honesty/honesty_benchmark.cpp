@@ -55,8 +55,7 @@ struct Bench {
 
 // The same overlay in view of the survey and of the vehicles.
 void AddOverlay(const OverlayOptions& overlay, Bench* bench) {
-  const CameraModel camera = BenchCamera().camera;
-  const auto shown = std::make_shared<const CameraOverlay>(overlay, cv::Size(camera.width_px, camera.height_px));
+  const auto shown = OverlayOfBenchCamera(overlay);
   for (FloorCase& floor : bench->floors) {
     floor.overlay = overlay;
   }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/scenes/cases.h"
 
+#include "tests/bench/scenes/bench_floor.h"
+
 namespace floorloc {
 namespace {
 
 constexpr double kUnmappedWidthM = 1.2;
 constexpr double kMildWear = 0.03;
 constexpr double kHardWear = 0.2;
+constexpr double kHardOverlay = 0.05;
 
 FloorCase MakeFloor(const std::string& name, const std::string& source, double width_m, double height_m) {
   FloorCase floor;
@@ -61,9 +64,18 @@ std::vector<ConditionCase> ConditionCases() {
   vibration.vibration_pitch_rad = hard.vibration_pitch_rad;
   vibration.vibration_roll_rad = hard.vibration_roll_rad;
   vibration.vibration_height_m = hard.vibration_height_m;
-  return {{"clean", clean, 0.0},       {"mild", mild, kMildWear},           {"blur", blur, kMildWear},
-          {"light", light, kMildWear}, {"vibration", vibration, kMildWear}, {"changed", mild, kHardWear},
-          {"hard", hard, kHardWear}};
+  return {{"clean", clean, 0.0},
+          {"mild", mild, kMildWear},
+          {"blur", blur, kMildWear},
+          {"light", light, kMildWear},
+          {"vibration", vibration, kMildWear},
+          {"changed", mild, kHardWear},
+          {"hard", hard, kHardWear, OverlayOfBenchCamera({.kind = OverlayKind::kPart, .share = kHardOverlay})}};
+}
+
+std::shared_ptr<const CameraOverlay> OverlayOfBenchCamera(const OverlayOptions& options) {
+  const CameraModel camera = BenchCamera().camera;
+  return std::make_shared<const CameraOverlay>(options, cv::Size(camera.width_px, camera.height_px));
 }
 
 }  // namespace floorloc

@@ -34,7 +34,11 @@ struct ConditionCase {
   std::shared_ptr<const CameraOverlay> overlay = nullptr;  ///< of the vehicle's camera
 };
 
-/// clean, mild, hard; and each degradation of hard alone, on top of mild.
+/// clean, mild, hard; and each degradation of hard alone, on top of mild. In hard frames a part of the robot covers 5 %
+/// of the image, which the survey did not see.
 std::vector<ConditionCase> ConditionCases();
+
+/// What travels with BenchCamera().
+std::shared_ptr<const CameraOverlay> OverlayOfBenchCamera(const OverlayOptions& options);
 
 }  // namespace floorloc
