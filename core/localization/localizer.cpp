@@ -245,6 +245,31 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
   return frame;
 }
 
+std::optional<FrameObservation> Localizer::Deblur(const FrameObservation& frame, const Eigen::Vector3d& twist,
+                                                  const cv::Mat& left_out) const {
+  const MotionBlurOptions& options = impl_->options.motion_blur;
+  const Eigen::Vector2d center = frame.samples.center();
+  const Eigen::Vector2d velocity = twist.head<2>() + twist.z() * Eigen::Vector2d(-center.y(), center.x());
+  const double shortest_m = options.min_length_px * frame.samples.resolution_m();
+  if (frame.floor.gray.empty() || !(velocity.norm() * options.max_exposure_s >= shortest_m)) {
+    return std::nullopt;
+  }
+  Stopwatch stage;
+  GroundImage image = LeaveOut(frame.floor, left_out);
+  // Image rows run against x, columns against y.
+  const Eigen::Vector2d direction = Eigen::Vector2d(-velocity.y(), -velocity.x()).normalized();
+  const std::optional<cv::Mat> sharp = UndoMotionBlur(impl_->extractor->Prepare(image), direction, options);
+  if (!sharp) {
+    return std::nullopt;
+  }
+  image.gray = *sharp;
+  FrameObservation deblurred = frame;
+  deblurred.features = impl_->extractor->Extract(image, impl_->extractor->Prepare(image));
+  deblurred.rectify_ms = 0.0;
+  deblurred.features_ms = stage.LapMs();
+  return deblurred;
+}
+
 std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservation& frame, const FloorCamera& camera,
                                                             const MovingPrior& prior) const {
   PosePrior near = prior.near;

@@ -21,6 +21,7 @@ void LocalizerOptions::Check() const {
   readout.Check();
   readout_fit.Check();
   partial_view.Check();
+  motion_blur.Check();
 }
 
 }  // namespace floorloc

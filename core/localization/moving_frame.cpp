@@ -33,6 +33,30 @@ struct Sheared {
 
 bool IsLocalized(const Sheared& sheared) { return sheared.frame.result.status == LocalizationStatus::kLocalized; }
 
+LocalizationResult Seek(const Localizer& localizer, const FrameObservation& frame, const FrameHints& hints) {
+  return hints.anywhere ? localizer.LocalizeWithGlobalFallback(frame, hints.prior)
+                        : localizer.Localize(frame, hints.prior);
+}
+
+// A frame that is not localized is sought once more with its motion's blur undone, where some is seen.
+ObservedFrame SeekBlurred(const Localizer& localizer, FrameObservation frame, const FrameHints& hints) {
+  LocalizationResult result = Seek(localizer, frame, hints);
+  if (result.status == LocalizationStatus::kLocalized || !hints.motion.twist) {
+    return {std::move(frame), std::move(result)};
+  }
+  std::optional<FrameObservation> deblurred = localizer.Deblur(frame, *hints.motion.twist, hints.left_out);
+  if (!deblurred) {
+    return {std::move(frame), std::move(result)};
+  }
+  LocalizationResult again = Seek(localizer, *deblurred, hints);
+  if (again.status == LocalizationStatus::kLocalized) {
+    again.timing += result.timing;
+    return {*std::move(deblurred), std::move(again)};
+  }
+  result.timing += again.timing;
+  return {std::move(frame), std::move(result)};
+}
+
 // A large view is looked at in part first; not where parts of it are left out, which the part could consist of.
 Sheared Localize(const Localizer& localizer, const Rectifier& rectifier, const cv::Mat& raw, const FrameHints& hints) {
   const ReadoutMotion motion = MotionOf(rectifier.camera().camera.readout, hints.motion, localizer.options().readout);
@@ -49,10 +73,9 @@ Sheared Localize(const Localizer& localizer, const Rectifier& rectifier, const c
   }
   FrameObservation whole = localizer.Observe(rectifier, raw, motion.motion, hints.left_out);
   whole.SetContext(hints.camera, hints.jpeg_quality);
-  LocalizationResult result = hints.anywhere ? localizer.LocalizeWithGlobalFallback(whole, hints.prior)
-                                             : localizer.Localize(whole, hints.prior);
-  result.timing += of_part;
-  return {{std::move(whole), std::move(result)}, motion.covariance};
+  ObservedFrame frame = SeekBlurred(localizer, std::move(whole), hints);
+  frame.result.timing += of_part;
+  return {std::move(frame), motion.covariance};
 }
 
 // At speed nothing matches an image whose rows are far from where they belong: likely read-outs are tried. Each finds

@@ -358,6 +358,33 @@ LocalizerOptions InPart() {
   return options;
 }
 
+TEST(LocalizerBlurTest, AFastRobotIsFoundByTheDirectionOfItsBlur) {
+  const Localizer localizer(TheMap(), {}, TheFile().Tiles());
+  const Rectifier rectifier(Floor().camera());
+  int without = 0;
+  int with = 0;
+  for (const Pose2& truth : RandomPoses(4, 19)) {
+    RenderConditions conditions;
+    conditions.motion = {0.013, 0.004, 0.0};
+    conditions.read_noise = 2.0;
+    cv::Mat gray;
+    cv::cvtColor(Floor().View(truth, conditions), gray, cv::COLOR_BGR2GRAY);
+    const PosePrior prior{truth, 0.05, 0.05};
+    FrameHints hints{.prior = prior, .anywhere = false};
+    without += ObserveAndLocalize(localizer, rectifier, gray, hints).result.status == LocalizationStatus::kLocalized;
+    hints.motion.twist = Eigen::Vector3d(2.6, 0.8, 0.0);
+    FloorCamera global_shutter = Floor().camera();
+    global_shutter.camera.readout.seconds = 0.0;
+    const ObservedFrame found = ObserveAndLocalize(localizer, Rectifier(global_shutter), gray, hints);
+    if (found.result.status == LocalizationStatus::kLocalized) {
+      ++with;
+      ExpectNear(found.result, truth);
+    }
+  }
+  EXPECT_LT(without, with);
+  EXPECT_EQ(with, 4);
+}
+
 TEST(LocalizerPartTest, APartOfTheViewSuffices) {
   const Localizer whole(TheMap(), LocalizerOptions{}, TheFile().Tiles());
   const Localizer part(TheMap(), InPart(), TheFile().Tiles());
