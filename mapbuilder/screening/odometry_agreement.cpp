@@ -3,27 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstdio>
 #include <numbers>
 
 #include "core/io/input_error.h"
 #include "core/io/stamp_range.h"
+#include "mapbuilder/screening/odometry_reading.h"
 
 namespace floorloc {
 namespace {
 
-using Complex = std::complex<double>;
-
-// Shorter motions do not determine scale and direction, smaller rotations not handedness.
-constexpr double kMinMotionM = 0.02;
-constexpr double kMinTurnRad = 0.005;
-
-// In a tight turn, an offset of the base frame of a few centimetres changes length and direction of the motion.
-constexpr double kMaxTurnRad = 0.15;
-
 constexpr int kMinMotions = 5;
-constexpr int kMinVotes = 5;
 
 constexpr double kWarnScale = 0.03;
 constexpr double kRefuseScale = 0.15;
@@ -31,77 +21,27 @@ constexpr double kWarnDirectionRad = 3.0 * std::numbers::pi / 180.0;
 constexpr double kRefuseDirectionRad = 15.0 * std::numbers::pi / 180.0;
 constexpr double kWarnScatter = 0.2;
 
+// Motions that scatter more have no scale and direction to be refused for.
+constexpr double kMaxScatter = 0.3;
+
 // Number of sampled motions in the driving direction, each of about this share of the view, and of sideways ones.
 constexpr std::size_t kSampledForward = 200;
 constexpr std::size_t kSampledSideways = 60;
 constexpr double kSampledShare = 0.2;
 
-// Minimum lateral share of a sideways motion, and maximum relative error for it to vote on handedness.
+// Where odometry's lengths choose no pairs that match: neighbours in time, and those some frames apart.
+constexpr int kStrides[] = {1, 4};
+constexpr std::size_t kSampledPerStride = 60;
+
+// Lengths that differ by more are of another unit.
+constexpr double kOtherUnit = 3.0;
+
+// Minimum lateral share of a sideways motion.
 constexpr double kSidewaysShare = 0.5;
-constexpr double kMaxVoteError = 0.3;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-Complex Translation(const Pose2& motion) { return {motion.x(), motion.y()}; }
-
-struct Fit {
-  Complex factor;        // by_vision = factor * by_odometry
-  double scatter = 0.0;  // median relative residual
-};
-
-Fit FitFactor(const std::vector<Complex>& from, const std::vector<Complex>& to) {
-  std::vector<double> re;
-  std::vector<double> im;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    re.push_back((to[i] / from[i]).real());
-    im.push_back((to[i] / from[i]).imag());
-  }
-  Fit fit{{Median(re), Median(im)}};
-  std::vector<double> left;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    left.push_back(std::abs(to[i] - fit.factor * from[i]) / std::abs(from[i]));
-  }
-  fit.scatter = Median(left);
-  return fit;
-}
+constexpr double kMinSidewaysM = 0.02;
 
 bool IsSideways(const Pose2& motion) {
-  return std::abs(motion.y()) > std::max(kMinMotionM, kSidewaysShare * motion.translation().norm());
-}
-
-// 1: right handedness, -1: mirrored, 0: inconclusive. Mirroring changes the sign of rotations and of the lateral
-// motion.
-int HandednessVote(const MotionPair& m, const Complex& factor) {
-  const double turn = m.by_odometry.yaw();
-  if (std::abs(turn) > kMinTurnRad && std::abs(turn) < 0.5 * std::numbers::pi) {
-    const double vision_yaw = m.by_vision.yaw();
-    return std::abs(vision_yaw) < kMinTurnRad ? 0 : (vision_yaw * turn > 0.0 ? 1 : -1);
-  }
-  if (!IsSideways(m.by_odometry)) {
-    return 0;
-  }
-  const Complex way = Translation(m.by_odometry);
-  const double true_error = std::abs(Translation(m.by_vision) - factor * way);
-  const double mirrored_error = std::abs(Translation(m.by_vision) - factor * std::conj(way));
-  if (std::min(true_error, mirrored_error) > kMaxVoteError * std::abs(factor * way)) {
-    return 0;
-  }
-  return true_error < mirrored_error ? 1 : -1;
-}
-
-bool IsMirrored(const std::vector<MotionPair>& motions, const Complex& factor) {
-  int balance = 0;
-  int votes = 0;
-  for (const MotionPair& m : motions) {
-    const int vote = HandednessVote(m, factor);
-    balance += vote;
-    votes += std::abs(vote);
-  }
-  return votes >= kMinVotes && 2 * balance < -votes;
+  return std::abs(motion.y()) > std::max(kMinSidewaysM, kSidewaysShare * motion.translation().norm());
 }
 
 std::string Text(const char* format, double a) {
@@ -170,19 +110,109 @@ std::vector<FramePair> SidewaysPairs(const std::vector<BuildFrame>& frames, int 
   return pairs;
 }
 
-std::vector<MotionPair> MeasureMotions(const std::vector<BuildFrame>& frames, int survey, const RectM& floor,
-                                       PairRegistrationOptions registration) {
-  registration.run.progress = {};
-  std::vector<FramePair> pairs = ForwardPairs(frames, survey, floor);
-  const std::vector<FramePair> sideways = SidewaysPairs(frames, survey, floor);
-  pairs.insert(pairs.end(), sideways.begin(), sideways.end());
-  std::vector<MotionPair> motions;
-  for (const Link& link : RegisterPairs(frames, std::vector<RectM>(frames.size(), floor), pairs, registration)) {
-    const auto& first = frames[static_cast<std::size_t>(link.first)].odom_from_base;
-    const auto& second = frames[static_cast<std::size_t>(link.second)].odom_from_base;
-    motions.push_back({OfView(first->Between(*second), floor), OfView(link.first_from_second, floor)});
+Pose2 OdometryBetween(const std::vector<BuildFrame>& frames, int first, int second) {
+  return frames[static_cast<std::size_t>(first)].odom_from_base->Between(
+      *frames[static_cast<std::size_t>(second)].odom_from_base);
+}
+
+std::vector<FramePair> TimedPairs(const std::vector<BuildFrame>& frames, int survey) {
+  std::vector<int> known;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].survey == survey && frames[i].odom_from_base) {
+      known.push_back(static_cast<int>(i));
+    }
   }
-  return motions;
+  std::vector<FramePair> pairs;
+  for (const int stride : kStrides) {
+    std::vector<FramePair> apart;
+    for (std::size_t i = 0; i + static_cast<std::size_t>(stride) < known.size(); ++i) {
+      apart.push_back({known[i], known[i + static_cast<std::size_t>(stride)], std::nullopt, 0.0, 0.0});
+    }
+    const std::vector<FramePair> sample = SpreadEvenly(apart, kSampledPerStride);
+    pairs.insert(pairs.end(), sample.begin(), sample.end());
+  }
+  return pairs;
+}
+
+// Way that odometry travelled up to each frame of a survey.
+std::vector<double> Mileage(const std::vector<BuildFrame>& frames, int survey) {
+  std::vector<double> mileage_m(frames.size(), 0.0);
+  const BuildFrame* last = nullptr;
+  double sum_m = 0.0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].survey == survey && frames[i].odom_from_base) {
+      sum_m += last == nullptr ? 0.0 : last->odom_from_base->Between(*frames[i].odom_from_base).translation().norm();
+      last = &frames[i];
+    }
+    mileage_m[i] = sum_m;
+  }
+  return mileage_m;
+}
+
+// Motions of a sample of pairs, odometry's multiplied by a unit where its lengths are of another order than vision's.
+struct MeasuredMotions {
+  std::vector<MotionPair> motions;
+  double unit = 1.0;
+};
+
+// Length by vision over length by odometry, of the median pair.
+double LengthRatio(const std::vector<BuildFrame>& frames, const std::vector<Link>& links) {
+  std::vector<double> ratios;
+  for (const Link& link : links) {
+    const double said_m = OdometryBetween(frames, link.first, link.second).translation().norm();
+    if (said_m > 0.0) {
+      ratios.push_back(link.first_from_second.translation().norm() / said_m);
+    }
+  }
+  if (ratios.empty()) {
+    return 1.0;
+  }
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+MeasuredMotions CompareLinks(const std::vector<BuildFrame>& frames, const std::vector<Link>& links,
+                             const RectM& floor) {
+  MeasuredMotions measured;
+  if (links.empty()) {
+    return measured;
+  }
+  const double ratio = LengthRatio(frames, links);
+  measured.unit = std::abs(std::log(ratio)) > std::log(kOtherUnit) ? ratio : 1.0;
+  const std::vector<double> mileage_m = Mileage(frames, frames[static_cast<std::size_t>(links.front().first)].survey);
+  for (const Link& link : links) {
+    const Pose2 said = OdometryBetween(frames, link.first, link.second);
+    const double way_m =
+        mileage_m[static_cast<std::size_t>(link.second)] - mileage_m[static_cast<std::size_t>(link.first)];
+    measured.motions.push_back({OfView(Pose2(measured.unit * said.x(), measured.unit * said.y(), said.yaw()), floor),
+                                OfView(link.first_from_second, floor),
+                                frames[static_cast<std::size_t>(link.first)].odom_from_base->yaw(),
+                                measured.unit * std::abs(way_m)});
+  }
+  return measured;
+}
+
+MeasuredMotions MeasureMotions(const std::vector<BuildFrame>& frames, int survey, const RectM& floor,
+                               PairRegistrationOptions registration) {
+  registration.run.progress = {};
+  const std::vector<RectM> floors(frames.size(), floor);
+  std::vector<Link> links = RegisterPairs(frames, floors, ForwardPairs(frames, survey, floor), registration);
+  if (static_cast<int>(links.size()) < kMinMotions) {
+    return CompareLinks(frames, RegisterPairs(frames, floors, TimedPairs(frames, survey), registration), floor);
+  }
+  const std::vector<Link> sideways = RegisterPairs(frames, floors, SidewaysPairs(frames, survey, floor), registration);
+  links.insert(links.end(), sideways.begin(), sideways.end());
+  return CompareLinks(frames, links, floor);
+}
+
+// The agreement of odometry as it is written.
+MotionAgreement CompareSurvey(const FrameSet& set, int survey, const PairRegistrationOptions& registration) {
+  const RectM& floor = set.surveys[static_cast<std::size_t>(survey)].survey.camera.floor.roi;
+  const MeasuredMotions measured = MeasureMotions(set.frames, survey, floor, registration);
+  MotionAgreement agreement = CompareMotions(measured.motions);
+  agreement.scale *= measured.unit;
+  return agreement;
 }
 
 void CountFramesWithOdometry(const std::vector<BuildFrame>& frames, int index, const Survey& survey,
@@ -207,32 +237,60 @@ void CountFramesWithOdometry(const std::vector<BuildFrame>& frames, int index, c
   }
 }
 
+std::string OtherDirection(const MotionAgreement& agreement) {
+  return "the images move in a direction turned by " + Text("%.0f", Degrees(agreement.direction_rad)) +
+         " degrees against odometry.tum; the homography's axes (x forward, y left) do not fit the robot's";
+}
+
+std::string OtherScale(const MotionAgreement& agreement) {
+  return "the images show motions " + Text("%.3g", agreement.scale) +
+         " times as long as odometry.tum says; the homography or the odometry has the wrong scale";
+}
+
+// What is wrong, and its cure.
+std::string Contradiction(const MotionAgreement& agreement) {
+  switch (agreement.reading) {
+    case OdometryReading::kMirrored:
+      return "the images turn right where odometry.tum turns left; the images or the homography are mirrored: switch "
+             "off the camera's flip, or calibrate again, or correct odometry's axes";
+    case OdometryReading::kAsSaid:
+      break;
+    default:
+      return "the images contradict odometry.tum: correct its axes or units, or remove it";
+  }
+  return std::abs(agreement.direction_rad) > kRefuseDirectionRad
+             ? OtherDirection(agreement) + ": correct the homography, or odometry's axes, or remove odometry.tum"
+             : OtherScale(agreement) + ": measure a known length on the floor, or remove odometry.tum";
+}
+
+bool IsRefused(const MotionAgreement& agreement) {
+  return agreement.reading != OdometryReading::kAsSaid ||
+         (agreement.scatter < kMaxScatter && (std::abs(agreement.direction_rad) > kRefuseDirectionRad ||
+                                              std::abs(std::log(agreement.scale)) > std::log1p(kRefuseScale)));
+}
+
+// The homography may be what is wrong, unless positions and headings of odometry contradict each other.
+std::filesystem::path FileToBlame(const MotionAgreement& agreement, const Survey& survey) {
+  const bool either = agreement.reading == OdometryReading::kAsSaid || agreement.reading == OdometryReading::kMirrored;
+  return survey.folder / (either ? "floor.yaml" : "odometry.tum");
+}
+
 void AssessAgreement(const MotionAgreement& agreement, const Survey& survey, std::vector<std::string>* warnings) {
-  const std::filesystem::path file = survey.folder / "floor.yaml";
   if (agreement.motions == 0) {
     return;
   }
-  if (agreement.mirrored) {
-    throw InputError(file,
-                     "the images turn right where odometry.tum turns left; the images or the homography are "
-                     "mirrored: switch off the camera's flip, or calibrate again, or correct odometry's axes");
+  if (IsRefused(agreement)) {
+    const std::string when = FitsWhen(agreement);
+    throw InputError(FileToBlame(agreement, survey),
+                     Contradiction(agreement) + (when.empty() ? "" : "; odometry.tum fits when " + when));
   }
-  const std::string direction =
-      "the images move in a direction turned by " + Text("%.0f", Degrees(agreement.direction_rad)) +
-      " degrees against odometry.tum; the homography's axes (x forward, y left) do not fit the robot's";
-  if (std::abs(agreement.direction_rad) > kRefuseDirectionRad) {
-    throw InputError(file, direction + ": correct the homography, or remove odometry.tum");
+  const std::string file = (survey.folder / "floor.yaml").string();
+  const bool known = agreement.scatter < kMaxScatter;
+  if (known && std::abs(agreement.direction_rad) > kWarnDirectionRad) {
+    warnings->push_back(file + ": " + OtherDirection(agreement));
   }
-  const std::string scale = "the images show motions " + Text("%.3g", agreement.scale) +
-                            " times as long as odometry.tum says; the homography or the odometry has the wrong scale";
-  if (std::abs(std::log(agreement.scale)) > std::log1p(kRefuseScale)) {
-    throw InputError(file, scale + ": measure a known length on the floor, or remove odometry.tum");
-  }
-  if (std::abs(agreement.direction_rad) > kWarnDirectionRad) {
-    warnings->push_back(file.string() + ": " + direction);
-  }
-  if (std::abs(agreement.scale - 1.0) > kWarnScale) {
-    warnings->push_back(file.string() + ": " + scale);
+  if (known && std::abs(agreement.scale - 1.0) > kWarnScale) {
+    warnings->push_back(file + ": " + OtherScale(agreement));
   }
   if (agreement.scatter > kWarnScatter) {
     warnings->push_back((survey.folder / "odometry.tum").string() + ": differs from the motion in the images by " +
@@ -241,29 +299,6 @@ void AssessAgreement(const MotionAgreement& agreement, const Survey& survey, std
 }
 
 }  // namespace
-
-MotionAgreement CompareMotions(const std::vector<MotionPair>& motions) {
-  std::vector<Complex> by_odometry;
-  std::vector<Complex> by_vision;
-  for (const MotionPair& m : motions) {
-    const double length_m = m.by_odometry.translation().norm();
-    if (length_m > kMinMotionM && !IsSideways(m.by_odometry) && std::abs(m.by_odometry.yaw()) < kMaxTurnRad) {
-      by_odometry.push_back(Translation(m.by_odometry));
-      by_vision.push_back(Translation(m.by_vision));
-    }
-  }
-  MotionAgreement agreement;
-  if (static_cast<int>(by_odometry.size()) < kMinMotions) {
-    return agreement;
-  }
-  const Fit fit = FitFactor(by_odometry, by_vision);
-  agreement.motions = static_cast<int>(by_odometry.size());
-  agreement.scale = std::abs(fit.factor);
-  agreement.direction_rad = std::arg(fit.factor);
-  agreement.scatter = fit.scatter;
-  agreement.mirrored = IsMirrored(motions, fit.factor);
-  return agreement;
-}
 
 std::vector<std::string> CheckOdometry(const FrameSet& set, const PairRegistrationOptions& registration) {
   std::vector<std::string> warnings;
@@ -274,8 +309,7 @@ std::vector<std::string> CheckOdometry(const FrameSet& set, const PairRegistrati
     }
     const int index = static_cast<int>(s);
     CountFramesWithOdometry(set.frames, index, survey, &warnings);
-    const RectM& floor = survey.camera.floor.roi;
-    AssessAgreement(CompareMotions(MeasureMotions(set.frames, index, floor, registration)), survey, &warnings);
+    AssessAgreement(CompareSurvey(set, index, registration), survey, &warnings);
   }
   return warnings;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -196,6 +197,22 @@ TEST_F(BadInputTest, OdometryOfAnotherClockIsRefused) {
   }
   WriteFileAtomically(survey_ / "odometry.tum", FormatTum(odometry));
   EXPECT_THAT(Error(), AllOf(HasSubstr("odometry.tum: "), HasSubstr("same clock")));
+}
+
+TEST_F(BadInputTest, OdometryThatIsWrittenOtherwiseIsRefused) {
+  const Trajectory given = ReadTum(survey_ / "odometry.tum");
+  const auto error_of = [&](const std::function<Pose2(const Pose2&)>& written) {
+    Trajectory odometry;
+    for (const StampedPose3& row : given) {
+      odometry.push_back(StampedPose3::FromPose2(row.stamp_ns, written(row.ToPose2())));
+    }
+    WriteFileAtomically(survey_ / "odometry.tum", FormatTum(odometry));
+    return Error();
+  };
+  EXPECT_THAT(error_of([](const Pose2& p) { return Pose2(p.y(), p.x(), p.yaw()); }),
+              AllOf(HasSubstr("odometry.tum fits when"), HasSubstr("exchanged")));
+  EXPECT_THAT(error_of([](const Pose2& p) { return Pose2(1e-3 * p.x(), 1e-3 * p.y(), p.yaw()); }),
+              HasSubstr("fits when its positions are kilometres"));
 }
 
 TEST_F(BadInputTest, ASlightlyWrongScaleIsNamed) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapbuilder/screening/odometry_agreement.h"
-
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
+
+#include "mapbuilder/screening/odometry_reading.h"
 
 namespace floorloc {
 namespace {
@@ -29,7 +29,7 @@ TEST(CompareMotions, FindsScaleAndDirection) {
   EXPECT_NEAR(agreement.scale, 1.2, 0.01);
   EXPECT_NEAR(agreement.direction_rad, -0.4, 0.01);
   EXPECT_LT(agreement.scatter, 0.02);
-  EXPECT_FALSE(agreement.mirrored);
+  EXPECT_EQ(agreement.reading, OdometryReading::kAsSaid);
 }
 
 TEST(CompareMotions, AThirdOfWrongMotionsDoesNotCount) {
@@ -40,12 +40,12 @@ TEST(CompareMotions, AThirdOfWrongMotionsDoesNotCount) {
   const MotionAgreement agreement = CompareMotions(motions);
   EXPECT_NEAR(agreement.scale, 1.0, 0.02);
   EXPECT_NEAR(agreement.direction_rad, 0.0, 0.02);
-  EXPECT_FALSE(agreement.mirrored);
+  EXPECT_EQ(agreement.reading, OdometryReading::kAsSaid);
 }
 
 TEST(CompareMotions, TurnsRevealAMirroredHomography) {
-  EXPECT_TRUE(CompareMotions(Motions(1.0, 0.0, -1.0)).mirrored);
-  EXPECT_TRUE(CompareMotions(Motions(1.0, 2.0, -1.0)).mirrored);
+  EXPECT_EQ(CompareMotions(Motions(1.0, 0.0, -1.0)).reading, OdometryReading::kMirrored);
+  EXPECT_EQ(CompareMotions(Motions(1.0, 2.0, -1.0)).reading, OdometryReading::kMirrored);
 }
 
 TEST(CompareMotions, WithoutTurnsSidewaysMotionRevealsAMirroredHomography) {
@@ -54,11 +54,11 @@ TEST(CompareMotions, WithoutTurnsSidewaysMotionRevealsAMirroredHomography) {
     const Pose2 odometry = i % 2 == 0 ? Pose2(0.1, 0.0, 0.0) : Pose2(0.02, i % 4 == 1 ? 0.1 : -0.1, 3.1);
     motions.push_back({odometry, Pose2(odometry.x(), -odometry.y(), -odometry.yaw())});
   }
-  EXPECT_TRUE(CompareMotions(motions).mirrored);
+  EXPECT_EQ(CompareMotions(motions).reading, OdometryReading::kMirrored);
   for (MotionPair& m : motions) {
     m.by_vision = m.by_odometry;
   }
-  EXPECT_FALSE(CompareMotions(motions).mirrored);
+  EXPECT_EQ(CompareMotions(motions).reading, OdometryReading::kAsSaid);
 }
 
 TEST(CompareMotions, FewMotionsSayNothing) {
