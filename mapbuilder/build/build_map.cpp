@@ -22,6 +22,7 @@
 #include "mapbuilder/finished_map/map_info.h"
 #include "mapbuilder/screening/frame_screening.h"
 #include "mapbuilder/screening/odometry_agreement.h"
+#include "mapbuilder/self_calibration/camera_doubt.h"
 #include "mapbuilder/survey/extract_frames.h"
 #include "mapbuilder/survey/frame_journal.h"
 
@@ -266,6 +267,9 @@ BuildReport BuildMap(const BuildOptions& requested) {
 
   PlacedSurveys placed = PlaceOrNameHeights(std::move(screened.kept), options, {base.get(), &journal, report.heights});
   const SurveyedFloor floor(Calibrate(&placed, options), base.get());
+  if (base == nullptr && !options.self_calibration.automatic) {
+    report.camera_doubt = DoubtCameras(floor.frames, options.self_calibration);
+  }
   report.kept_all = options.placement.keep_all;
   AddPlacement(placed, floor.frames, &report);
   AddCoverage(floor.map_coverage, &report);

@@ -140,6 +140,11 @@ std::string ToText(const BuildReport& r) {
                    r.heights.highest, r.heights.scale_by.c_str());
   }
   text << ToText(r.self_calibration);
+  if (r.camera_doubt.pose_rms_m > 0.0) {
+    text << Format(
+        "  camera       by its images it would see the floor %.1f px elsewhere, and poses would move by %.2f mm\n",
+        r.camera_doubt.camera_px, 1e3 * r.camera_doubt.pose_rms_m);
+  }
   if (const std::string scale = ScaleText(r.scale); !scale.empty()) {
     text << "  scale        " << scale << "\n";
   }

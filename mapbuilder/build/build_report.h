@@ -14,6 +14,7 @@
 #include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/markers/markers.h"
 #include "mapbuilder/screening/auto_mask.h"
+#include "mapbuilder/self_calibration/camera_doubt.h"
 #include "mapbuilder/self_calibration/self_calibration.h"
 #include "mapbuilder/survey/dropped_frame.h"
 
@@ -65,6 +66,7 @@ struct BuildReport {
   double drift_rad = 0.0;
   FrameHeights heights;
   SelfCalibration self_calibration;
+  CameraDoubt camera_doubt;  ///< of cameras that were not calibrated by all that the images tell
   MapScale scale;
   std::vector<DistanceMisfit> distances;  ///< those that were used
   double area_m2 = 0.0;

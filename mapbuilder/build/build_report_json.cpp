@@ -5,6 +5,7 @@
 
 #include "core/map/map_error.h"
 #include "mapbuilder/build/build_report.h"
+#include "mapbuilder/build/camera_doubt_json.h"
 #include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {
@@ -202,6 +203,7 @@ void ReadNumbers(const Json& json, BuildReport* report) {
   report->drift_m = json.value("drift_m", report->drift_m);
   report->drift_rad = json.value("drift_rad", report->drift_rad);
   report->control_point_scale = json.value("control_point_scale", report->control_point_scale);
+  report->camera_doubt = json.value("camera_doubt", report->camera_doubt);
   report->area_m2 = json.value("area_m2", report->area_m2);
   report->keypoints = json.value("keypoints", report->keypoints);
   report->mean_observations = json.value("mean_observations", report->mean_observations);
@@ -238,6 +240,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"drift_rad", report.drift_rad},
       {"heights", ToJson(report.heights)},
       {"self_calibration", Json::parse(floorloc::ToJson(report.self_calibration))},
+      {"camera_doubt", report.camera_doubt},
       {"scale", ToJson(report.scale)},
       {"known_distances", ListJson(report.distances)},
       {"area_m2", report.area_m2},

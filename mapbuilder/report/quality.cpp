@@ -176,10 +176,12 @@ void MeasureStrain(const MapEvidence& evidence, MapQuality* quality) {
 
 void MarkStrained(const MapEvidence& evidence, const QualityOptions& options, MapQuality* quality) {
   for (std::size_t i = 0; i < evidence.frames.size(); ++i) {
-    if (quality->frame_sigma[i] <= options.strained_sigma) {
+    const MapFrame& frame = evidence.frames[i];
+    const double pixel_m = evidence.map.info.cameras[static_cast<std::size_t>(frame.survey)].floor.resolution_m;
+    if (quality->frame_sigma[i] <= options.strained_sigma ||
+        quality->frame_error_m[i] <= options.strained_px * pixel_m) {
       continue;
     }
-    const MapFrame& frame = evidence.frames[i];
     for (const std::size_t cell : quality->grid.CellsInView(frame.map_from_base, evidence.RoiOf(frame))) {
       if (quality->weakness[cell] == Weakness::kNone) {
         quality->weakness[cell] = Weakness::kStrained;

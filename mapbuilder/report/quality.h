@@ -29,7 +29,8 @@ struct QualityOptions {
   std::uint8_t duplicate_below = 26;  ///< keypoints of lower distinctiveness count as duplicates
   double weight_observed_once = 0.5;  ///< of a keypoint that only one frame observed
   double weight_duplicate = 0.2;      ///< of a keypoint with a duplicate
-  double strained_sigma = 4.0;        ///< RMS over a frame's links from which on it counts as strained
+  double strained_sigma = 4.0;        ///< RMS over a frame's links from which on it counts as strained,
+  double strained_px = 1.0;           ///< if it is also off by this, pixels of the rectified image: less harms nobody
   double min_share_in_view = 0.4;     ///< share of the view that must be surveyed for a place to be assessed
   double min_zone_views = 0.2;        ///< area of the smallest reported zone, in views
   double max_hole_views = 25.0;       ///< area in views; larger holes are taken for furniture

@@ -8,6 +8,7 @@
 #include "core/geometry/option_check.h"
 #include "mapbuilder/report/number_text.h"
 #include "mapbuilder/report/odometry_drift.h"
+#include "mapbuilder/report/verdict_reasons.h"
 
 namespace floorloc {
 namespace {
@@ -20,13 +21,6 @@ constexpr double kFolded = 0.25;
 constexpr double kLargelyWeak = 0.25;
 
 double Share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
-
-// Reasons by severity: those that make the map unusable, and those to inspect.
-struct VerdictReasons {
-  std::vector<std::string> severe, mild;
-
-  void Add(bool is_severe, const std::string& sentence) { (is_severe ? severe : mild).push_back(sentence); }
-};
 
 void AssessHeldOut(const HeldOutScore& score, VerdictReasons* reasons) {
   if (score.frames == 0) {
@@ -162,6 +156,13 @@ bool AssessDrift(const MapEvidence& evidence, const VerdictOptions& options, Ver
   return doubtful;
 }
 
+// What to do with a map that is not to be used: for a mask, or for a camera, where that is all that is wrong.
+std::string CureOf(bool mask_alone, bool camera_alone) {
+  return mask_alone     ? "build it again with a mask"
+         : camera_alone ? "build it again with self-calibration"
+                        : "survey again";
+}
+
 std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& quality, bool drift_is_doubtful) {
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   std::vector<std::string> facts;
@@ -239,6 +240,8 @@ void VerdictOptions::Check() const {
                 "max_control_point_m must be at least doubtful_control_point_m");
   RequireOption(max_control_point_sigmas >= 0.0, "max_control_point_sigmas must not be negative");
   RequireOption(max_unmasked_share >= 0.0 && max_unmasked_share <= 1.0, "max_unmasked_share must be 0 to 1");
+  RequireOption(doubtful_camera_m >= 0.0, "doubtful_camera_m must not be negative");
+  RequireOption(max_camera_m >= doubtful_camera_m, "max_camera_m must be at least doubtful_camera_m");
   RequireOption(max_drift_share >= 0.0, "max_drift_share must not be negative");
   RequireOption(max_drift_rad_per_m >= 0.0, "max_drift_rad_per_m must not be negative");
 }
@@ -251,6 +254,8 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   const bool told = AssessMasks(evidence.build, options, &reasons);
   const bool lacks_mask = told || AssessCopies(evidence, &reasons);
   const std::size_t for_masks = reasons.severe.size();
+  const bool bent = AssessCameras(evidence.build, options, &reasons);
+  const std::size_t for_cameras = reasons.severe.size();
   AssessFrames(evidence.build, options, &reasons);
   AssessFloor(quality, &reasons);
   AssessControlPoints(evidence.build, options, &reasons);
@@ -260,9 +265,8 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   verdict.reasons.insert(verdict.reasons.end(), reasons.mild.begin(), reasons.mild.end());
   if (!reasons.severe.empty()) {
     verdict.trust = Trust::kResurvey;
-    verdict.headline = lacks_mask && reasons.severe.size() == for_masks
-                           ? "Do not use this map yet: build it again with a mask"
-                           : "Do not use this map yet: survey again";
+    verdict.headline = "Do not use this map yet: " + CureOf(lacks_mask && reasons.severe.size() == for_masks,
+                                                            bent && reasons.severe.size() == for_cameras);
   } else if (!reasons.mild.empty()) {
     verdict.trust = Trust::kInspect;
     verdict.headline = quality.zones.empty()       ? "You can trust this map, but read the warnings below"

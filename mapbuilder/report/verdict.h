@@ -31,6 +31,12 @@ struct VerdictOptions {
   /// nobody calibrated err by 2 % and less than a degree per metre on UMBmark's 16 m (Borenstein & Feng 1996).
   double max_drift_share = 0.04;
   double max_drift_rad_per_m = 0.0175;
+  /// RMS by which the images would move the poses of a map whose cameras were not calibrated by them; from the first on
+  /// it is to be inspected, from the second on it is not to be used. On 3 x 2 m from 0.4 m, surveyed at two headings or
+  /// at all: 0.16 mm with exact cameras, 0.8 mm with the usual error (0.3 px, 0.1 degrees), 1.8 mm with 0.5 px, 0.2
+  /// degrees and 1 mm of height; calibrated by their images at most 0.15 mm.
+  double doubtful_camera_m = 0.0005;
+  double max_camera_m = 0.001;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

@@ -11,6 +11,7 @@
 #include "mapbuilder/self_calibration/bundle_input.h"
 #include "mapbuilder/self_calibration/calibration_unknowns.h"
 #include "mapbuilder/self_calibration/camera_worth.h"
+#include "mapbuilder/self_calibration/link_sigmas.h"
 
 namespace floorloc {
 namespace {
@@ -282,6 +283,7 @@ void Calibrator::RemeasureLinks() {
     }
   }
   placement_.links = RegisterPairs(frames_, set_.FloorsInBase(), pairs, options_.registration);
+  RescaleSigmas(placement_.map_from_base, options_.link_sigmas, &placement_.links);
   const LinkStatistics statistics = MeasureLinks(placement_.links, placement_.map_from_base);
   placement_.rms_m = statistics.rms_m;
   placement_.rms_sigma = statistics.rms_sigma;

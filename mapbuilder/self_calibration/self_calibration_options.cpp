@@ -40,6 +40,7 @@ void SelfCalibrationOptions::Check() const {
   RequireOption(tilt_rad >= 0.0, "tilt_rad must not be negative");
   RequireOption(tilt_height >= 0.0, "tilt_height must not be negative");
   RequireOption(own_height >= 0.0, "own_height must not be negative");
+  link_sigmas.Check();
   registration.Check();
 }
 

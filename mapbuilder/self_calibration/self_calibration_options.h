@@ -6,6 +6,7 @@
 
 #include "mapbuilder/placement/pair_registration.h"
 #include "mapbuilder/self_calibration/camera_adjustment.h"
+#include "mapbuilder/self_calibration/link_sigmas.h"
 
 namespace floorloc {
 
@@ -35,6 +36,7 @@ struct SelfCalibrationOptions {
   double tilt_height = 5e-4;       ///< and of its height, as a share
   /// The same where each frame has a height of its own: what the links' scale leaves of it.
   double own_height = 5e-3;
+  LinkSigmaOptions link_sigmas;
   PairRegistrationOptions registration;  ///< for the links, which are measured again
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.

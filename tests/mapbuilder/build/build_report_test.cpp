@@ -27,6 +27,7 @@ BuildReport MakeReport() {
   report.unmatched_pairs = 1;
   report.drift_m = 0.125;
   report.extent = {-1.0, 2.0, 0.0, 4.0};
+  report.camera_doubt = {2e-4, 5e-4, 1.5e-3, 3.5};
   report.keypoints = 12345;
   report.held_out = {{"images/7.jpg", Pose2(0.5, 0.25, 3.0), "wrong", "", 0.5, 0.25, 300, 40},
                      {"images/9.jpg", Pose2(), "not_localized", "too_few_inliers", 0.0, 0.0, 20, 3}};
@@ -48,6 +49,8 @@ TEST(BuildReportTest, WhatAMapKeepsOfItIsReadBack) {
   EXPECT_FALSE(read.dropped.at(1).near.has_value());
   EXPECT_EQ(read.held_out.at(0).error_m, 0.5);
   EXPECT_EQ(read.held_out.at(1).reason, "too_few_inliers");
+  EXPECT_EQ(read.camera_doubt.pose_rms_m, 1.5e-3);
+  EXPECT_EQ(read.camera_doubt.camera_px, 3.5);
   EXPECT_EQ(read.markers.at(0).error_m, 0.002);
   EXPECT_EQ(read.masks.at(0).status, CameraMaskStatus::kFound);
   EXPECT_EQ(read.masks.at(0).share, 0.125);

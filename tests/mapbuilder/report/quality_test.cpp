@@ -122,6 +122,15 @@ TEST(QualityTest, LinksThatThePosesContradictMakeAStrainedZone) {
   EXPECT_NEAR(*worst, 0.006, 1e-6);
 }
 
+TEST(QualityTest, LinksThatAreOffByLessThanAPixelStrainNothing) {
+  MapEvidence evidence = MakeMapEvidence();
+  for (MapLink& link : evidence.links) {
+    link.first_from_second = link.first_from_second * Pose2(2e-4, 0.0, 0.0);
+    link.residual_sigma = 6.0;
+  }
+  EXPECT_THAT(Measure(evidence).zones, SizeIs(Measure(MakeMapEvidence()).zones.size()));
+}
+
 TEST(QualityTest, AHeldOutFrameThatWasNotLocalizedMakesAZone) {
   MapEvidence evidence = MakeMapEvidence();
   HeldOutFrame lost{"images/9.jpg", Pose2(2.5, 1.9, 0.3), "not_localized", "too_few_inliers"};

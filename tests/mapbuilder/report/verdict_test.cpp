@@ -126,6 +126,19 @@ TEST(VerdictTest, ManyUnmatchedOverlapsMeanAFoldedMap) {
   EXPECT_EQ(VerdictOf(evidence).trust, Trust::kResurvey);
 }
 
+TEST(VerdictTest, AMapThatItsCamerasBendIsToBeBuiltAgain) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.camera_doubt = {2e-4, 4e-4, 3e-4, 0.4};
+  EXPECT_EQ(VerdictOf(evidence).trust, VerdictOf(MakeMapEvidence()).trust);
+  evidence.build.camera_doubt.pose_rms_m = 8e-4;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
+  EXPECT_THAT(VerdictOf(evidence).reasons, Contains(HasSubstr("contradict the cameras' calibration")));
+  evidence.build.camera_doubt.pose_rms_m = 1.9e-3;
+  EXPECT_EQ(VerdictOf(evidence).headline, "Do not use this map yet: build it again with self-calibration");
+  evidence.build.frames = 2 * evidence.build.frames_used;  // another reason
+  EXPECT_EQ(VerdictOf(evidence).headline, "Do not use this map yet: survey again");
+}
+
 TEST(VerdictTest, LostFramesCount) {
   MapEvidence evidence = MakeMapEvidence();
   const int used = evidence.build.frames_used;

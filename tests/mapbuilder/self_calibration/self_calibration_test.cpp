@@ -6,6 +6,7 @@
 
 #include "core/geometry/mounting.h"
 #include "core/io/input_error.h"
+#include "mapbuilder/self_calibration/camera_doubt.h"
 #include "mapbuilder/simulation/simulated_camera.h"
 #include "tests/mapbuilder/keypoints/floor_points.h"
 
@@ -93,6 +94,17 @@ CameraAdjustment Error(CameraUnknown unknown, double value) {
   CameraAdjustment error = CameraAdjustment::Zero();
   error[static_cast<int>(unknown)] = value;
   return error;
+}
+
+TEST(CameraDoubtTest, SaysHowFarImagesWouldMoveThePoses) {
+  const auto doubt = [](double error) {
+    const Survey20 survey(Error(CameraUnknown::kPitch, error) + Error(CameraUnknown::kRoll, error));
+    return DoubtCameras({{survey.surveys, survey.frames}, survey.placement, {}}, survey.options);
+  };
+  EXPECT_LT(doubt(0.0).pose_rms_m, 5e-4);
+  EXPECT_LT(doubt(0.0).camera_px, 1.0);
+  EXPECT_GT(doubt(0.008).pose_rms_m, 1e-3);
+  EXPECT_GT(doubt(0.008).camera_px, 3.0);
 }
 
 TEST(SelfCalibrationTest, FindsPitchRollAndDistortion) {
