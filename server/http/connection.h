@@ -39,6 +39,9 @@ class Connection {
   /// Replaces the limit by this many further bytes, for the body.
   void AllowBody(std::size_t max_bytes) { budget_ = max_bytes; }
 
+  /// Gives the rest of a long body as much time again.
+  void ProlongRequest() { SetDeadline(); }
+
   /// Bytes read, 0 at the end, -1 on error, timeout or an exhausted budget.
   ssize_t Read(char* data, std::size_t size);
   /// Buffers; -1 on timeout.

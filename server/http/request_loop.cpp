@@ -22,6 +22,7 @@ namespace floorloc {
 namespace {
 
 constexpr std::size_t kBodyOverheadBytes = std::size_t{64} << 10;  // chunk sizes, part headers
+constexpr std::size_t kProlongBytes = std::size_t{1} << 20;        // of a long body, for request_timeout_s each
 
 class ConnectionStream : public httplib::Stream {
  public:
@@ -106,7 +107,7 @@ class RequestLoop : private httplib::Server {
         answer.set_header("Connection", "close");
       }
     });
-    set_payload_max_length(limits_.max_body_bytes);
+    set_payload_max_length(std::numeric_limits<std::size_t>::max());  // ReadBody() has the limits
     set_keep_alive_timeout(static_cast<time_t>(limits_.idle_timeout_s));
     set_keep_alive_max_count(std::numeric_limits<std::int32_t>::max());
   }
@@ -204,20 +205,21 @@ class RequestLoop : private httplib::Server {
     HttpRequest request = ToRequest(raw, content_type_);
     if (const std::optional<HttpResponse> refusal = Admit(request)) {
       Fill(*refusal, answer);
-      if (HasBody()) {
+      if (HasBody() || refusal->status == 411) {
         CloseWithUnreadBody();
       }
       return;
     }
-    const BodyReservation reservation(budget_, BytesToReserve(raw));
     try {
-      ReadBody(answer, reader, reservation.ok(), request);
+      const std::optional<BodyStream> stream = handler_.OpenBody(request);
+      const BodyReservation reservation(budget_, stream ? 0 : BytesToReserve(raw));
+      ReadBody(answer, reader, {stream, reservation.ok()}, request);
+      Fill(handler_.Handle(std::move(request)), answer);
     } catch (const Problem& problem) {
       CloseWithUnreadBody();
+      request.sink.reset();
       Fill(handler_.Refuse(request, problem), answer);
-      return;
     }
-    Fill(handler_.Handle(std::move(request)), answer);
   }
 
   // Without Content-Length, or with compression, the body may grow up to the limit.
@@ -229,27 +231,39 @@ class RequestLoop : private httplib::Server {
     return announced ? std::min<std::size_t>(head_.content_length, limits_.max_body_bytes) : limits_.max_body_bytes;
   }
 
-  void ReadBody(const httplib::Response& answer, const httplib::ContentReader& reader, bool reserved,
+  struct BodyPlace {
+    std::optional<BodyStream> stream;
+    bool reserved = false;
+
+    std::size_t MaxBytes(const HttpLimits& limits) const { return stream ? stream->max_bytes : limits.max_body_bytes; }
+  };
+
+  void ReadBody(const httplib::Response& answer, const httplib::ContentReader& reader, const BodyPlace& place,
                 HttpRequest& request) {
+    if (place.stream) {
+      request.sink = place.stream->sink;
+      connection_.AllowBody(place.stream->max_bytes + place.stream->max_bytes / 16 + kBodyOverheadBytes);
+    }
     if (!HasBody()) {
       return;
     }
-    if (head_.content_length > limits_.max_body_bytes) {
-      throw TooLarge();
+    const std::size_t max_bytes = place.MaxBytes(limits_);
+    if (head_.content_length > max_bytes) {
+      throw TooLarge(max_bytes);
     }
-    if (!reserved) {
+    if (!place.reserved) {
       throw Overload("overloaded", "Too many large requests at once; try again in a moment.");
     }
-    if (head_.framing == BodyFraming::kLength) {
+    if (head_.framing == BodyFraming::kLength && !place.stream) {
       request.body.reserve(head_.content_length);  // growing would need up to three times as much
     }
     if (head_.expects_continue && !connection_.SendContinue()) {
       throw connection_.TimeoutProblem();
     }
     bool exceeded = false;
-    const bool complete = ReadPlain(reader, request, exceeded);
+    const bool complete = place.stream ? ReadStream(reader, *place.stream->sink) : ReadPlain(reader, request, exceeded);
     if (exceeded) {
-      throw TooLarge();
+      throw TooLarge(max_bytes);
     }
     if (!complete && answer.status == 415) {
       throw ProblemOfStatus(415);
@@ -266,8 +280,21 @@ class RequestLoop : private httplib::Server {
     }
   }
 
-  Problem TooLarge() const {
-    return {413, "body_too_large", "The body is larger than " + std::to_string(limits_.max_body_bytes) + " bytes."};
+  static Problem TooLarge(std::size_t max_bytes) {
+    return {413, "body_too_large", "The body is larger than " + std::to_string(max_bytes) + " bytes."};
+  }
+
+  // A client that is slower than kProlongBytes in request_timeout_s is given up.
+  bool ReadStream(const httplib::ContentReader& reader, BodySink& sink) {
+    std::uint64_t bytes = 0;
+    return reader([&](const char* data, std::size_t size) {
+      if (bytes / kProlongBytes != (bytes + size) / kProlongBytes) {
+        connection_.ProlongRequest();
+      }
+      bytes += size;
+      sink.Write({data, size});
+      return true;
+    });
   }
 
   bool ReadPlain(const httplib::ContentReader& reader, HttpRequest& request, bool& exceeded) const {

@@ -33,7 +33,26 @@ std::vector<std::string_view> SplitPath(std::string_view path) {
 
 std::string RouteMethod(const HttpRequest& request) { return request.method == "HEAD" ? "GET" : request.method; }
 
-bool IsChange(RouteAccess access) { return access == RouteAccess::kWrite || access == RouteAccess::kChange; }
+bool IsChange(RouteAccess access) {
+  return access == RouteAccess::kWrite || access == RouteAccess::kChange || access == RouteAccess::kAdmin;
+}
+
+bool IsAudited(RouteAccess access) { return access == RouteAccess::kChange || access == RouteAccess::kAdmin; }
+
+// A page of another site makes browsers send such calls as well, where no token protects them.
+void RefuseForeignPages(const HttpRequest& head) {
+  const std::string origin = head.Header("origin");
+  if (!origin.empty() && origin != "http://" + head.Header("host") && origin != "https://" + head.Header("host")) {
+    throw Problem(403, "foreign_origin", "Pages of other sites may not change what this server serves.");
+  }
+}
+
+// Without a length there is no body (RFC 9112, 6.3): a client that sent one all the same would see it lost.
+void CheckLength(const Route& route, const HttpRequest& head) {
+  if (!route.body_types.empty() && head.Header("content-length").empty() && head.Header("transfer-encoding").empty()) {
+    throw Problem(411, "length_required", "This call takes a body, and needs Content-Length or chunked transfer.");
+  }
+}
 
 void CheckContentType(const Route& route, const HttpRequest& head) {
   const std::string type = head.ContentType();
@@ -135,9 +154,13 @@ void Router::CheckAdmission(const Found& found, const HttpRequest& head) {
     throw found.allow.empty() ? ProblemOfStatus(404)
                               : Problem(405, "method_not_allowed", "This path supports " + found.allow + " only.");
   }
+  if (access == RouteAccess::kAdmin) {
+    RefuseForeignPages(head);
+  }
   if (IsChange(access) || (access == RouteAccess::kRead && options_.protect_reads)) {
     CheckLogin(found, client, head);
   }
+  CheckLength(*found.route, head);
   CheckContentType(*found.route, head);
   if (found.route->admit) {
     HttpRequest request = head;
@@ -165,8 +188,12 @@ void Router::CheckLogin(const Found& found, const std::string& client, const Htt
       throw Problem(429, "too_many_failed_logins",
                     "Too many wrong tokens came from this address; try again in a minute.", Problem::Retry::kSoon);
   }
+  if (found.route->access == RouteAccess::kAdmin && who->role != Role::kAdmin) {
+    throw Problem(403, "forbidden", "This call needs a token with the role admin.");
+  }
   const auto id = found.parameters.find("id");
-  if (IsChange(found.route->access) && !who->MayChangeVehicle(id == found.parameters.end() ? "" : id->second)) {
+  if (found.route->access != RouteAccess::kAdmin && IsChange(found.route->access) &&
+      !who->MayChangeVehicle(id == found.parameters.end() ? "" : id->second)) {
     throw Problem(403, "forbidden", "This token is not for this vehicle.");
   }
 }
@@ -202,6 +229,16 @@ std::optional<HttpResponse> Router::Admit(const HttpRequest& head) {
   }
   Finish(head, 0.0, refusal);
   return refusal;
+}
+
+std::optional<BodyStream> Router::OpenBody(const HttpRequest& head) {
+  const Found found = Find(head);
+  if (found.route == nullptr || !found.route->receive) {
+    return std::nullopt;
+  }
+  HttpRequest request = head;
+  request.path_parameters = found.parameters;
+  return found.route->receive(request);
 }
 
 HttpResponse Router::Handle(HttpRequest request) {
@@ -267,7 +304,7 @@ void Router::Finish(const HttpRequest& request, double seconds, HttpResponse& re
     metrics_.CountRefusal(labels, response.problem);
   }
   const bool is_login_refused = response.status == 401 || response.status == 429;  // as many as somebody likes
-  if (found.route != nullptr && found.route->access == RouteAccess::kChange && !is_login_refused) {
+  if (found.route != nullptr && IsAudited(found.route->access) && !is_login_refused) {
     Audit(request, response.status);
   }
   if (access_log_ && (found.route == nullptr || found.route->access != RouteAccess::kHealth)) {

@@ -24,6 +24,7 @@ enum class RouteAccess {
   kRead,    ///< changes nothing: needs the token only with protect_reads
   kWrite,   ///< messages of a vehicle: needs a token that may change it
   kChange,  ///< the same, and the log says who did it
+  kAdmin,   ///< changes what everybody uses: needs an administrator's token, and the log says who did it
 };
 
 struct Route {
@@ -34,6 +35,8 @@ struct Route {
   std::function<HttpResponse(const HttpRequest&)> handle;
   /// Before the body is read; throws a Problem to refuse the request. Optional.
   std::function<void(const HttpRequest& head)> admit = nullptr;
+  /// For bodies too large for memory: where an admitted one goes. Throws a Problem to refuse it. Optional.
+  std::function<BodyStream(const HttpRequest& head)> receive = nullptr;
 };
 
 struct RouterOptions {
@@ -61,6 +64,7 @@ class Router : public HttpHandler {
 
   std::optional<HttpResponse> Admit(const HttpRequest& head) override;
   bool IsHealthCheck(const HttpRequest& head) const override;
+  std::optional<BodyStream> OpenBody(const HttpRequest& head) override;
   HttpResponse Handle(HttpRequest request) override;
   HttpResponse Refuse(const HttpRequest& request, const Problem& problem) override;
 

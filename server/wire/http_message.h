@@ -3,10 +3,12 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "server/wire/body_sink.h"
 #include "server/wire/request_trace.h"
 
 namespace floorloc {
@@ -26,8 +28,9 @@ struct HttpRequest {
   std::map<std::string, std::string> headers;  ///< names in lower case; of repeated headers the first
   std::map<std::string, std::string> path_parameters;
   std::string remote_address;
-  std::string body;             ///< empty for multipart/form-data
-  std::vector<HttpPart> parts;  ///< of multipart/form-data
+  std::string body;                ///< empty for multipart/form-data
+  std::vector<HttpPart> parts;     ///< of multipart/form-data
+  std::shared_ptr<BodySink> sink;  ///< holds the body instead, of calls that stream it
   RequestTrace trace = {};
 
   /// Value of a header (name in lower case), or "".

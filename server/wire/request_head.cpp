@@ -166,10 +166,6 @@ class HeadParser {
       }
       head_.framing = BodyFraming::kChunked;
     }
-    const bool needs_length = method_ == "POST" || method_ == "PUT" || method_ == "PATCH";
-    if (needs_length && head_.framing == BodyFraming::kNone) {
-      throw Problem(411, "length_required", "This call needs Content-Length, 0 without a body, or chunked transfer.");
-    }
   }
 
   RequestHead head_;

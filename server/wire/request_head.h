@@ -35,7 +35,7 @@ class HeadScanner {
 };
 
 /// Parses a head as strictly as RFC 9112 allows, so that no proxy and no library finds another end of the request in
-/// it. Throws Problem: 400 malformed_request, 411 length_required, 414 uri_too_long, 417 expectation_failed, 431
+/// it. Throws Problem: 400 malformed_request, 414 uri_too_long, 417 expectation_failed, 431
 /// head_too_large, 501 unknown_method or unknown_transfer_coding, 505 unsupported_http_version.
 RequestHead ParseRequestHead(std::string_view head);
 
