@@ -162,23 +162,26 @@ std::vector<TileId> MapDatabase::ListMosaicTiles(int zoom) const {
   return ReadMosaicTileIds(impl_->connection, zoom);
 }
 
-void MapDatabase::VerifyContent() const {
-  const MapInfo info = ReadMap().info;
-  for (int zoom = 0; zoom <= ReadMosaicLayout().max_zoom; ++zoom) {
+FloorMap MapDatabase::ReadVerifiedMap() const {
+  FloorMap map = ReadMap();
+  for (int zoom = 0; zoom <= map.mosaic.max_zoom; ++zoom) {
     for (const TileId& tile : ListMosaicTiles(zoom)) {
       ReadMosaicTile(tile);
     }
   }
   const std::lock_guard lock(impl_->mutex);
-  for (const MapFileLayer& layer : info.layers) {
+  for (const MapFileLayer& layer : map.info.layers) {
     if (layer.known && !layer.content_hash.empty() &&
         ComputeLayerHash(impl_->connection, layer.name) != layer.content_hash) {
       ThrowDamaged(impl_->connection, "its layer '" + layer.name + "' does not have the recorded content");
     }
   }
-  if (ComputeContentVersion(impl_->connection) != info.content_version) {
+  if (ComputeContentVersion(impl_->connection) != map.info.content_version) {
     ThrowDamaged(impl_->connection, "its content does not have the recorded version");
   }
+  return map;
 }
+
+void MapDatabase::VerifyContent() const { ReadVerifiedMap(); }
 
 }  // namespace floorloc

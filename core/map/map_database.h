@@ -27,6 +27,8 @@ class MapDatabase {
   MosaicLayout ReadMosaicLayout() const;
   /// Info, layout and all keypoints, every blob's length and checksum verified. Checks all other tables too.
   FloorMap ReadMap() const;
+  /// The same after what VerifyContent() checks.
+  FloorMap ReadVerifiedMap() const;
   std::vector<MapFrame> ReadFrames() const;
   /// Links index the frames of ReadFrames().
   std::vector<MapLink> ReadLinks() const;
