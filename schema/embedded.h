@@ -6,6 +6,7 @@
 namespace floorloc {
 
 std::string_view MapSql();       ///< schema/map.sql
+std::string_view StateSql();     ///< schema/state.sql
 std::string_view OpenApiYaml();  ///< schema/openapi.yaml
 
 }  // namespace floorloc

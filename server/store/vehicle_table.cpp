@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/vehicle_table.h"
+
+#include <Eigen/Cholesky>
+#include <span>
+
+#include "core/map/map_contract.h"
+
+namespace floorloc {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// Columns 2 to 6. Empty for one that no server wrote: a wrong pose is worse than none.
+std::optional<RememberedPose> ReadPose(const SqliteStatement& row) {
+  const std::vector<double> numbers = UnpackDoubles(row.Bytes(7));
+  if (row.Text(2).empty() || numbers.size() != 9) {
+    return std::nullopt;
+  }
+  RememberedPose pose{row.Text(2), row.Integer(3), Pose2(row.Real(4), row.Real(5), row.Real(6)),
+                      Eigen::Map<const RowMajor>(numbers.data())};
+  const Eigen::Vector3d coordinates(row.Real(4), row.Real(5), row.Real(6));
+  if (!(coordinates.cwiseAbs().maxCoeff() <= kMaxMapCoordinateM) || !pose.covariance.allFinite() ||
+      pose.covariance.llt().info() != Eigen::Success) {
+    return std::nullopt;
+  }
+  return pose;
+}
+
+}  // namespace
+
+std::vector<RememberedVehicle> ReadVehicles(const SqliteConnection& connection) {
+  SqliteStatement row(connection,
+                      "SELECT vehicle.id, registration, map_id, stamp_ns, x, y, yaw, covariance, epoch, last_heard_s, "
+                      "lost_reason FROM vehicle LEFT JOIN pose ON vehicle.id = pose.id ORDER BY vehicle.id");
+  std::vector<RememberedVehicle> vehicles;
+  while (row.Step()) {
+    RememberedVehicle vehicle{row.Text(0), row.Text(1), std::nullopt};
+    if (!row.IsNull(8)) {
+      vehicle.track = {ReadPose(row), static_cast<std::uint64_t>(row.Integer(8)), row.Real(9), row.Text(10)};
+    }
+    vehicles.push_back(std::move(vehicle));
+  }
+  return vehicles;
+}
+
+void WriteRegistration(const SqliteConnection& connection, const std::string& id, const std::string& registration) {
+  SqliteStatement(connection, "INSERT OR REPLACE INTO vehicle VALUES (?,?)").Bind(id).Bind(registration).Run();
+}
+
+void WriteTrack(const SqliteConnection& connection, const std::string& id, const RememberedTrack& track) {
+  const RememberedPose pose = track.pose.value_or(RememberedPose());
+  const RowMajor covariance = pose.covariance;
+  SqliteStatement(connection, "INSERT OR REPLACE INTO pose SELECT id,?,?,?,?,?,?,?,?,? FROM vehicle WHERE id = ?")
+      .Bind(pose.map_id)
+      .Bind(pose.stamp_ns)
+      .Bind(pose.map_from_base.x())
+      .Bind(pose.map_from_base.y())
+      .Bind(pose.map_from_base.yaw())
+      .Bind(PackDoubles(std::span(covariance.data(), 9)))
+      .Bind(static_cast<std::int64_t>(track.epoch))
+      .Bind(track.last_heard_s)
+      .Bind(track.lost_reason)
+      .Bind(id)
+      .Run();
+}
+
+void DeleteVehicle(const SqliteConnection& connection, const std::string& id) {
+  SqliteStatement(connection, "DELETE FROM pose WHERE id = ?").Bind(id).Run();
+  SqliteStatement(connection, "DELETE FROM vehicle WHERE id = ?").Bind(id).Run();
+}
+
+}  // namespace floorloc

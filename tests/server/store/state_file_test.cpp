@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/state_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/io/input_error.h"
+#include "server/store/vehicle_table.h"
+#include "server/store/version_table.h"
+#include "tests/synthetic/temporary_folder.h"
+
+namespace floorloc {
+namespace {
+
+using Mode = StateFile::Mode;
+constexpr auto kProcess = StateFile::Durability::kProcess;
+
+class StateFileTest : public testing::Test {
+ protected:
+  std::string ErrorOfOpening() {
+    try {
+      StateFile state(file_, Mode::kWrite);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "state.sqlite";
+};
+
+TEST_F(StateFileTest, RemembersVersionsAndVehicles) {
+  const MapVersion version{"v1", "id", "2026", "0.1", {"a", "b"}, 3.5, 1000, 12.5, "upload"};
+  RememberedTrack track;
+  track.pose = {"id", 42, Pose2(1.0, 2.0, 0.5), Eigen::Vector3d(1e-6, 2e-6, 3e-6).asDiagonal()};
+  track.epoch = 7;
+  track.last_heard_s = 99.5;
+  {
+    StateFile state(file_, Mode::kWrite);
+    state.Write(kProcess, [&](const SqliteConnection& connection) {
+      WriteVersion(connection, "hall", version);
+      WriteActive(connection, "hall", {"v1", "v0", "1:2:3", "v1", {}});
+      WriteRegistration(connection, "agv", "{}");
+      WriteRegistration(connection, "new", "{}");
+      WriteTrack(connection, "agv", track);
+      WriteTrack(connection, "nobody", track);
+    });
+  }
+  const StateFile state(file_, Mode::kRead);
+  state.Read([&](const SqliteConnection& connection) {
+    const MapVersions hall = ReadVersions(connection).at("hall");
+    EXPECT_EQ(hall.active, "v1");
+    EXPECT_EQ(hall.previous, "v0");
+    ASSERT_NE(hall.Find("v1"), nullptr);
+    EXPECT_EQ(hall.Find("v1")->parents, version.parents);
+    EXPECT_EQ(hall.Find("v1")->bytes, 1000);
+    const std::vector<RememberedVehicle> vehicles = ReadVehicles(connection);
+    ASSERT_EQ(vehicles.size(), 2U);
+    ASSERT_TRUE(vehicles[0].track && vehicles[0].track->pose);
+    EXPECT_EQ(vehicles[0].track->pose->stamp_ns, 42);
+    EXPECT_EQ(vehicles[0].track->pose->map_from_base.y(), 2.0);
+    EXPECT_EQ(vehicles[0].track->pose->covariance, track.pose->covariance);
+    EXPECT_EQ(vehicles[0].track->epoch, 7U);
+    EXPECT_FALSE(vehicles[1].track);
+  });
+}
+
+TEST_F(StateFileTest, APoseThatNoServerWroteIsNone) {
+  StateFile state(file_, Mode::kWrite);
+  for (const char* damage : {"UPDATE pose SET x = 9e999", "UPDATE pose SET covariance = zeroblob(72)",
+                             "UPDATE pose SET covariance = x'00'", "UPDATE pose SET y = 1e9"}) {
+    RememberedTrack track;
+    track.pose = RememberedPose{"id", 1, Pose2(), Eigen::Matrix3d::Identity()};
+    state.Write(kProcess, [&](const SqliteConnection& connection) {
+      WriteRegistration(connection, "agv", "{}");
+      WriteTrack(connection, "agv", track);
+      connection.Execute(damage);
+      EXPECT_FALSE(ReadVehicles(connection)[0].track->pose) << damage;
+    });
+  }
+}
+
+TEST_F(StateFileTest, AChangeThatFailsLeavesNothing) {
+  StateFile state(file_, Mode::kWrite);
+  EXPECT_THROW(state.Write(kProcess,
+                           [](const SqliteConnection& connection) {
+                             WriteRegistration(connection, "agv", "{}");
+                             throw std::runtime_error("no");
+                           }),
+               std::runtime_error);
+  state.Read([](const SqliteConnection& connection) { EXPECT_TRUE(ReadVehicles(connection).empty()); });
+}
+
+TEST_F(StateFileTest, IsWrittenByOneServer) {
+  const StateFile state(file_, Mode::kWrite);
+  EXPECT_THROW(StateFile(file_, Mode::kWrite), StateInUse);
+  EXPECT_NO_THROW(StateFile(file_, Mode::kRead));
+}
+
+TEST_F(StateFileTest, WhatIsNoStateIsRefused) {
+  std::ofstream(file_)
+      << "this is a text, and longer than a header of SQLite would be, which is a hundred bytes, or so";
+  EXPECT_THAT(ErrorOfOpening(), testing::HasSubstr("move it away"));
+  std::filesystem::remove(file_);
+  {
+    StateFile(file_, Mode::kWrite).Write(kProcess, [](const SqliteConnection& c) {
+      c.Execute("PRAGMA user_version = 2");
+    });
+  }
+  EXPECT_THAT(ErrorOfOpening(), testing::HasSubstr("another version"));
+  { SqliteConnection(folder_.path() / "other.sqlite", SqliteConnection::Mode::kCreate).Execute("CREATE TABLE t (a)"); }
+  file_ = folder_.path() / "other.sqlite";
+  EXPECT_THAT(ErrorOfOpening(), testing::HasSubstr("not a state"));
+}
+
+}  // namespace
+}  // namespace floorloc
