@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/api/app.h"
 
+#include <spdlog/spdlog.h>
+
+#include "core/io/input_error.h"
+#include "server/api/restore.h"
 #include "server/api/routes.h"
+#include "server/serving/vehicle_moves.h"
 
 namespace floorloc {
 namespace {
@@ -32,6 +37,36 @@ RouterOptions MakeRouterOptions(const ServerConfig& config) {
   return options;
 }
 
+MapLibraryOptions LibraryOptions(const ServerConfig& config) {
+  MapLibraryOptions options;
+  options.localizer = config.localizer;
+  options.max_versions = static_cast<std::size_t>(config.limits.max_versions);
+  options.max_map_bytes = config.limits.max_map_bytes;
+  return options;
+}
+
+// Null: there is no state. Without one that can be written, the maps are served all the same.
+std::unique_ptr<StateFile> OpenState(const std::filesystem::path& folder, Persistence* persistence) {
+  const std::filesystem::path file = folder / "floorloc-state.sqlite";
+  if (*persistence == Persistence::kKeep) {
+    try {
+      return std::make_unique<StateFile>(file, StateFile::Mode::kWrite);
+    } catch (const StateInUse& error) {
+      spdlog::warn("{}; this server serves the same maps, but takes no uploads and keeps no vehicles", error.what());
+    }
+    *persistence = Persistence::kNone;
+  }
+  if (!std::filesystem::exists(file)) {
+    return nullptr;
+  }
+  try {
+    return std::make_unique<StateFile>(file, StateFile::Mode::kRead);
+  } catch (const InputError& error) {
+    spdlog::warn("{}; the maps folder's own files are served", error.what());
+    return nullptr;
+  }
+}
+
 const ServerConfig& Checked(const ServerConfig& config) {
   config.Check();
   return config;
@@ -39,19 +74,33 @@ const ServerConfig& Checked(const ServerConfig& config) {
 
 }  // namespace
 
-AppState::AppState(const ServerConfig& server_config, const std::filesystem::path& maps_folder)
+AppState::AppState(const ServerConfig& server_config, const std::filesystem::path& maps_folder, Persistence persistence)
     : config(Checked(server_config)),
-      catalog(maps_folder, config.localizer),
+      state_file(OpenState(maps_folder, &persistence)),
+      versions(maps_folder, state_file.get(), persistence == Persistence::kKeep),
+      library(maps_folder, LibraryOptions(config), catalog, versions),
       rectifiers(StoreOptions(config.limits)),
       vehicles({static_cast<std::size_t>(config.limits.max_vehicles), config.limits.vehicle_timeout_s}),
-      event_source(catalog, vehicles, fixes, config.limits.stale_after_s),
+      event_source(catalog, library.changes(), vehicles, fixes, config.limits.stale_after_s),
       events({}, [this] { return event_source.Collect(); }),
-      pool(PoolOptions(config)) {}
+      pool(PoolOptions(config)) {
+  library.LoadAll();
+  if (persistence == Persistence::kKeep) {
+    keeper = std::make_unique<VehicleKeeper>(vehicles, *state_file, VehicleKeeperOptions());
+    RestoreVehicles(*this);
+  }
+  library.SetOnServed([this](const auto& map) { return MoveVehicles(map, vehicles, rectifiers); });
+  watch = std::make_unique<FolderWatch>(maps_folder, FolderWatchOptions(), [this] { library.TakeFolder(); });
+}
 
-App::App(const ServerConfig& config, const std::filesystem::path& maps_folder)
-    : state_(config, maps_folder), router_(MakeRouterOptions(config), state_.metrics) {
+// The watch first: it changes the others.
+AppState::~AppState() { watch.reset(); }
+
+App::App(const ServerConfig& config, const std::filesystem::path& maps_folder, Persistence persistence)
+    : state_(config, maps_folder, persistence), router_(MakeRouterOptions(config), state_.metrics) {
   AddSystemRoutes(state_, router_);
   AddMapRoutes(state_, router_);
+  AddVersionRoutes(state_, router_);
   AddVehicleRoutes(state_, router_);
   AddTrackingRoutes(state_, router_);
   AddEventRoutes(state_, router_);

@@ -11,7 +11,7 @@
 namespace floorloc {
 namespace {
 
-const std::set<std::string> kTypes = {"pose", "fix", "rejection", "status", "odometry", "vehicle"};
+const std::set<std::string> kTypes = {"pose", "fix", "rejection", "status", "odometry", "vehicle", "map"};
 
 EventFilter ParseFilter(const HttpRequest& request) {
   EventFilter filter;
@@ -21,7 +21,7 @@ EventFilter ParseFilter(const HttpRequest& request) {
   for (std::string type; std::getline(types, type, ',');) {
     if (!kTypes.contains(type)) {
       throw Problem(400, "invalid_parameter",
-                    "types is a list of pose, fix, rejection, status, odometry and vehicle, with commas between.");
+                    "types is a list of pose, fix, rejection, status, odometry, vehicle and map, with commas between.");
     }
     filter.types.insert(type);
   }

@@ -28,7 +28,9 @@ std::vector<StreamEvent> EventSource::Collect() {
   if (!begun_) {
     begun_ = true;
     last_fix_ = fixes_.last_sequence();
+    last_change_ = changes_.last_sequence();
   }
+  AddMapChanges(&events);
   std::set<std::string> present;
   for (const VehicleState& vehicle : vehicles_.All()) {
     present.insert(vehicle.vehicle->id);
@@ -48,24 +50,24 @@ std::vector<StreamEvent> EventSource::Collect() {
 void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<StreamEvent>* events) {
   Seen& seen = seen_[vehicle.vehicle->id];
   const std::int64_t last_message = vehicle.session->LastMessageTime();
-  const bool news = seen.session != vehicle.session || seen.last_message != last_message;
+  const bool news = seen.registration != vehicle.vehicle->registration || seen.session != vehicle.session ||
+                    seen.last_message != last_message;
   const bool turns_stale = seen.status != kStaleStatus && vehicle.session->SecondsSinceLastMessage() > stale_after_s_;
   if (!news && !turns_stale) {
     return;
   }
   const VehicleView view = vehicle.session->View();
-  if (seen.session != vehicle.session) {
+  if (seen.registration != vehicle.vehicle->registration) {
     seen = {};
-    seen.session = vehicle.session;
+    seen.registration = vehicle.vehicle->registration;
     seen.rejected = view.counts.rejected;
     events->push_back(MakeEvent("vehicle", *vehicle.vehicle, {{"change", "registered"}}));
   }
+  seen.session = vehicle.session;
   seen.last_message = last_message;
   AddChanges(vehicle, view, &seen, events);
   if (view.fused) {
-    const auto map = maps_.Find(vehicle.vehicle->map);
-    const MapInfo* info = map != nullptr && map->ready() ? &map->info() : nullptr;
-    events->push_back(MakeEvent("pose", *vehicle.vehicle, FormatLivePose(vehicle, view, info, stale_after_s_)));
+    events->push_back(MakeEvent("pose", *vehicle.vehicle, FormatLivePose(vehicle, view, stale_after_s_)));
   }
 }
 
@@ -81,8 +83,11 @@ void EventSource::AddChanges(const VehicleState& vehicle, const VehicleView& vie
   seen->rejected = view.counts.rejected;
   std::string status = StatusOf(view, stale_after_s_);
   if (status != seen->status) {
-    events->push_back(MakeEvent("status", *vehicle.vehicle,
-                                {{"status", status}, {"before", seen->status}, {"silent_s", view.silent_s}}));
+    nlohmann::json data = {{"status", status}, {"before", seen->status}, {"silent_s", view.silent_s}};
+    if (view.lost_reason != LostReason::kNone) {
+      data["lost_reason"] = ToString(view.lost_reason);
+    }
+    events->push_back(MakeEvent("status", *vehicle.vehicle, std::move(data)));
     seen->status = std::move(status);
   }
   const nlohmann::json odometry = FormatOdometryTrust(view);
@@ -92,6 +97,21 @@ void EventSource::AddChanges(const VehicleState& vehicle, const VehicleView& vie
       events->push_back(MakeEvent("odometry", *vehicle.vehicle, odometry));
     }
     seen->odometry = std::move(health);
+  }
+}
+
+void EventSource::AddMapChanges(std::vector<StreamEvent>* events) {
+  for (const MapChange& change : changes_.Since(last_change_)) {
+    nlohmann::json data = {{"map", change.map}, {"change", change.change}};
+    if (!change.version.empty()) {
+      data["version"] = change.version;
+    }
+    if (change.change == "activated") {
+      data["previous"] = change.previous.empty() ? nlohmann::json() : nlohmann::json(change.previous);
+      data["vehicles"] = {{"kept", change.kept}, {"lost", change.lost}};
+    }
+    events->push_back({"map", change.map, "", ToText(data)});
+    last_change_ = change.sequence;
   }
 }
 

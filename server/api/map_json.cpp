@@ -29,6 +29,49 @@ nlohmann::json FormatMosaic(const MosaicLayout& mosaic) {
   return {{"tile_px", mosaic.tile_px}, {"max_zoom", mosaic.max_zoom}, {"resolution", mosaic.resolution_m}};
 }
 
+nlohmann::json FormatOneVersion(const MapVersion& version, const std::string& active) {
+  return {{"version", version.version},
+          {"active", version.version == active},
+          {"id", version.id},
+          {"created", version.created},
+          {"builder_version", version.builder_version},
+          {"parents", version.parents},
+          {"area_m2", version.area_m2},
+          {"bytes", version.bytes},
+          {"added", version.added_s},
+          {"origin", version.origin}};
+}
+
+nlohmann::json OrNull(const std::string& text) { return text.empty() ? nlohmann::json() : nlohmann::json(text); }
+
+// What a server that keeps no versions serves is one too.
+nlohmann::json FormatVersionList(const LoadedMap& map, const MapLibrary& library) {
+  MapVersions versions = library.Versions(map.name).value_or(MapVersions());
+  const std::string active = map.ready() ? map.info().content_version : "";
+  if (map.ready() && versions.Find(active) == nullptr) {
+    MapVersion served = DescribeVersion(map.info());
+    served.bytes = map.opened->bytes();
+    served.added_s = map.opened->modified_s();
+    served.origin = "folder";
+    versions.versions.push_back(std::move(served));
+  }
+  nlohmann::json list = nlohmann::json::array();
+  for (auto version = versions.versions.rbegin(); version != versions.versions.rend(); ++version) {
+    list.push_back(FormatOneVersion(*version, active));
+  }
+  return {{"map", map.name},
+          {"active", OrNull(active)},
+          {"previous", OrNull(versions.previous)},
+          {"versions", std::move(list)}};
+}
+
+// What is wrong with the file in the folder while an older version is served.
+void AddRefused(const MapLibrary& library, const std::string& name, nlohmann::json* json) {
+  if (const auto refused = library.Refused(name)) {
+    (*json)["refused_file"] = {{"code", refused->code}, {"error", refused->error}};
+  }
+}
+
 nlohmann::json FormatSummary(const LoadedMap& map) {
   if (!map.ready()) {
     return {{"name", map.name}, {"status", "error"}, {"code", map.error_code}, {"error", map.error}};
@@ -75,16 +118,34 @@ nlohmann::json FormatScale(const MapInfo& info) {
 
 }  // namespace
 
-std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps) {
+std::string FormatVersions(const LoadedMap& map, const MapLibrary& library) {
+  return ToText(FormatVersionList(map, library));
+}
+
+std::string FormatVersion(const MapVersion& version, const std::string& active) {
+  return ToText(FormatOneVersion(version, active));
+}
+
+std::string FormatActivation(const MapChange& change) {
+  return ToText({{"map", change.map},
+                 {"version", change.version},
+                 {"previous", OrNull(change.previous)},
+                 {"vehicles", {{"kept", change.kept}, {"lost", change.lost}}}});
+}
+
+std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps, const MapLibrary& library) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& map : maps) {
     list.push_back(FormatSummary(*map));
+    AddRefused(library, map->name, &list.back());
   }
   return ToText({{"maps", std::move(list)}});
 }
 
-std::string FormatMap(const LoadedMap& map) {
+std::string FormatMap(const LoadedMap& map, const MapLibrary& library) {
   nlohmann::json json = FormatSummary(map);
+  AddRefused(library, map.name, &json);
+  json["versions"] = FormatVersionList(map, library)["versions"];
   if (map.ready()) {
     const MapInfo& info = map.info();
     if (nlohmann::json scale = FormatScale(info); !scale.is_null()) {

@@ -6,13 +6,19 @@
 #include <vector>
 
 #include "server/serving/map_catalog.h"
+#include "server/serving/map_library.h"
 
 namespace floorloc {
 
 /// {"maps":[...]}
-std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps);
-/// One map with its build parameters.
-std::string FormatMap(const LoadedMap& map);
+std::string FormatMapList(const std::vector<std::shared_ptr<const LoadedMap>>& maps, const MapLibrary& library);
+/// One map with its build parameters and versions.
+std::string FormatMap(const LoadedMap& map, const MapLibrary& library);
+/// {"map","active","previous","versions":[...]}, the newest version first.
+std::string FormatVersions(const LoadedMap& map, const MapLibrary& library);
+/// active: content version that is.
+std::string FormatVersion(const MapVersion& version, const std::string& active);
+std::string FormatActivation(const MapChange& change);
 /// The build report stored in the map; {} when it has none.
 std::string FormatReport(const LoadedMap& map);
 /// Per square metre of floor: keypoints, and how good they are.

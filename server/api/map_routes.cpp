@@ -29,22 +29,28 @@ TileId ParseTileId(const HttpRequest& request, const MosaicLayout& layout) {
   return {*z, *x, *y};
 }
 
-// The content behind a URL with the current version (?v=...) never changes; any other URL must be revalidated.
-std::string CacheControl(const HttpRequest& request, const std::string& version) {
-  return request.QueryValue("v") == version ? "public, max-age=31536000, immutable" : "no-cache";
-}
-
-std::shared_ptr<const LoadedMap> FindMap(const AppState& state, const std::string& name) {
-  auto map = state.catalog.Find(name);
+std::shared_ptr<const LoadedMap> Known(std::shared_ptr<const LoadedMap> map) {
   if (map == nullptr) {
     throw Problem(404, "unknown_map", "There is no map of this name; GET /v1/maps lists them.");
   }
   return map;
 }
 
+std::shared_ptr<const LoadedMap> RequireReady(std::shared_ptr<const LoadedMap> map) {
+  if (!map->ready()) {
+    throw Problem(500, map->error_code, "The map is not served: " + map->error);
+  }
+  return map;
+}
+
+// The content behind a URL with the current version (?v=...) never changes; any other URL must be revalidated.
+std::string CacheControl(const HttpRequest& request, const std::string& version) {
+  return request.QueryValue("v") == version ? "public, max-age=31536000, immutable" : "no-cache";
+}
+
 std::optional<std::vector<std::uint8_t>> ReadTile(const LoadedMap& map, const TileId& id) {
   try {
-    return map.database->ReadMosaicTile(id);
+    return map.ReadTile(id);
   } catch (const MapError& error) {
     throw Problem(500, CodeOf(error), StripFolder(error.what(), map.file));
   }
@@ -71,7 +77,7 @@ HttpResponse HandleTile(const AppState& state, const HttpRequest& request) {
 }
 
 HttpResponse HandleMap(const AppState& state, const HttpRequest& request) {
-  return JsonResponse(200, FormatMap(*FindMap(state, request.path_parameters.at("map"))));
+  return JsonResponse(200, FormatMap(*FindMap(state, request), state.library));
 }
 
 HttpResponse HandleFixes(const AppState& state, const HttpRequest& request) {
@@ -93,21 +99,19 @@ HttpResponse JsonResponse(int status, std::string body) {
   return {status, "application/json", std::move(body), {{"Cache-Control", "no-store"}}};
 }
 
-std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request) {
-  return RequireMap(state, request.path_parameters.at("map"));
+std::shared_ptr<const LoadedMap> FindMap(const AppState& state, const HttpRequest& request) {
+  return Known(state.catalog.Find(request.path_parameters.at("map")));
 }
 
-std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const std::string& name) {
-  auto map = FindMap(state, name);
-  if (!map->ready()) {
-    throw Problem(500, map->error_code, "The map is not served: " + map->error);
-  }
-  return map;
+std::shared_ptr<const LoadedMap> RequireMap(const AppState& state, const HttpRequest& request) {
+  return RequireReady(FindMap(state, request));
 }
+
+std::shared_ptr<const LoadedMap> RequireMap(const Vehicle& vehicle) { return RequireReady(Known(vehicle.served)); }
 
 void AddMapRoutes(AppState& state, Router& router) {
   router.Add({"GET", "/v1/maps", RouteAccess::kRead, {}, [&state](const HttpRequest&) {
-                return JsonResponse(200, FormatMapList(state.catalog.All()));
+                return JsonResponse(200, FormatMapList(state.catalog.All(), state.library));
               }});
   router.Add({"GET", "/v1/maps/{map}", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return HandleMap(state, request);

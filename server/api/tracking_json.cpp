@@ -105,6 +105,9 @@ Eigen::Matrix3d ReadCovariance(JsonObject& object) {
 void AddFused(const VehicleView& view, const MapLabel& map, nlohmann::json& answer) {
   answer["status"] = ToString(view.state());
   answer["epoch"] = view.epoch;
+  if (view.lost_reason != LostReason::kNone) {
+    answer["lost_reason"] = ToString(view.lost_reason);
+  }
   answer["age_s"] = view.silent_s;
   answer["since_fix"] = FormatSinceFix(view);
   answer["odometry"] = FormatOdometryTrust(view);

@@ -74,7 +74,7 @@ FrameSlot AcquireSlot(AppState& state, const VehicleState& vehicle, const FrameR
 HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   const FrameCall call = ParseCall(request);
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
-  const auto map = RequireMap(state, vehicle.vehicle->map);
+  const auto map = RequireMap(*vehicle.vehicle);
   CheckImageHeader(call.image, vehicle.vehicle->camera.camera.camera, state.config.limits.max_image_pixels);
   const std::string client = ClientOf(vehicle.vehicle->id);
   RequireTime(state, MakeLabel(request, client, WorkClass::kTracking));
@@ -105,7 +105,7 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
 HttpResponse HandleOdometry(AppState& state, const HttpRequest& request) {
   const std::vector<OdometryMessage> increments = ParseOdometryJson(request.body);
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
-  const auto map = RequireMap(state, vehicle.vehicle->map);
+  const auto map = RequireMap(*vehicle.vehicle);
   const OdometryReport report = vehicle.session->AddOdometry(increments);
   for (const MessageOutcome message : report.messages) {
     state.metrics.CountMessage({map->name, ToString(message)});
@@ -116,7 +116,7 @@ HttpResponse HandleOdometry(AppState& state, const HttpRequest& request) {
 HttpResponse HandleInitialPose(AppState& state, const HttpRequest& request) {
   const InitialPoseRequest initial = ParseInitialPoseJson(request.body);
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
-  const auto map = RequireMap(state, vehicle.vehicle->map);
+  const auto map = RequireMap(*vehicle.vehicle);
   return JsonResponse(
       200, FormatInitialPoseResponse(vehicle.session->SetPose(initial.pose, initial.stamp_ns), LabelOf(*map)));
 }

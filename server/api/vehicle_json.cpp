@@ -31,9 +31,8 @@ VehicleGate ParseGate(JsonObject object) {
   return gate;
 }
 
-nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, const MapInfo* map,
-                             double stale_after_s) {
-  nlohmann::json json = FormatLivePose(state, view, map, stale_after_s);
+nlohmann::json FormatSummary(const VehicleState& state, const VehicleView& view, double stale_after_s) {
+  nlohmann::json json = FormatLivePose(state, view, stale_after_s);
   json["id"] = state.vehicle->id;
   json["map"] = state.vehicle->map;
   json["odometry"] = FormatOdometryTrust(view);
@@ -129,21 +128,39 @@ std::string StatusOf(const VehicleView& view, double stale_after_s) {
   return stale ? kStaleStatus : ToString(view.state());
 }
 
-nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, const MapInfo* map,
-                              double stale_after_s) {
+const MapInfo* MapInfoOf(const Vehicle& vehicle) {
+  return vehicle.served != nullptr && vehicle.served->ready() ? &vehicle.served->info() : nullptr;
+}
+
+Vehicle MakeVehicle(const std::string& id, VehicleRequest request) {
+  Vehicle vehicle;
+  vehicle.id = id;
+  vehicle.map = std::move(request.map);
+  vehicle.gate = request.gate;
+  vehicle.camera = std::move(request.camera);
+  return vehicle;
+}
+
+nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, double stale_after_s) {
+  const MapInfo* map = MapInfoOf(*state.vehicle);
   const PoseLabel label = {state.vehicle->map, map != nullptr ? map->content_version : "",
                            view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
-  return {
+  nlohmann::json json = {
       {"status", StatusOf(view, stale_after_s)},
       {"pose", view.fused ? FormatPose(label, view.fused->map_from_base, view.fused->covariance) : nlohmann::json()},
       {"silent_s", view.silent_s},
       {"epoch", view.epoch}};
+  if (view.lost_reason != LostReason::kNone) {
+    json["lost_reason"] = ToString(view.lost_reason);
+  }
+  return json;
 }
 
-nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map, double stale_after_s) {
+nlohmann::json FormatVehicle(const VehicleState& state, double stale_after_s) {
   const Vehicle& vehicle = *state.vehicle;
+  const MapInfo* map = MapInfoOf(vehicle);
   const VehicleView view = state.session->View();
-  nlohmann::json json = FormatSummary(state, view, map, stale_after_s);
+  nlohmann::json json = FormatSummary(state, view, stale_after_s);
   json["camera"] = FormatVehicleCamera(vehicle, state.session->Mask());
   json["floor"] = FormatFloor(vehicle.camera.camera.floor);
   json["correct_camera"] = vehicle.camera.correct;
@@ -157,8 +174,8 @@ nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map, doub
   return json;
 }
 
-nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map, double stale_after_s) {
-  return FormatSummary(state, state.session->View(), map, stale_after_s);
+nlohmann::json FormatVehicleSummary(const VehicleState& state, double stale_after_s) {
+  return FormatSummary(state, state.session->View(), stale_after_s);
 }
 
 }  // namespace floorloc

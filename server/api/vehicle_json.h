@@ -19,13 +19,16 @@ struct VehicleRequest {
 /// Unknown keys are errors, except in camera and floor. Throws JsonError that names the field.
 VehicleRequest ParseVehicleRequest(const std::string& text);
 
-/// map: as served now, the vehicle's pose and the correction of its camera refer to it; null when it is not served.
-nlohmann::json FormatVehicle(const VehicleState& state, const MapInfo* map, double stale_after_s);
+Vehicle MakeVehicle(const std::string& id, VehicleRequest request);
+
+/// Of the version that the vehicle is bound to; null when it is not served.
+const MapInfo* MapInfoOf(const Vehicle& vehicle);
+
+nlohmann::json FormatVehicle(const VehicleState& state, double stale_after_s);
 /// FormatVehicle without registration and counts.
-nlohmann::json FormatVehicleSummary(const VehicleState& state, const MapInfo* map, double stale_after_s);
+nlohmann::json FormatVehicleSummary(const VehicleState& state, double stale_after_s);
 /// What changes with every message: status, pose, silence.
-nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, const MapInfo* map,
-                              double stale_after_s);
+nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, double stale_after_s);
 
 /// The status of a vehicle that was silent for longer: its pose is not to be relied on.
 inline constexpr const char* kStaleStatus = "stale";

@@ -6,30 +6,23 @@
 #include "server/api/image_call.h"
 #include "server/api/routes.h"
 #include "server/api/vehicle_json.h"
+#include "server/serving/vehicle_moves.h"
 #include "server/wire/names.h"
 #include "server/wire/strict_json.h"
 
 namespace floorloc {
 namespace {
 
-// Of the served map; null when it is not served, for then no pose refers to it.
-const MapInfo* InfoOf(const std::shared_ptr<const LoadedMap>& map) {
-  return map != nullptr && map->ready() ? &map->info() : nullptr;
-}
-
-nlohmann::json Describe(const AppState& state, const VehicleState& vehicle) {
-  const auto map = state.catalog.Find(vehicle.vehicle->map);
-  return FormatVehicle(vehicle, InfoOf(map), state.config.limits.stale_after_s);
-}
-
-// Prepares the camera for the map; for one that is not served, as it was given.
-void PrepareCamera(const MapInfo* info, RectifierStore& store, Vehicle* vehicle) {
-  store.Check(vehicle->camera.camera);
-  vehicle->in_map = info != nullptr ? CameraInMap(*info, vehicle->camera, store)
-                                    : MapCamera{store.Get(vehicle->camera.camera, vehicle->camera.mask), std::nullopt};
-  vehicle->camera.mask = {vehicle->camera.mask.digest, "", vehicle->in_map.rectifier->raw_mask()};
-  vehicle->map_version = info != nullptr ? info->content_version : "";
-  vehicle->map_resolution_m = (info != nullptr ? info->camera() : vehicle->camera.camera).floor.resolution_m;
+// Bound to the map that is served now: another version may have come while its camera was prepared.
+Registration Register(AppState& state, Vehicle vehicle, const std::string& body) {
+  const std::string map = vehicle.map;
+  Registration registration =
+      state.keeper != nullptr ? state.keeper->Put(std::move(vehicle), body) : state.vehicles.Put(std::move(vehicle));
+  if (const auto served = state.catalog.Find(map); served != nullptr && served != registration.state.vehicle->served) {
+    MoveVehicles(served, state.vehicles, state.rectifiers);
+    registration.state = state.vehicles.Find(registration.state.vehicle->id).value_or(registration.state);
+  }
+  return registration;
 }
 
 HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
@@ -43,16 +36,17 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
     throw Problem(422, "unknown_map", "The vehicle names a map that is not served; GET /v1/maps lists them.");
   }
   CheckMaskHeader(parsed.camera.mask, parsed.camera.camera.camera);
-  Vehicle vehicle{id, parsed.map, parsed.gate, std::move(parsed.camera), {}, ""};
+  Vehicle vehicle = MakeVehicle(id, std::move(parsed));
   const JobLabel label = MakeLabel(request, "address/" + request.remote_address, WorkClass::kSearch);
-  RunInPool(state, label, [&] { PrepareCamera(InfoOf(map), state.rectifiers, &vehicle); });
-  const Registration registration = state.vehicles.Put(std::move(vehicle));
+  RunInPool(state, label, [&] { BindToMap(map, state.rectifiers, &vehicle); });
+  const Registration registration = Register(state, std::move(vehicle), request.body);
   return JsonResponse(registration.created ? 201 : 200,
-                      ToText(FormatVehicle(registration.state, InfoOf(map), state.config.limits.stale_after_s)));
+                      ToText(FormatVehicle(registration.state, state.config.limits.stale_after_s)));
 }
 
 HttpResponse HandleVehicle(const AppState& state, const HttpRequest& request) {
-  return JsonResponse(200, ToText(Describe(state, RequireVehicle(state, request.path_parameters.at("id")))));
+  const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
+  return JsonResponse(200, ToText(FormatVehicle(vehicle, state.config.limits.stale_after_s)));
 }
 
 HttpResponse HandleDiagnosis(const AppState& state, const HttpRequest& request) {
@@ -62,15 +56,14 @@ HttpResponse HandleDiagnosis(const AppState& state, const HttpRequest& request) 
 HttpResponse HandleVehicles(const AppState& state) {
   nlohmann::json vehicles = nlohmann::json::array();
   for (const VehicleState& vehicle : state.vehicles.All()) {
-    const auto map = state.catalog.Find(vehicle.vehicle->map);
-    vehicles.push_back(FormatVehicleSummary(vehicle, InfoOf(map), state.config.limits.stale_after_s));
+    vehicles.push_back(FormatVehicleSummary(vehicle, state.config.limits.stale_after_s));
   }
   return JsonResponse(200, ToText({{"vehicles", std::move(vehicles)}}));
 }
 
 HttpResponse RemoveVehicle(AppState& state, const HttpRequest& request) {
   const std::string& id = request.path_parameters.at("id");
-  if (!state.vehicles.Remove(id)) {
+  if (!(state.keeper != nullptr ? state.keeper->Remove(id) : state.vehicles.Remove(id))) {
     throw UnknownVehicle();
   }
   return {204, "", "", {}};

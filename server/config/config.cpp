@@ -23,6 +23,8 @@ void ServerLimits::Check() const {
   http.Check();
   RequireOption(max_image_pixels >= 1, "limits.max_image_pixels must be at least 1");
   RequireOption(max_rectifier_bytes >= 1, "limits.max_rectifier_bytes must be at least 1");
+  RequireOption(max_versions >= 2, "limits.max_versions must be at least 2: the active one and the one before");
+  RequireOption(max_map_bytes >= 1, "limits.max_map_bytes must be at least 1");
   RequireOption(max_vehicles >= 1, "limits.max_vehicles must be at least 1");
   RequireOption(vehicle_timeout_s >= 0.0, "limits.vehicle_timeout_s must be positive; 0: never");
   RequireOption(stale_after_s > 0.0, "limits.stale_after_s must be positive");

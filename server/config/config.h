@@ -17,10 +17,12 @@ struct ServerLimits {
   std::int64_t max_image_pixels = 25'000'000;              ///< of a camera image and of a rectified image
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras
   int max_vehicles = 2000;
-  double vehicle_timeout_s = 86400.0;  ///< a vehicle without messages for longer expires; 0: never
-  double stale_after_s = 10.0;         ///< a vehicle's pose is stale when it was silent for longer
-  double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
-  int max_failed_logins = 10;          ///< per client address and minute; 0: no limit
+  double vehicle_timeout_s = 86400.0;                    ///< a vehicle without messages for longer expires; 0: never
+  double stale_after_s = 10.0;                           ///< a vehicle's pose is stale when it was silent for longer
+  double max_requests_per_s = 0.0;                       ///< per client address; 0: no limit
+  int max_failed_logins = 10;                            ///< per client address and minute; 0: no limit
+  int max_versions = 16;                                 ///< kept of one map
+  std::uint64_t max_map_bytes = std::uint64_t{8} << 30;  ///< of one map file: 8 GiB are some 10,000 m2
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -40,6 +42,7 @@ struct ServerConfig {
   std::filesystem::path token_file;  ///< empty: no token
   bool open = false;                 ///< listen beyond loopback without a token
   bool protect_reads = false;        ///< reads and localize need the token too
+  bool read_only = false;            ///< nothing is kept: no uploads, and vehicles register again after a restart
   std::string log_level = "info";
   bool json_log = false;    ///< a JSON object per line instead of text
   bool access_log = false;  ///< a line per request

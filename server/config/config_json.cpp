@@ -56,6 +56,8 @@ void ReadLimits(JsonObject object, ServerLimits& limits) {
   ReadWhole(object, "max_connections_per_address", {1, 100'000}, limits.http.max_connections_per_address);
   ReadWhole(object, "reserved_connections", {0, 1000}, limits.http.reserved_connections);
   ReadWhole(object, "max_failed_logins", {0, 1'000'000}, limits.max_failed_logins);
+  ReadWhole(object, "max_versions", {2, 10'000}, limits.max_versions);
+  ReadWhole(object, "max_map_bytes", {1, kMaxBytes}, limits.max_map_bytes);
   ReadWhole(object, "max_vehicles", {1, 1'000'000}, limits.max_vehicles);
   ReadNotNegative(object, "vehicle_timeout_s", limits.vehicle_timeout_s);
   ReadPositive(object, "stale_after_s", limits.stale_after_s);
@@ -110,6 +112,7 @@ ServerConfig ParseServerConfig(const std::string& text) {
   ReadNotNegative(object, "drain_s", config.drain_s);
   ReadBool(object, "open", config.open);
   ReadBool(object, "protect_reads", config.protect_reads);
+  ReadBool(object, "read_only", config.read_only);
   ReadLogLevel(object, config.log_level);
   ReadLogFormat(object, config.json_log);
   ReadBool(object, "access_log", config.access_log);

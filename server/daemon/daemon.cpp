@@ -73,8 +73,9 @@ std::string Address(const ServerConfig& config, int port) {
 
 void WarnWhenOpen(const ServerConfig& config) {
   if (!config.IsLoopback() && config.token_file.empty()) {
-    spdlog::warn("OPEN SERVER: everybody who reaches {} can register and delete vehicles; set a token_file",
-                 config.host);
+    spdlog::warn(
+        "OPEN SERVER: everybody who reaches {} can register vehicles, replace and delete maps; set a token_file",
+        config.host);
   }
 }
 
@@ -122,7 +123,7 @@ int RunDaemon(const DaemonOptions& options) {
   const Signals signals;
   // One thread per request: OpenCV's own threads would compete with the other requests for cores.
   cv::setNumThreads(1);
-  App app(config, options.maps_folder);
+  App app(config, options.maps_folder, config.read_only ? Persistence::kNone : Persistence::kKeep);
   if (config.access_log) {
     app.router().SetAccessLog(MakeAccessLog(format));
   }

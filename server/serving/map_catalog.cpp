@@ -5,27 +5,8 @@
 
 #include <algorithm>
 
-#include "core/io/input_error.h"
-#include "server/wire/names.h"
-
 namespace floorloc {
 namespace {
-
-std::vector<std::filesystem::path> ListMapFiles(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::directory_iterator entries(folder, error);
-  if (error) {
-    throw InputError(folder, "the maps folder cannot be read (" + error.message() + "); check --maps");
-  }
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : entries) {
-    if (entry.path().extension() == ".floormap" && entry.is_regular_file(error)) {
-      files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 void SetError(const std::exception& error, const std::string& code, LoadedMap* map) {
   map->localizer.reset();
@@ -57,15 +38,30 @@ std::string CodeOf(const MapError& error) {
   return "map_unavailable";
 }
 
-std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, const LocalizerOptions& options) {
+std::optional<std::vector<std::uint8_t>> LoadedMap::ReadTile(const TileId& tile) const {
+  auto jpeg = database->ReadMosaicTile(tile);
+  if (!opened->IsUnchanged()) {
+    throw MapError(file.string() +
+                   " was written while it was served; put maps into the folder under another name, "
+                   "and rename them then");
+  }
+  return jpeg;
+}
+
+std::shared_ptr<LoadedMap> LoadMap(const std::string& name, const std::filesystem::path& file,
+                                   const LocalizerOptions& options) {
   auto map = std::make_shared<LoadedMap>();
-  map->name = file.stem().string();
+  map->name = name;
   map->file = file;
   try {
+    map->opened = std::make_unique<const OpenedFile>(file);
     map->database = std::make_unique<const MapDatabase>(file);
+    FloorMap content = map->database->ReadVerifiedMap();
+    if (!map->opened->IsUnchanged() || !map->opened->IsStillAt(file)) {
+      throw MapError(file.string() + " was written while it was read; it is read again when that ends");
+    }
     map->localizer = std::make_unique<const Localizer>(
-        map->database->ReadMap(), options,
-        [&database = *map->database](const TileId& tile) { return database.ReadMosaicTile(tile); });
+        std::move(content), options, [loaded = map.get()](const TileId& tile) { return loaded->ReadTile(tile); });
   } catch (const MapError& error) {
     SetError(error, CodeOf(error), map.get());
   } catch (const std::invalid_argument& error) {  // an extractor that this build lacks
@@ -76,24 +72,14 @@ std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, cons
   return map;
 }
 
-MapCatalog::MapCatalog(const std::filesystem::path& folder, const LocalizerOptions& options) {
-  for (const std::filesystem::path& file : ListMapFiles(folder)) {
-    if (!IsMapName(file.stem().string())) {
-      spdlog::warn("{} is not served: name a map with letters, digits, _ and - (at most 64)", file.string());
-      continue;
-    }
-    auto map = LoadMap(file, options);
-    if (map->ready()) {
-      spdlog::info("map '{}': version {:.12}, {:.1f} m2, {} keypoints", map->name, map->info().content_version,
-                   map->info().area_m2, map->localizer->map().keypoints.size());
-    }
-    Set(std::move(map));
-  }
-}
-
 void MapCatalog::Set(std::shared_ptr<const LoadedMap> map) {
   const std::lock_guard lock(mutex_);
   maps_[map->name] = std::move(map);
+}
+
+void MapCatalog::Remove(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  maps_.erase(name);
 }
 
 std::shared_ptr<const LoadedMap> MapCatalog::Find(const std::string& name) const {

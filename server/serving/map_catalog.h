@@ -10,6 +10,7 @@
 
 #include "core/localization/localizer.h"
 #include "core/map/map_database.h"
+#include "server/store/file_identity.h"
 
 namespace floorloc {
 
@@ -19,11 +20,15 @@ struct LoadedMap {
   std::filesystem::path file;
   std::string error;       ///< why it is not served; empty when it is
   std::string error_code;  ///< map_damaged, map_unsupported (needs another version) or map_unavailable
+  std::unique_ptr<const OpenedFile> opened;
   std::unique_ptr<const MapDatabase> database;
   std::unique_ptr<const Localizer> localizer;
 
   bool ready() const { return localizer != nullptr; }
   const MapInfo& info() const { return localizer->map().info; }
+  /// MapDatabase::ReadMosaicTile. Throws MapError too when somebody has written into the file since it was loaded:
+  /// what it holds now is not of this version.
+  std::optional<std::vector<std::uint8_t>> ReadTile(const TileId& tile) const;
 };
 
 /// Removes the folder from an error about a map's file: clients must not learn the server's paths.
@@ -32,15 +37,16 @@ std::string StripFolder(std::string text, const std::filesystem::path& file);
 /// Error code of the API for an error about a map's file: map_damaged, map_unsupported or map_unavailable.
 std::string CodeOf(const MapError& error);
 
-/// Opens a map file and builds its search structures. Does not throw for a bad file: sets `error` and `error_code`.
-std::shared_ptr<const LoadedMap> LoadMap(const std::filesystem::path& file, const LocalizerOptions& options);
+/// Opens a map file, verifies all of it, and builds its search structures. Does not throw for a bad file: sets `error`
+/// and `error_code`.
+std::shared_ptr<LoadedMap> LoadMap(const std::string& name, const std::filesystem::path& file,
+                                   const LocalizerOptions& options);
 
-/// All maps of a folder, by name. Thread-safe.
+/// The maps as they are served now, by name. Thread-safe.
 class MapCatalog {
  public:
-  /// Loads every NAME.floormap of the folder; warns of and skips invalid names. Throws InputError when the folder
-  /// cannot be read.
-  MapCatalog(const std::filesystem::path& folder, const LocalizerOptions& options);
+  void Set(std::shared_ptr<const LoadedMap> map);
+  void Remove(const std::string& name);
 
   /// Null when there is no such map.
   std::shared_ptr<const LoadedMap> Find(const std::string& name) const;
@@ -48,8 +54,6 @@ class MapCatalog {
   std::size_t CountReady() const;
 
  private:
-  void Set(std::shared_ptr<const LoadedMap> map);
-
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const LoadedMap>> maps_;
 };

@@ -11,13 +11,9 @@ namespace floorloc {
 namespace {
 
 bool IsSame(const Vehicle& a, const Vehicle& b) {
-  return a.map == b.map && a.in_map.rectifier == b.in_map.rectifier && a.map_resolution_m == b.map_resolution_m &&
-         a.gate.max_distance_m == b.gate.max_distance_m && a.gate.max_angle_rad == b.gate.max_angle_rad;
-}
-
-// What was learnt is relative to the camera as its map corrects it.
-bool HasSameCameraInMap(const Vehicle& a, const Vehicle& b) {
-  return CameraKey(a.in_map.rectifier->camera()) == CameraKey(b.in_map.rectifier->camera());
+  return a.map == b.map && a.map_version == b.map_version && a.in_map.rectifier == b.in_map.rectifier &&
+         a.map_resolution_m == b.map_resolution_m && a.gate.max_distance_m == b.gate.max_distance_m &&
+         a.gate.max_angle_rad == b.gate.max_angle_rad;
 }
 
 // What stands still in the images does not depend on the map.
@@ -28,14 +24,11 @@ bool HasSameCamera(const Vehicle& a, const Vehicle& b) {
          CameraKey(first) == CameraKey(second);
 }
 
-std::shared_ptr<VehicleSession> MakeSession(const Vehicle& vehicle, double timeout_s) {
-  TrackerOptions options;
-  options.filter.gates.max_distance_m = vehicle.gate.max_distance_m;
-  options.filter.gates.max_angle_rad = vehicle.gate.max_angle_rad;
-  return std::make_shared<VehicleSession>(options, vehicle.map_resolution_m, timeout_s);
-}
-
 }  // namespace
+
+bool HasSameCameraInMap(const Vehicle& a, const Vehicle& b) {
+  return CameraKey(a.in_map.rectifier->camera()) == CameraKey(b.in_map.rectifier->camera());
+}
 
 void VehicleRegistryOptions::Check() const {
   RequireOption(max_vehicles >= 1, "max_vehicles must be at least 1");
@@ -44,17 +37,32 @@ void VehicleRegistryOptions::Check() const {
 
 VehicleRegistry::VehicleRegistry(const VehicleRegistryOptions& options) : options_(options) { options_.Check(); }
 
+std::shared_ptr<VehicleSession> VehicleRegistry::NewSession(const Vehicle& vehicle) const {
+  TrackerOptions options;
+  options.filter.gates.max_distance_m = vehicle.gate.max_distance_m;
+  options.filter.gates.max_angle_rad = vehicle.gate.max_angle_rad;
+  return std::make_shared<VehicleSession>(options, vehicle.map_resolution_m, options_.timeout_s);
+}
+
 Registration VehicleRegistry::Put(Vehicle vehicle) {
   const std::lock_guard lock(mutex_);
+  vehicle.registration = ++registrations_;
   const auto known = vehicles_.find(vehicle.id);
   if (known != vehicles_.end() && IsSame(*known->second.vehicle, vehicle)) {
+    vehicle.registration = known->second.vehicle->registration;
     known->second.vehicle = std::make_shared<const Vehicle>(std::move(vehicle));
-    return {known->second, false};
+    return {known->second, false, ""};
   }
+  std::string evicted;
   if (known == vehicles_.end() && vehicles_.size() >= options_.max_vehicles) {
-    EvictLocked();
+    evicted = EvictLocked();
   }
-  auto session = MakeSession(vehicle, options_.timeout_s);
+  auto session = NewSession(vehicle);
+  if (known != vehicles_.end()) {
+    SessionStart start;
+    start.epoch = known->second.session->View().epoch + 1;
+    session->Start(start);
+  }
   if (known != vehicles_.end() && HasSameCameraInMap(*known->second.vehicle, vehicle)) {
     session->Resume(known->second.session->Learnt());
   }
@@ -64,10 +72,21 @@ Registration VehicleRegistry::Put(Vehicle vehicle) {
   const std::string id = vehicle.id;
   VehicleState& state = vehicles_[id];
   state = {std::make_shared<const Vehicle>(std::move(vehicle)), std::move(session), std::nullopt};
-  return {state, known == vehicles_.end()};
+  return {state, known == vehicles_.end(), std::move(evicted)};
 }
 
-void VehicleRegistry::EvictLocked() {
+bool VehicleRegistry::Replace(const VehicleState& seen, VehicleState next) {
+  const std::lock_guard lock(mutex_);
+  const auto known = vehicles_.find(seen.vehicle->id);
+  if (known == vehicles_.end() || known->second.vehicle != seen.vehicle) {
+    return false;
+  }
+  next.last_fix = known->second.last_fix;
+  known->second = std::move(next);
+  return true;
+}
+
+std::string VehicleRegistry::EvictLocked() {
   const auto longest = std::max_element(vehicles_.begin(), vehicles_.end(), [](const auto& a, const auto& b) {
     return a.second.session->SecondsSinceLastMessage() < b.second.session->SecondsSinceLastMessage();
   });
@@ -76,7 +95,9 @@ void VehicleRegistry::EvictLocked() {
         409, "too_many_vehicles",
         "The server has " + std::to_string(options_.max_vehicles) + " vehicles, its limit; delete one first.");
   }
+  std::string evicted = longest->first;
   vehicles_.erase(longest);
+  return evicted;
 }
 
 bool VehicleRegistry::Remove(const std::string& id) {

@@ -11,6 +11,7 @@
 
 #include "server/serving/fix_history.h"
 #include "server/serving/map_camera.h"
+#include "server/serving/map_catalog.h"
 #include "server/serving/vehicle_session.h"
 
 namespace floorloc {
@@ -27,9 +28,13 @@ struct Vehicle {
   std::string map;
   VehicleGate gate;
   GivenCamera camera;
+  /// The map as it was served when the vehicle was bound to it: its pose is in this version's frame, and its requests
+  /// are answered from it. Null: there was none of this name.
+  std::shared_ptr<const LoadedMap> served;
   MapCamera in_map;         ///< the camera as map_version wants it; as given when the map is not served
   std::string map_version;  ///< content version; empty: the map was not served at the registration
   double map_resolution_m = 0.0;
+  std::uint64_t registration = 0;  ///< its number, set by the registry; kept when another version is served
 };
 
 /// A vehicle, its pose, and its last fix.
@@ -47,10 +52,14 @@ struct VehicleRegistryOptions {
   void Check() const;
 };
 
+/// What was learnt is relative to the camera as its map corrects it.
+bool HasSameCameraInMap(const Vehicle& a, const Vehicle& b);
+
 /// Result of a registration.
 struct Registration {
   VehicleState state;
   bool created = false;
+  std::string evicted;  ///< id of the expired vehicle that made room; empty: none
 };
 
 /// The registered vehicles, at most max_vehicles. Thread-safe.
@@ -66,6 +75,10 @@ class VehicleRegistry {
   Registration Put(Vehicle vehicle);
   /// False when the vehicle is not registered.
   bool Remove(const std::string& id);
+  /// A session for a vehicle without one.
+  std::shared_ptr<VehicleSession> NewSession(const Vehicle& vehicle) const;
+  /// Puts the next state of a vehicle in the place of this one. False when it is not the present one any more.
+  bool Replace(const VehicleState& seen, VehicleState next);
   std::optional<VehicleState> Find(const std::string& id) const;
   std::vector<VehicleState> All() const;
   std::size_t size() const;
@@ -74,11 +87,12 @@ class VehicleRegistry {
   void SetLastFix(const std::string& id, const FixRecord& fix);
 
  private:
-  void EvictLocked();
+  std::string EvictLocked();
 
   const VehicleRegistryOptions options_;
   mutable std::mutex mutex_;
   std::map<std::string, VehicleState> vehicles_;
+  std::uint64_t registrations_ = 0;
 };
 
 }  // namespace floorloc

@@ -31,6 +31,8 @@ bool IsUsed(MessageOutcome message) {
 
 }  // namespace
 
+const char* ToString(LostReason reason) { return reason == LostReason::kMapChanged ? "map_changed" : ""; }
+
 VehicleSession::VehicleSession(const TrackerOptions& options, double resolution_m, double timeout_s)
     : options_(options),
       timeout_s_(timeout_s),
@@ -45,14 +47,30 @@ double VehicleSession::SecondsSinceLastMessage() const {
   return std::chrono::duration<double>(Clock::now().time_since_epoch() - last_message_time).count();
 }
 
+void VehicleSession::Start(const SessionStart& start) {
+  const std::lock_guard lock(mutex_);
+  counts_ = start.counts;
+  epoch_ = start.epoch - counts_.reanchored;
+  lost_reason_ = start.lost_reason;
+  last_message_time_ -=
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(start.silent_s)).count();
+  if (start.pose) {
+    tracker_.SetPose(*start.pose);
+    pose_set_ns_ = started_ns_ = start.pose->stamp_ns;
+    ++poses_set_;
+  }
+}
+
 void VehicleSession::ClearStampsLocked() {
   stamps_.Clear();
   odometry_stamps_.Clear();
   frames_.Clear();
   last_received_ns_.reset();
   pose_set_ns_.reset();
+  started_ns_.reset();
   unstamped_pose_.reset();
   frames_before_history_ = 0;
+  lost_reason_ = LostReason::kNone;
   ++epoch_;
 }
 
@@ -70,8 +88,10 @@ void VehicleSession::RestartIfExpiredLocked() {
 }
 
 VehicleView VehicleSession::ViewLocked() const {
-  return {tracker_.Estimate(), tracker_.Next(), counts_, SecondsSinceLastMessage(),
-          epoch_ + poses_set_ + counts_.reanchored};
+  VehicleView view{tracker_.Estimate(), tracker_.Next(), counts_, SecondsSinceLastMessage(),
+                   epoch_ + poses_set_ + counts_.reanchored};
+  view.lost_reason = view.fused ? LostReason::kNone : lost_reason_;
+  return view;
 }
 
 VehicleView VehicleSession::View() {
@@ -114,6 +134,10 @@ void VehicleSession::TakeMaskOf(VehicleSession& other) {
 
 // The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.
 void VehicleSession::StampPoseLocked(std::int64_t stamp_ns) {
+  if (started_ns_ && stamp_ns < *started_ns_ - WindowNs(options_)) {
+    RestartLocked();  // its clock was set since the pose, so nothing tells how old that is
+  }
+  started_ns_.reset();
   if (unstamped_pose_) {
     tracker_.Restart();
     unstamped_pose_->stamp_ns = stamp_ns;

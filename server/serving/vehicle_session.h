@@ -44,6 +44,14 @@ struct VehicleCounts {
   EnumCounts<FixRejection> rejected;  ///< none under FixRejection::kNone
 };
 
+/// Why a vehicle that had a pose has none.
+enum class LostReason {
+  kNone,
+  kMapChanged,  ///< another version of its map is served, in another frame
+};
+/// "", "map_changed"
+const char* ToString(LostReason reason);
+
 /// State of a vehicle at the time of its newest message.
 struct VehicleView {
   std::optional<FusedPose> fused;  ///< empty before the first fix
@@ -52,7 +60,18 @@ struct VehicleView {
   double silent_s = 0.0;    ///< since the last message
   std::uint64_t epoch = 0;  ///< grows with each discontinuity of the pose: set by hand, found elsewhere, clock jump
 
+  LostReason lost_reason = LostReason::kNone;
+
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
+};
+
+/// How a session goes on from an earlier one of the vehicle.
+struct SessionStart {
+  std::uint64_t epoch = 0;  ///< of its first view, unless it starts with a pose: one more
+  VehicleCounts counts;
+  LostReason lost_reason = LostReason::kNone;
+  std::optional<PoseFix> pose;  ///< what the vehicle does from then to its first message is unknown
+  double silent_s = 0.0;        ///< since its last message
 };
 
 /// Motion in the base frame (m, rad) since the vehicle's previous message with odometry, or since its previous image
@@ -102,6 +121,9 @@ class VehicleSession {
   /// resolution_m: metres per pixel of the rectified images. timeout_s: after this time without a message the pose is
   /// dropped; 0: never.
   VehicleSession(const TrackerOptions& options, double resolution_m, double timeout_s);
+
+  /// To be called before the first message.
+  void Start(const SessionStart& start);
 
   /// Adds increments in the given order; one outcome each.
   OdometryReport AddOdometry(const std::vector<OdometryMessage>& increments);
@@ -158,10 +180,12 @@ class VehicleSession {
   MessageStamps frames_;           // of those with an image
   std::optional<std::int64_t> last_received_ns_;
   std::optional<std::int64_t> pose_set_ns_;  // stamp of the last SetPose
+  std::optional<std::int64_t> started_ns_;   // stamp of SessionStart::pose, until the first message
   std::optional<PoseFix> unstamped_pose_;    // from SetPose before the first message
   int frames_before_history_ = 0;
   std::uint64_t epoch_ = 0;  // incremented when the history restarts
   std::uint64_t poses_set_ = 0;
+  LostReason lost_reason_ = LostReason::kNone;  // of a vehicle without a pose
   VehicleCounts counts_;
   DriveRecord record_;
   std::optional<OdometryFault> rejected_for_;  // after the last image; empty: the odometry is not rejected

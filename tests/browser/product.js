@@ -75,8 +75,12 @@ export function makeReport() {
 
 /// Resolves with {url, stop} when the server prints its address.
 export function startServer(maps, listen = "127.0.0.1:0") {
-  const server = spawn(join(bin, "floorloc-server"), ["--maps", maps, "--listen", listen], { stdio: "pipe" });
+  const config = join(mkdtempSync(join(tmpdir(), "server-")), "config.json");
+  writeFileSync(config, '{"read_only": true}'); // the next test begins without vehicles
+  const server = spawn(join(bin, "floorloc-server"), ["--maps", maps, "--listen", listen, "--config", config],
+    { stdio: "pipe" });
   const ended = new Promise((resolve) => server.once("exit", resolve));
+  ended.then(() => rmSync(dirname(config), { recursive: true, force: true }));
   const stop = () => {
     server.kill("SIGTERM");
     return ended;

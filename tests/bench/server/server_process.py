@@ -22,6 +22,8 @@ class Server:
     def __init__(self, binary, maps, log):
         self.port = free_port()
         self.log = open(log, "ab")
+        for state in pathlib.Path(maps).glob("floorloc-state.*"):  # vehicles of the run before
+            state.unlink()
         command = [str(binary), "--maps", str(maps), "--listen", f"127.0.0.1:{self.port}"]
         self.process = subprocess.Popen(command, stdout=self.log, stderr=self.log)
 

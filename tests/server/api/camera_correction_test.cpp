@@ -136,7 +136,7 @@ TEST_F(CameraCorrectionTest, ResolutionAndRegionAreTheVehiclesOwn) {
 TEST_F(CameraCorrectionTest, FollowsTheMapInUse) {
   TestServer server({}, folder_.path());
   const FloorCamera given = GivenCameraOfSurvey();
-  const auto load = [&] { return LoadMap(folder_.path() / "hall.floormap", LocalizerOptions()); };
+  const auto load = [&] { return LoadMap("hall", folder_.path() / "hall.floormap", LocalizerOptions()); };
   const auto before = load();
   WriteMapOf(SharedMaps().floor().camera());  // a version whose survey had another camera
   const auto after = load();
@@ -144,7 +144,7 @@ TEST_F(CameraCorrectionTest, FollowsTheMapInUse) {
   AppState& state = server.app().state();
   const MapCamera prepared = CameraInMap(before->info(), {given, {}}, state.rectifiers);
   ASSERT_TRUE(prepared.correction);
-  const Vehicle vehicle{"a", "hall", {}, {given, {}}, prepared, before->info().content_version};
+  const Vehicle vehicle{"a", "hall", {}, {given, {}}, before, prepared, before->info().content_version};
   EXPECT_EQ(VehicleCameraIn(*before, vehicle, state.rectifiers).rectifier, prepared.rectifier);
   const MapCamera now = VehicleCameraIn(*after, vehicle, state.rectifiers);
   EXPECT_FALSE(now.correction);

@@ -225,5 +225,42 @@ TEST(VehicleExpiryTest, ASilentVehicleIsLost) {
   EXPECT_FALSE(VehicleSession({}, 0.001, 0.0).Expired());
 }
 
+SessionStart RememberedAt(double stamp_s) {
+  SessionStart start;
+  start.epoch = 5;
+  start.silent_s = 30.0;
+  start.pose = PoseFix{Ns(stamp_s), Pose2(1.0, 2.0, 0.0), Eigen::Vector3d(1e-6, 1e-6, 1e-6).asDiagonal()};
+  return start;
+}
+
+// What it did in the meantime is unknown.
+TEST_F(VehicleSessionTest, ARememberedPoseIsAsUncertainAsTheTimeSince) {
+  session_.Start(RememberedAt(100.0));
+  EXPECT_EQ(session_.View().epoch, 6U);
+  EXPECT_GE(session_.View().silent_s, 30.0);
+  EXPECT_NEAR(session_.View().fused->map_from_base.x(), 1.0, 1e-9);
+  Odometry(101.0, Pose2(0.1, 0.0, 0.0));
+  Odometry(101.1, Pose2(0.1, 0.0, 0.0));
+  const VehicleView view = session_.View();
+  EXPECT_NEAR(view.fused->map_from_base.x(), 1.1, 0.01);
+  EXPECT_GT(std::sqrt(view.fused->covariance(0, 0)), 0.2);
+}
+
+TEST_F(VehicleSessionTest, ARememberedPoseOfAnotherClockIsForgotten) {
+  session_.Start(RememberedAt(100.0));
+  EXPECT_EQ(Odometry(7.0), MessageOutcome::kUsed);
+  EXPECT_FALSE(session_.View().fused);
+}
+
+TEST_F(VehicleSessionTest, AReasonOfLossLastsUntilTheNextPose) {
+  SessionStart start;
+  start.lost_reason = LostReason::kMapChanged;
+  session_.Start(start);
+  Odometry(1.0);
+  EXPECT_EQ(session_.View().lost_reason, LostReason::kMapChanged);
+  Frame(2.0, Pose2(1.0, 2.0, 0.0));
+  EXPECT_EQ(session_.View().lost_reason, LostReason::kNone);
+}
+
 }  // namespace
 }  // namespace floorloc
