@@ -135,7 +135,7 @@ TEST_F(KillTest, VehiclesTheirPosesAndVersionsAreThereAgain) {
 TEST_F(KillTest, NoInstantOfAnUploadOrActivationLosesAMap) {
   std::set<std::string> served;
   std::string expected;  // whose activation was the last to be answered; empty: a later one may have begun
-  for (int kill_ms = 0; kill_ms < 200; kill_ms += 20) {
+  for (int kill_ms = 0; kill_ms < 200; kill_ms += 30) {
     ServerProcess server(maps_.path());
     const json map = Get(server.port(), "/v1/maps/hall");
     ASSERT_EQ(map["status"], "ready") << map;
