@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
 #include <iterator>
+#include <opencv2/core.hpp>
 #include <random>
 
 #include "server/api/map_json.h"
