@@ -35,6 +35,7 @@ constexpr double kManyRejected = 0.05;
 
 void AddLinks(const Placement& placement, BuildReport* report) {
   report->part_sizes = placement.part_sizes;
+  report->repeats_unaided = placement.repeats_unaided;
   report->links = static_cast<int>(placement.links.size());
   report->rejected_links = placement.rejected_links;
   report->overlapping_pairs = placement.overlapping_pairs;

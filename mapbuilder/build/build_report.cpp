@@ -76,6 +76,11 @@ std::string MaskText(const BuildReport& r) {
   return text;
 }
 
+std::string GapCure(const BuildReport& r) {
+  return std::string("; survey the floor between them") + (r.kept_all ? "" : ", or keep all with --keep-all") +
+         ", or where images do overlap, try --max-keypoints 3000";
+}
+
 }  // namespace
 
 std::vector<std::string> MaskWarnings(const BuildReport& r) {
@@ -101,8 +106,9 @@ std::vector<std::string> AllWarnings(const BuildReport& r) {
     }
     gap +=
         r.kept_all ? " frames); all are kept, but their relative poses are uncertain" : " frames); the largest is kept";
-    warnings.push_back(gap + "; survey the floor between them" + (r.kept_all ? "" : ", or keep all with --keep-all") +
-                       ", or where images do overlap, try --max-keypoints 3000");
+    warnings.push_back(gap + (r.repeats_unaided
+                                  ? "; the floor repeats itself: survey it with odometry.tum, or give --poses"
+                                  : GapCure(r)));
   }
   if (10 * r.unmatched_pairs > r.overlapping_pairs) {
     warnings.push_back(

@@ -56,6 +56,7 @@ struct BuildReport {
   std::vector<MarkerFit> markers;        ///< detected ones
   std::vector<int> part_sizes;           ///< largest first; more than one: the survey has gaps
   bool kept_all = false;                 ///< all parts are in the map, also those without links to the largest
+  bool repeats_unaided = false;          ///< see Placement
   int links = 0;
   int rejected_links = 0;
   int overlapping_pairs = 0;

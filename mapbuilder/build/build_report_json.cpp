@@ -194,6 +194,7 @@ void ReadNumbers(const Json& json, BuildReport* report) {
   report->warnings = json.value("warnings", report->warnings);
   report->part_sizes = json.value("parts", report->part_sizes);
   report->kept_all = json.value("kept_all", report->kept_all);
+  report->repeats_unaided = json.value("repeats_unaided", report->repeats_unaided);
   report->links = json.value("links", report->links);
   report->rejected_links = json.value("rejected_links", report->rejected_links);
   report->overlapping_pairs = json.value("overlapping_pairs", report->overlapping_pairs);
@@ -230,6 +231,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"warnings", report.warnings},
       {"parts", report.part_sizes},
       {"kept_all", report.kept_all},
+      {"repeats_unaided", report.repeats_unaided},
       {"links", report.links},
       {"rejected_links", report.rejected_links},
       {"overlapping_pairs", report.overlapping_pairs},

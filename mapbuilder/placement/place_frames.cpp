@@ -73,6 +73,7 @@ class Placer {
   Placement Finish();
   void CountUnmatchedOverlaps(Placement* placement) const;
 
+  bool ByImagesAlone() const { return graph_.odometry.empty() && graph_.priors.empty(); }
   const Pose2& PoseOf(int frame) const { return graph_.map_from_base[static_cast<std::size_t>(frame)]; }
 
   const std::vector<BuildFrame>& frames_;
@@ -101,12 +102,8 @@ void Placer::MakeOdometryLinks() {
 }
 
 void Placer::AddLinks(const std::vector<FramePair>& pairs) {
-  std::vector<FramePair> fresh;
-  for (const FramePair& pair : pairs) {
-    if (!linked_.contains({pair.first, pair.second})) {
-      fresh.push_back(pair);
-    }
-  }
+  std::vector<FramePair> fresh = pairs;
+  std::erase_if(fresh, [&](const FramePair& pair) { return linked_.contains({pair.first, pair.second}); });
   for (Link& link : RegisterPairs(frames_, floors_, fresh, registration_)) {
     if (link.agreement >= min_agreement_) {
       linked_.emplace(link.first, link.second);
@@ -242,8 +239,7 @@ void Placer::CountUnmatchedOverlaps(Placement* placement) const {
     ++placement->overlapping_pairs;
     placement->unmatched_pairs += linked_.contains({pair.first, pair.second}) ? 0 : 1;
   }
-  if (graph_.odometry.empty() && graph_.priors.empty() &&
-      placement->unmatched_pairs > options_.max_unmatched_share * placement->overlapping_pairs) {
+  if (ByImagesAlone() && placement->unmatched_pairs > options_.max_unmatched_share * placement->overlapping_pairs) {
     throw InputError("the floor is too repetitive to find the frames' order from the images alone (" +
                      std::to_string(placement->unmatched_pairs) + " of " +
                      std::to_string(placement->overlapping_pairs) +
@@ -276,6 +272,7 @@ Placement Placer::Finish() {
   Placement placement = PlaceConnectedParts(frames_, floors_, graph_, options_.keep_all);
   placement.rejected_links = summary.rejected_links;
   placement.control_points = control_points_;
+  placement.repeats_unaided = min_agreement_ > 0.0 && ByImagesAlone() && graph_.control_points.empty();
   CountUnmatchedOverlaps(&placement);
   return placement;
 }

@@ -39,9 +39,12 @@ struct Placement {
   std::vector<int> part_sizes;                      ///< frames per linked part, largest first
   int overlapping_pairs = 0;                        ///< placed frames that share most of their floor
   int unmatched_pairs = 0;  ///< those whose images do not match: many indicate a map folded onto itself
-  double rms_sigma = 0.0;   ///< of the links, in standard deviations
-  double rms_m = 0.0;       ///< keypoint residual of the links
-  double drift_m = 0.0;     ///< largest deviation of odometry from the result; 0 without odometry
+  /// The floor repeats itself, and images alone told the frames' order: which of its equal places they show is a guess
+  /// where few overlap.
+  bool repeats_unaided = false;
+  double rms_sigma = 0.0;  ///< of the links, in standard deviations
+  double rms_m = 0.0;      ///< keypoint residual of the links
+  double drift_m = 0.0;    ///< largest deviation of odometry from the result; 0 without odometry
   double drift_rad = 0.0;
   ControlPointFindings control_points;
 };

@@ -117,6 +117,7 @@ std::optional<Placement> RestorePlacement(const std::string& key, std::size_t fr
     p.links.push_back(ReadLink(&reader));
   }
   reader.Read(&p.part_sizes);
+  reader.Read(&p.repeats_unaided);
   for (int* number : {&p.rejected_links, &p.overlapping_pairs, &p.unmatched_pairs}) {
     reader.Read(number);
   }
@@ -173,7 +174,7 @@ void StorePlacement(const Placement& p, const std::string& key, BuildJournal* jo
   for (const Link& link : p.links) {
     AddLink(link, &writer);
   }
-  writer.Add(p.part_sizes).Add(p.rejected_links).Add(p.overlapping_pairs).Add(p.unmatched_pairs);
+  writer.Add(p.part_sizes).Add(p.repeats_unaided).Add(p.rejected_links).Add(p.overlapping_pairs).Add(p.unmatched_pairs);
   writer.Add(p.rms_sigma).Add(p.rms_m).Add(p.drift_m).Add(p.drift_rad);
   writer.Add(p.control_points.left_out).Add(p.control_points.scale);
   journal->Put(key, writer.Take());

@@ -156,13 +156,6 @@ bool AssessDrift(const MapEvidence& evidence, const VerdictOptions& options, Ver
   return doubtful;
 }
 
-// What to do with a map that is not to be used: for a mask, or for a camera, where that is all that is wrong.
-std::string CureOf(bool mask_alone, bool camera_alone) {
-  return mask_alone     ? "build it again with a mask"
-         : camera_alone ? "build it again with self-calibration"
-                        : "survey again";
-}
-
 std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& quality, bool drift_is_doubtful) {
   const HeldOutScore score = ScoreHeldOut(evidence.build.held_out);
   std::vector<std::string> facts;
@@ -256,6 +249,7 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   const std::size_t for_masks = reasons.severe.size();
   const bool bent = AssessCameras(evidence.build, options, &reasons);
   const std::size_t for_cameras = reasons.severe.size();
+  const bool repeats = AssessRepetition(evidence.build, options, &reasons);
   AssessFrames(evidence.build, options, &reasons);
   AssessFloor(quality, &reasons);
   AssessControlPoints(evidence.build, options, &reasons);
@@ -265,8 +259,13 @@ Verdict AssessMap(const MapEvidence& evidence, const MapQuality& quality, const 
   verdict.reasons.insert(verdict.reasons.end(), reasons.mild.begin(), reasons.mild.end());
   if (!reasons.severe.empty()) {
     verdict.trust = Trust::kResurvey;
-    verdict.headline = "Do not use this map yet: " + CureOf(lacks_mask && reasons.severe.size() == for_masks,
-                                                            bent && reasons.severe.size() == for_cameras);
+    const bool mask_alone = lacks_mask && reasons.severe.size() == for_masks;
+    const bool camera_alone = bent && reasons.severe.size() == for_cameras;
+    verdict.headline =
+        std::string("Do not use this map yet: ") + (mask_alone     ? "build it again with a mask"
+                                                    : camera_alone ? "build it again with self-calibration"
+                                                    : repeats      ? "survey again with odometry"
+                                                                   : "survey again");
   } else if (!reasons.mild.empty()) {
     verdict.trust = Trust::kInspect;
     verdict.headline = quality.zones.empty()       ? "You can trust this map, but read the warnings below"

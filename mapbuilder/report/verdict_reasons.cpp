@@ -19,4 +19,16 @@ bool AssessCameras(const BuildReport& build, const VerdictOptions& options, Verd
   return severe;
 }
 
+bool AssessRepetition(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons) {
+  const int joined = build.part_sizes.empty() ? build.frames_used : build.part_sizes.front();
+  const bool severe = build.repeats_unaided && joined < options.min_frames_used * build.frames;
+  if (severe) {
+    reasons->Add(true, "The floor repeats itself and the survey has no odometry: images alone joined " +
+                           NumberText(joined) + " of " + NumberText(build.frames) +
+                           " frames, and even those may be off by a period of the floor; survey it with odometry.tum, "
+                           "or build with --poses.");
+  }
+  return severe;
+}
+
 }  // namespace floorloc

@@ -19,4 +19,7 @@ struct VerdictReasons {
 /// What the images say of the cameras. True: it alone makes the map unusable.
 bool AssessCameras(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons);
 
+/// Whether images alone told the order of a floor that repeats itself. True: they did not tell that of most frames.
+bool AssessRepetition(const BuildReport& build, const VerdictOptions& options, VerdictReasons* reasons);
+
 }  // namespace floorloc

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/geometry/pose2.h"
@@ -63,8 +62,5 @@ struct MotionAgreement {
 /// Finds the reading of odometry under which its motions are those of the images. Another than what it says is believed
 /// only where it fits much better.
 MotionAgreement CompareMotions(const std::vector<MotionPair>& motions, const OdometryReadingOptions& options = {});
-
-/// What would make odometry fit, as "x and y of its positions are exchanged"; empty: it does as it is.
-std::string FitsWhen(const MotionAgreement& agreement);
 
 }  // namespace floorloc

@@ -22,6 +22,7 @@ BuildReport MakeReport() {
   report.dropped = {{"images/3.jpg", "no texture", Pose2(1.0, 2.0, 0.5)}, {"images/4.jpg", "blurred"}};
   report.warnings = {"camera.yaml has not this survey's camera"};
   report.part_sizes = {28};
+  report.repeats_unaided = true;
   report.links = 77;
   report.overlapping_pairs = 50;
   report.unmatched_pairs = 1;
@@ -49,6 +50,7 @@ TEST(BuildReportTest, WhatAMapKeepsOfItIsReadBack) {
   EXPECT_FALSE(read.dropped.at(1).near.has_value());
   EXPECT_EQ(read.held_out.at(0).error_m, 0.5);
   EXPECT_EQ(read.held_out.at(1).reason, "too_few_inliers");
+  EXPECT_TRUE(read.repeats_unaided);
   EXPECT_EQ(read.camera_doubt.pose_rms_m, 1.5e-3);
   EXPECT_EQ(read.camera_doubt.camera_px, 3.5);
   EXPECT_EQ(read.markers.at(0).error_m, 0.002);

@@ -53,6 +53,7 @@ Placement ThreeFrames() {
   placement.map_from_base = {Pose2(1.0, 2.0, 0.5), std::nullopt, Pose2(3.0, 4.0, 0.0)};
   placement.drop_reason = {"", "blurred", ""};
   placement.links = {{0, 2, Pose2(0.1, 0.2, 0.3)}};
+  placement.repeats_unaided = true;
   placement.control_points = {{{1, 4, 0.3}}, 1.03};
   return placement;
 }
@@ -63,6 +64,7 @@ TEST_F(PlacementJournalTest, APlacementComesBack) {
   EXPECT_EQ(restored->map_from_base[2]->x(), 3.0);
   EXPECT_EQ(restored->drop_reason[1], "blurred");
   EXPECT_EQ(restored->links[0].second, 2);
+  EXPECT_TRUE(restored->repeats_unaided);
   ASSERT_EQ(restored->control_points.left_out.size(), 1U);
   EXPECT_EQ(restored->control_points.left_out[0].point, 4);
   EXPECT_EQ(restored->control_points.scale, 1.03);

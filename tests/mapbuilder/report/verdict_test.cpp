@@ -139,6 +139,19 @@ TEST(VerdictTest, AMapThatItsCamerasBendIsToBeBuiltAgain) {
   EXPECT_EQ(VerdictOf(evidence).headline, "Do not use this map yet: survey again");
 }
 
+TEST(VerdictTest, AFloorThatRepeatsItselfNeedsOdometry) {
+  MapEvidence evidence = MakeMapEvidence();
+  evidence.build.part_sizes = {evidence.build.frames * 7 / 10, evidence.build.frames * 3 / 10};
+  evidence.build.kept_all = true;
+  EXPECT_EQ(VerdictOf(evidence).trust, Trust::kInspect);
+  evidence.build.repeats_unaided = true;
+  EXPECT_EQ(VerdictOf(evidence).headline, "Do not use this map yet: survey again with odometry");
+  EXPECT_THAT(VerdictOf(evidence).reasons.front(), HasSubstr("The floor repeats itself"));
+  EXPECT_THAT(VerdictOf(evidence).reasons, Not(Contains(HasSubstr("survey the floor between them"))));
+  evidence.build.part_sizes = {evidence.build.frames * 9 / 10};
+  EXPECT_EQ(VerdictOf(evidence).trust, VerdictOf(MakeMapEvidence()).trust);
+}
+
 TEST(VerdictTest, LostFramesCount) {
   MapEvidence evidence = MakeMapEvidence();
   const int used = evidence.build.frames_used;

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
+#include "mapbuilder/screening/odometry_reading_text.h"
+
 namespace floorloc {
 namespace {
 
