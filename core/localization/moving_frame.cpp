@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/localization/stopwatch.h"
+
 namespace floorloc {
 namespace {
 
@@ -44,8 +46,11 @@ ObservedFrame SeekBlurred(const Localizer& localizer, FrameObservation frame, co
   if (result.status == LocalizationStatus::kLocalized || !hints.motion.twist) {
     return {std::move(frame), std::move(result)};
   }
+  Stopwatch watch;
   std::optional<FrameObservation> deblurred = localizer.Deblur(frame, *hints.motion.twist, hints.left_out);
   if (!deblurred) {
+    const double in_vain_ms = watch.LapMs();
+    result.timing += {.features_ms = in_vain_ms, .total_ms = in_vain_ms};
     return {std::move(frame), std::move(result)};
   }
   LocalizationResult again = Seek(localizer, *deblurred, hints);
