@@ -5,7 +5,6 @@
 
 #include "core/map/map_error.h"
 #include "mapbuilder/build/build_report.h"
-#include "mapbuilder/build/camera_doubt_json.h"
 #include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {
@@ -31,6 +30,17 @@ DroppedFrame DroppedFrom(const Json& json) {
     frame.near = PoseFrom(json.at("near"));
   }
   return frame;
+}
+
+Json ToJson(const CameraDoubt& doubt) {
+  return {{"bend_rms_m", doubt.bend_rms_m},
+          {"bend_largest_m", doubt.bend_largest_m},
+          {"pose_rms_m", doubt.pose_rms_m},
+          {"camera_px", doubt.camera_px}};
+}
+
+CameraDoubt CameraDoubtFrom(const Json& json) {
+  return {json.at("bend_rms_m"), json.at("bend_largest_m"), json.at("pose_rms_m"), json.at("camera_px")};
 }
 
 Json ToJson(const HeldOutFrame& frame) {
@@ -204,7 +214,9 @@ void ReadNumbers(const Json& json, BuildReport* report) {
   report->drift_m = json.value("drift_m", report->drift_m);
   report->drift_rad = json.value("drift_rad", report->drift_rad);
   report->control_point_scale = json.value("control_point_scale", report->control_point_scale);
-  report->camera_doubt = json.value("camera_doubt", report->camera_doubt);
+  if (json.contains("camera_doubt")) {
+    report->camera_doubt = CameraDoubtFrom(json.at("camera_doubt"));
+  }
   report->area_m2 = json.value("area_m2", report->area_m2);
   report->keypoints = json.value("keypoints", report->keypoints);
   report->mean_observations = json.value("mean_observations", report->mean_observations);
@@ -242,7 +254,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
       {"drift_rad", report.drift_rad},
       {"heights", ToJson(report.heights)},
       {"self_calibration", Json::parse(floorloc::ToJson(report.self_calibration))},
-      {"camera_doubt", report.camera_doubt},
+      {"camera_doubt", ToJson(report.camera_doubt)},
       {"scale", ToJson(report.scale)},
       {"known_distances", ListJson(report.distances)},
       {"area_m2", report.area_m2},
