@@ -49,9 +49,9 @@ std::vector<StreamEvent> EventSource::Collect() {
 
 void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<StreamEvent>* events) {
   Seen& seen = seen_[vehicle.vehicle->id];
-  const std::int64_t last_message = vehicle.session->LastMessageTime();
-  const bool news = seen.registration != vehicle.vehicle->registration || seen.session != vehicle.session ||
-                    seen.last_message != last_message;
+  const std::int64_t changes = vehicle.session->Changes();
+  const bool news =
+      seen.registration != vehicle.vehicle->registration || seen.session != vehicle.session || seen.changes != changes;
   const bool turns_stale = seen.status != kStaleStatus && vehicle.session->SecondsSinceLastMessage() > stale_after_s_;
   if (!news && !turns_stale) {
     return;
@@ -64,7 +64,7 @@ void EventSource::AddVehicle(const VehicleState& vehicle, std::vector<StreamEven
     events->push_back(MakeEvent("vehicle", *vehicle.vehicle, {{"change", "registered"}}));
   }
   seen.session = vehicle.session;
-  seen.last_message = last_message;
+  seen.changes = changes;
   AddChanges(vehicle, view, &seen, events);
   if (view.fused) {
     events->push_back(MakeEvent("pose", *vehicle.vehicle, FormatLivePose(vehicle, view, stale_after_s_)));

@@ -31,7 +31,7 @@ class EventSource {
   struct Seen {
     std::uint64_t registration = 0;
     std::shared_ptr<VehicleSession> session;
-    std::int64_t last_message = 0;
+    std::int64_t changes = 0;
     std::string status;
     std::string odometry;  // health
     EnumCounts<FixRejection> rejected;

@@ -107,9 +107,9 @@ void VehicleKeeper::WriteTracks() {
   std::vector<std::pair<std::string, RememberedTrack>> tracks;
   for (const VehicleState& state : registry_.All()) {
     const std::string& id = state.vehicle->id;
-    const Written now{state.session->LastMessageTime(), state.session.get()};
+    const Written now{state.session->Changes(), state.session.get()};
     const auto before = written_.find(id);
-    if (before == written_.end() || before->second.message != now.message || before->second.session != now.session) {
+    if (before == written_.end() || before->second.changes != now.changes || before->second.session != now.session) {
       tracks.emplace_back(id, TrackOf(state));
     }
     written[id] = now;

@@ -42,7 +42,7 @@ class VehicleKeeper {
 
  private:
   struct Written {
-    std::int64_t message = 0;
+    std::int64_t changes = 0;
     const void* session = nullptr;
   };
 

@@ -85,6 +85,7 @@ void VehicleSession::RestartIfExpiredLocked() {
     record_ = DriveRecord();
   }
   last_message_time_ = Clock::now().time_since_epoch().count();
+  ++changes_;
 }
 
 VehicleView VehicleSession::ViewLocked() const {
@@ -289,6 +290,7 @@ FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& f
   }
   report.odometry_changed = rejected_for_ != rejected_for;
   rejected_for_ = rejected_for;
+  ++changes_;
   return report;
 }
 

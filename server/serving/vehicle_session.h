@@ -151,8 +151,9 @@ class VehicleSession {
   /// Takes over what another session of the same camera learnt of its view.
   void TakeMaskOf(VehicleSession& other);
   double SecondsSinceLastMessage() const;
-  /// Changes with every message.
-  std::int64_t LastMessageTime() const { return last_message_time_.load(); }
+  /// Grows with every message when it is taken in, and with every image once more when it is localized: what is read
+  /// after it is at least as new.
+  std::int64_t Changes() const { return changes_.load(); }
   bool Expired() const { return timeout_s_ > 0.0 && SecondsSinceLastMessage() > timeout_s_; }
 
  private:
@@ -172,6 +173,7 @@ class VehicleSession {
   const TrackerOptions options_;
   const double timeout_s_;
   std::atomic<Clock::rep> last_message_time_;
+  std::atomic<std::int64_t> changes_ = 0;
   std::timed_mutex frame_mutex_;  // held while an image is localized; locked before mutex_
   std::mutex mutex_;              // guards all members below
   VehicleTracker tracker_;

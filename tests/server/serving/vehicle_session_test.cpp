@@ -51,6 +51,16 @@ TEST_F(VehicleSessionTest, TheFirstFixIsThePose) {
   EXPECT_GT(report.view.next.seconds, 0.0);
 }
 
+// Who looks while an image is localized must look again.
+TEST_F(VehicleSessionTest, AnImageIsAChangeWhenItComesAndWhenItIsLocalized) {
+  const std::int64_t before = session_.Changes();
+  const auto slot = session_.BeginFrame({Ns(100.0), Pose2()});
+  const std::int64_t begun = session_.Changes();
+  session_.FinishFrame(*slot, {}, FoundAt(Pose2(1, 2, 3)));
+  EXPECT_GT(begun, before);
+  EXPECT_GT(session_.Changes(), begun);
+}
+
 TEST_F(VehicleSessionTest, IncrementsBeginAtThePreviousMessage) {
   Odometry(100.0, Pose2(5, 5, 1));  // no previous message: ignored
   Frame(100.1, Pose2(1, 0, 0));
