@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "server/http/listener.h"
+#include "core/io/file_descriptor.h"
 
 namespace floorloc {
 

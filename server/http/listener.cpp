@@ -45,23 +45,6 @@ FileDescriptor OpenSocket(const addrinfo& address) {
 
 }  // namespace
 
-FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
-  if (this != &other) {
-    Reset();
-    fd_ = other.Release();
-  }
-  return *this;
-}
-
-int FileDescriptor::Release() { return std::exchange(fd_, -1); }
-
-void FileDescriptor::Reset() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
-  fd_ = -1;
-}
-
 Listener Listen(const std::string& host, int port) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;

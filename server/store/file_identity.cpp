@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace floorloc {
 namespace {
@@ -36,15 +35,9 @@ std::string FileIdentity::ToText() const {
 
 OpenedFile::OpenedFile(const std::filesystem::path& file)
     : descriptor_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)),
-      identity_(descriptor_ >= 0 ? FileIdentity::OfDescriptor(descriptor_) : std::nullopt) {}
+      identity_(descriptor_ ? FileIdentity::OfDescriptor(descriptor_.get()) : std::nullopt) {}
 
-OpenedFile::~OpenedFile() {
-  if (descriptor_ >= 0) {
-    ::close(descriptor_);
-  }
-}
-
-bool OpenedFile::IsUnchanged() const { return identity_ && FileIdentity::OfDescriptor(descriptor_) == identity_; }
+bool OpenedFile::IsUnchanged() const { return identity_ && FileIdentity::OfDescriptor(descriptor_.get()) == identity_; }
 
 bool OpenedFile::IsStillAt(const std::filesystem::path& file) const {
   return identity_ && FileIdentity::Of(file) == identity_;

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "core/io/file_descriptor.h"
+
 namespace floorloc {
 
 /// Tells whether a file was replaced or written since it was last looked at.
@@ -25,9 +27,6 @@ struct FileIdentity {
 class OpenedFile {
  public:
   explicit OpenedFile(const std::filesystem::path& file);
-  ~OpenedFile();
-  OpenedFile(const OpenedFile&) = delete;
-  OpenedFile& operator=(const OpenedFile&) = delete;
 
   /// Nobody wrote into it since it was opened. False when it could not be opened.
   bool IsUnchanged() const;
@@ -37,7 +36,7 @@ class OpenedFile {
   bool IsStillAt(const std::filesystem::path& file) const;
 
  private:
-  int descriptor_;
+  FileDescriptor descriptor_;
   std::optional<FileIdentity> identity_;
 };
 

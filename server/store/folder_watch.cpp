@@ -26,7 +26,7 @@ FolderWatch::FolderWatch(const std::filesystem::path& folder, const FolderWatchO
       changed_(std::move(changed)),
       inotify_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)),
       stop_(::eventfd(0, EFD_CLOEXEC)) {
-  if (inotify_ < 0 || ::inotify_add_watch(inotify_, folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE) < 0) {
+  if (!inotify_ || ::inotify_add_watch(inotify_.get(), folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_DELETE) < 0) {
     spdlog::warn("the maps folder can't be watched ({}): it is looked at every {:.0f} s", std::strerror(errno),
                  options_.interval.count());
   }
@@ -35,20 +35,16 @@ FolderWatch::FolderWatch(const std::filesystem::path& folder, const FolderWatchO
 
 FolderWatch::~FolderWatch() {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = ::write(stop_, &one, sizeof one);
+  [[maybe_unused]] const ssize_t written = ::write(stop_.get(), &one, sizeof one);
   thread_.join();
-  ::close(stop_);
-  if (inotify_ >= 0) {
-    ::close(inotify_);
-  }
 }
 
 bool FolderWatch::Wait(std::chrono::duration<double> timeout, bool* changed) const {
-  std::array<pollfd, 2> waiting{pollfd{stop_, POLLIN, 0}, pollfd{inotify_, POLLIN, 0}};
+  std::array<pollfd, 2> waiting{pollfd{stop_.get(), POLLIN, 0}, pollfd{inotify_.get(), POLLIN, 0}};
   ::poll(waiting.data(), waiting.size(), static_cast<int>(1e3 * timeout.count()));
   *changed = waiting[1].revents != 0;
   std::array<char, 4096> events{};
-  while (*changed && ::read(inotify_, events.data(), events.size()) > 0) {
+  while (*changed && ::read(inotify_.get(), events.data(), events.size()) > 0) {
   }
   return waiting[0].revents == 0;
 }

@@ -6,6 +6,8 @@
 #include <functional>
 #include <thread>
 
+#include "core/io/file_descriptor.h"
+
 namespace floorloc {
 
 struct FolderWatchOptions {
@@ -33,8 +35,8 @@ class FolderWatch {
 
   const FolderWatchOptions options_;
   const std::function<void()> changed_;
-  int inotify_;
-  int stop_;
+  const FileDescriptor inotify_;
+  const FileDescriptor stop_;
   std::thread thread_;
 };
 

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 #include <sys/file.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -54,24 +53,19 @@ StateFile::StateFile(const std::filesystem::path& file, Mode mode) {
     }
     Open(file, mode);
   } catch (const MapError& error) {
-    connection_.reset();
-    ::close(lock_);
     throw InputError(file, std::string("it can't be opened, or is damaged: restore it from a copy or move it away (") +
                                error.what() + ")");
-  } catch (...) {
-    ::close(lock_);
-    throw;
   }
 }
 
 // SQLite's own locks are per statement.
 void StateFile::Lock(const std::filesystem::path& file) {
   const std::string name = file.string() + ".lock";
-  lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (lock_ < 0) {
+  lock_ = FileDescriptor(::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock_) {
     throw StateInUse(name + " can't be made (" + std::strerror(errno) + ")");
   }
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+  if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
     throw StateInUse("another floorloc-server uses " + file.string());
   }
 }
@@ -89,13 +83,6 @@ void StateFile::Open(const std::filesystem::path& file, Mode mode) {
     }
   }
   CheckFormat(*connection_);
-}
-
-StateFile::~StateFile() {
-  connection_.reset();
-  if (lock_ >= 0) {
-    ::close(lock_);
-  }
 }
 
 void StateFile::Write(Durability durability, const std::function<void(const SqliteConnection&)>& change) {

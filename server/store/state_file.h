@@ -7,6 +7,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "core/io/file_descriptor.h"
 #include "core/map/sqlite.h"
 
 namespace floorloc {
@@ -26,9 +27,6 @@ class StateFile {
   /// kWrite: makes it when it is missing. Throws StateInUse when another server writes it or the folder can't be
   /// written, InputError that says what to do when it is damaged or of another version of this program.
   StateFile(const std::filesystem::path& file, Mode mode);
-  ~StateFile();
-  StateFile(const StateFile&) = delete;
-  StateFile& operator=(const StateFile&) = delete;
 
   /// Commits what the function writes, or nothing when it throws. Throws Problem 500 state_unavailable when the file
   /// can't be written.
@@ -44,7 +42,7 @@ class StateFile {
   void Lock(const std::filesystem::path& file);
   void Open(const std::filesystem::path& file, Mode mode);
 
-  int lock_ = -1;  // descriptor
+  FileDescriptor lock_;  // closed after connection_
   mutable std::mutex mutex_;
   std::unique_ptr<SqliteConnection> connection_;  // guarded by mutex_
 };

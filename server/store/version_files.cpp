@@ -33,14 +33,9 @@ constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
 }
 
 void SyncFolder(const std::filesystem::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-  const int error = errno;
-  if (descriptor >= 0) {
-    ::close(descriptor);
-  }
-  if (!synced) {
-    FailOn(folder, error);
+  const FileDescriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!descriptor || ::fsync(descriptor.get()) != 0) {
+    FailOn(folder, errno);
   }
 }
 
@@ -64,15 +59,14 @@ IncomingFile::IncomingFile(const std::filesystem::path& folder, std::uint64_t ma
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   std::string name = (folder / kIncoming).string() + "XXXXXX";
-  descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor_ < 0) {
+  descriptor_ = FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
+  if (!descriptor_) {
     FailOn(folder, errno);
   }
   path_ = name;
 }
 
 IncomingFile::~IncomingFile() {
-  ::close(descriptor_);
   if (!kept_) {
     ::unlink(path_.c_str());
   }
@@ -86,7 +80,7 @@ void IncomingFile::Write(std::string_view bytes) {
     throw MapTooLarge(max_bytes_);
   }
   while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    const ssize_t written = ::write(descriptor_.get(), bytes.data(), bytes.size());
     if (written < 0 && errno != EINTR) {
       Fail(errno);
     }
@@ -95,20 +89,19 @@ void IncomingFile::Write(std::string_view bytes) {
 }
 
 void IncomingFile::CopyFrom(const std::filesystem::path& file) {
-  const int source = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (source < 0) {
+  const FileDescriptor source(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!source) {
     FailOn(file, errno);
   }
-  const std::unique_ptr<const int, void (*)(const int*)> closer(&source, [](const int* open) { ::close(*open); });
   struct stat status {};
-  if (::ioctl(descriptor_, FICLONE, source) == 0 && ::fstat(descriptor_, &status) == 0) {
+  if (::ioctl(descriptor_.get(), FICLONE, source.get()) == 0 && ::fstat(descriptor_.get(), &status) == 0) {
     bytes_ = static_cast<std::uint64_t>(status.st_size);
     Write({});  // too large?
     return;
   }
   const std::unique_ptr<char[]> buffer(new char[kCopyBytes]);
   for (;;) {
-    const ssize_t count = ::read(source, buffer.get(), kCopyBytes);
+    const ssize_t count = ::read(source.get(), buffer.get(), kCopyBytes);
     if (count < 0 && errno != EINTR) {
       FailOn(file, errno);
     }
@@ -120,7 +113,7 @@ void IncomingFile::CopyFrom(const std::filesystem::path& file) {
 }
 
 void IncomingFile::MoveTo(const std::filesystem::path& file) {
-  if (::fchmod(descriptor_, S_IRUSR | S_IRGRP | S_IROTH) != 0 || ::fsync(descriptor_) != 0 ||
+  if (::fchmod(descriptor_.get(), S_IRUSR | S_IRGRP | S_IROTH) != 0 || ::fsync(descriptor_.get()) != 0 ||
       std::rename(path_.c_str(), file.c_str()) != 0) {
     Fail(errno);
   }

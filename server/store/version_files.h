@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/file_descriptor.h"
 #include "server/wire/body_sink.h"
 #include "server/wire/problem.h"
 
@@ -37,7 +38,7 @@ class IncomingFile : public BodySink {
   std::filesystem::path path_;
   const std::uint64_t max_bytes_;
   std::uint64_t bytes_ = 0;
-  int descriptor_ = -1;
+  FileDescriptor descriptor_;
   bool kept_ = false;
 };
 
