@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/api/image_call.h"
 
-#include <chrono>
-
 namespace floorloc {
 namespace {
 
@@ -24,10 +22,6 @@ LocalizationFigures FiguresOf(const LoadedMap& map, WorkClass work, const Locali
 }
 
 }  // namespace
-
-double UnixTimeNow() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 const HttpPart* FindPart(const HttpRequest& request, const std::string& name) {
   const HttpPart* found = nullptr;

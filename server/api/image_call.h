@@ -19,8 +19,6 @@ struct FrameLabel {
   WorkClass work = WorkClass::kSearch;  ///< class of the queue that it waited in
 };
 
-double UnixTimeNow();
-
 /// A part of multipart/form-data; null when it is not there. Throws Problem 400 invalid_parts when it is there twice.
 const HttpPart* FindPart(const HttpRequest& request, const std::string& name);
 /// The same for one that must be there. Throws Problem 400 invalid_parts.

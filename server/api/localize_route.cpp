@@ -6,6 +6,7 @@
 #include "server/api/localize_json.h"
 #include "server/api/routes.h"
 #include "server/serving/localize_service.h"
+#include "server/wire/unix_time.h"
 
 namespace floorloc {
 namespace {

@@ -9,6 +9,7 @@
 #include "server/api/routes.h"
 #include "server/api/tracking_json.h"
 #include "server/serving/localize_service.h"
+#include "server/wire/unix_time.h"
 
 namespace floorloc {
 namespace {

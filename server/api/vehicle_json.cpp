@@ -12,6 +12,7 @@
 #include "server/api/tracking_json.h"
 #include "server/serving/localize_service.h"
 #include "server/wire/strict_json.h"
+#include "server/wire/unix_time.h"
 
 namespace floorloc {
 namespace {
@@ -128,10 +129,6 @@ std::string StatusOf(const VehicleView& view, double stale_after_s) {
   return stale ? kStaleStatus : ToString(view.state());
 }
 
-const MapInfo* MapInfoOf(const Vehicle& vehicle) {
-  return vehicle.served != nullptr && vehicle.served->ready() ? &vehicle.served->info() : nullptr;
-}
-
 Vehicle MakeVehicle(const std::string& id, VehicleRequest request) {
   Vehicle vehicle;
   vehicle.id = id;
@@ -142,7 +139,7 @@ Vehicle MakeVehicle(const std::string& id, VehicleRequest request) {
 }
 
 nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view, double stale_after_s) {
-  const MapInfo* map = MapInfoOf(*state.vehicle);
+  const MapInfo* map = InfoOf(state.vehicle->served);
   const PoseLabel label = {state.vehicle->map, map != nullptr ? map->content_version : "",
                            view.fused ? ToSeconds(view.fused->stamp_ns) : 0.0};
   nlohmann::json json = {
@@ -158,7 +155,7 @@ nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view
 
 nlohmann::json FormatVehicle(const VehicleState& state, double stale_after_s) {
   const Vehicle& vehicle = *state.vehicle;
-  const MapInfo* map = MapInfoOf(vehicle);
+  const MapInfo* map = InfoOf(vehicle.served);
   const VehicleView view = state.session->View();
   nlohmann::json json = FormatSummary(state, view, stale_after_s);
   json["camera"] = FormatVehicleCamera(vehicle, state.session->Mask());

@@ -38,6 +38,10 @@ std::string CodeOf(const MapError& error) {
   return "map_unavailable";
 }
 
+const MapInfo* InfoOf(const std::shared_ptr<const LoadedMap>& map) {
+  return map != nullptr && map->ready() ? &map->info() : nullptr;
+}
+
 std::optional<std::vector<std::uint8_t>> LoadedMap::ReadTile(const TileId& tile) const {
   auto jpeg = database->ReadMosaicTile(tile);
   if (!opened->IsUnchanged()) {

@@ -31,6 +31,9 @@ struct LoadedMap {
   std::optional<std::vector<std::uint8_t>> ReadTile(const TileId& tile) const;
 };
 
+/// Of a map that is served; null when it is not, or there is none: no pose refers to it then.
+const MapInfo* InfoOf(const std::shared_ptr<const LoadedMap>& map);
+
 /// Removes the folder from an error about a map's file: clients must not learn the server's paths.
 std::string StripFolder(std::string text, const std::filesystem::path& file);
 

@@ -6,17 +6,10 @@
 
 #include "core/geometry/option_check.h"
 #include "server/wire/problem.h"
+#include "server/wire/unix_time.h"
 
 namespace floorloc {
-namespace {
-
-double UnixTime() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
-
-const MapInfo* InfoOf(const Vehicle& vehicle) {
-  return vehicle.served != nullptr && vehicle.served->ready() ? &vehicle.served->info() : nullptr;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void VehicleKeeperOptions::Check() const { RequireOption(interval.count() > 0.0, "interval must be positive"); }
 
@@ -24,9 +17,9 @@ RememberedTrack TrackOf(const VehicleState& state) {
   const VehicleView view = state.session->View();
   RememberedTrack track;
   track.epoch = view.epoch;
-  track.last_heard_s = UnixTime() - view.silent_s;
+  track.last_heard_s = UnixTimeNow() - view.silent_s;
   track.lost_reason = ToString(view.lost_reason);
-  if (const MapInfo* info = InfoOf(*state.vehicle); view.fused && info != nullptr) {
+  if (const MapInfo* info = InfoOf(state.vehicle->served); view.fused && info != nullptr) {
     track.pose = {info->id, view.fused->stamp_ns, view.fused->map_from_base, view.fused->covariance};
   }
   return track;
@@ -35,14 +28,12 @@ RememberedTrack TrackOf(const VehicleState& state) {
 SessionStart StartFrom(const RememberedTrack& track, const Vehicle& vehicle) {
   SessionStart start;
   start.epoch = track.epoch;
-  start.silent_s = std::max(0.0, UnixTime() - track.last_heard_s);
+  start.silent_s = std::max(0.0, UnixTimeNow() - track.last_heard_s);
   start.lost_reason = track.lost_reason.empty() ? LostReason::kNone : LostReason::kMapChanged;
-  const MapInfo* info = InfoOf(vehicle);
-  if (track.pose && info != nullptr && info->id == track.pose->map_id) {
-    start.pose = PoseFix{track.pose->stamp_ns, track.pose->map_from_base, track.pose->covariance};
-  } else if (track.pose) {
-    ++start.epoch;
-    start.lost_reason = LostReason::kMapChanged;
+  if (const auto& pose = track.pose) {
+    const MapInfo* info = InfoOf(vehicle.served);
+    start.GoOnFrom({pose->stamp_ns, pose->map_from_base, pose->covariance},
+                   info != nullptr && info->id == pose->map_id);
   }
   return start;
 }

@@ -8,10 +8,8 @@
 namespace floorloc {
 namespace {
 
-bool IsReady(const std::shared_ptr<const LoadedMap>& map) { return map != nullptr && map->ready(); }
-
-bool HaveOneFrame(const std::shared_ptr<const LoadedMap>& before, const std::shared_ptr<const LoadedMap>& after) {
-  return IsReady(before) && IsReady(after) && before->info().id == after->info().id;
+bool HaveOneFrame(const MapInfo* before, const MapInfo* after) {
+  return before != nullptr && after != nullptr && before->id == after->id;
 }
 
 // A camera that fits no more is refused when it sends an image; its vehicle is bound all the same.
@@ -33,11 +31,8 @@ SessionStart StartAfter(const VehicleView& view, bool keeps_pose) {
   start.silent_s = view.silent_s;
   start.epoch = view.epoch;
   start.lost_reason = view.lost_reason;
-  if (view.fused && keeps_pose) {
-    start.pose = PoseFix{view.fused->stamp_ns, view.fused->map_from_base, view.fused->covariance};
-  } else if (view.fused) {
-    ++start.epoch;
-    start.lost_reason = LostReason::kMapChanged;
+  if (const auto& pose = view.fused) {
+    start.GoOnFrom({pose->stamp_ns, pose->map_from_base, pose->covariance}, keeps_pose);
   }
   return start;
 }
@@ -50,7 +45,7 @@ Move MoveVehicle(const VehicleState& state, const std::shared_ptr<const LoadedMa
   const Vehicle& before = *state.vehicle;
   const Vehicle after = Bound(before, map, store);
   const VehicleView view = state.session->View();
-  const bool keeps_pose = HaveOneFrame(before.served, map);
+  const bool keeps_pose = HaveOneFrame(InfoOf(before.served), InfoOf(map));
   std::shared_ptr<VehicleSession> session = state.session;
   const bool same_camera = HasSameCameraInMap(before, after);
   if (!keeps_pose || !same_camera || before.in_map.rectifier != after.in_map.rectifier ||
@@ -73,7 +68,7 @@ Move MoveVehicle(const VehicleState& state, const std::shared_ptr<const LoadedMa
 void BindToMap(const std::shared_ptr<const LoadedMap>& map, RectifierStore& store, Vehicle* vehicle) {
   store.Check(vehicle->camera.camera);
   vehicle->served = map;
-  const MapInfo* info = IsReady(map) ? &map->info() : nullptr;
+  const MapInfo* info = InfoOf(map);
   vehicle->in_map = info != nullptr ? CameraInMap(*info, vehicle->camera, store)
                                     : MapCamera{store.Get(vehicle->camera.camera, vehicle->camera.mask), std::nullopt};
   if (!vehicle->camera.mask.empty()) {

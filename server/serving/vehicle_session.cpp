@@ -47,6 +47,15 @@ double VehicleSession::SecondsSinceLastMessage() const {
   return std::chrono::duration<double>(Clock::now().time_since_epoch() - last_message_time).count();
 }
 
+void SessionStart::GoOnFrom(const PoseFix& last_pose, bool same_frame) {
+  if (same_frame) {
+    pose = last_pose;
+  } else {
+    ++epoch;
+    lost_reason = LostReason::kMapChanged;
+  }
+}
+
 void VehicleSession::Start(const SessionStart& start) {
   const std::lock_guard lock(mutex_);
   counts_ = start.counts;

@@ -72,6 +72,9 @@ struct SessionStart {
   LostReason lost_reason = LostReason::kNone;
   std::optional<PoseFix> pose;  ///< what the vehicle does from then to its first message is unknown
   double silent_s = 0.0;        ///< since its last message
+
+  /// The vehicle had this pose: it goes on from there, or is lost when the map has another frame now.
+  void GoOnFrom(const PoseFix& last_pose, bool same_frame);
 };
 
 /// Motion in the base frame (m, rad) since the vehicle's previous message with odometry, or since its previous image

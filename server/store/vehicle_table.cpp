@@ -11,15 +11,15 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-// Columns 2 to 6. Empty for one that no server wrote: a wrong pose is worse than none.
+// Columns 2 to 7. Empty for one that no server wrote: a wrong pose is worse than none.
 std::optional<RememberedPose> ReadPose(const SqliteStatement& row) {
   const std::vector<double> numbers = UnpackDoubles(row.Bytes(7));
   if (row.Text(2).empty() || numbers.size() != 9) {
     return std::nullopt;
   }
-  RememberedPose pose{row.Text(2), row.Integer(3), Pose2(row.Real(4), row.Real(5), row.Real(6)),
-                      Eigen::Map<const RowMajor>(numbers.data())};
   const Eigen::Vector3d coordinates(row.Real(4), row.Real(5), row.Real(6));
+  RememberedPose pose{row.Text(2), row.Integer(3), Pose2(coordinates.x(), coordinates.y(), coordinates.z()),
+                      Eigen::Map<const RowMajor>(numbers.data())};
   if (!(coordinates.cwiseAbs().maxCoeff() <= kMaxMapCoordinateM) || !pose.covariance.allFinite() ||
       pose.covariance.llt().info() != Eigen::Success) {
     return std::nullopt;

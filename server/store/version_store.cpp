@@ -4,19 +4,17 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <set>
 #include <utility>
 
 #include "core/map/map_contract.h"
 #include "core/map/map_database.h"
+#include "server/wire/unix_time.h"
 
 namespace floorloc {
 namespace {
 
 constexpr auto kPower = StateFile::Durability::kPower;
-
-double UnixTime() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
@@ -67,15 +65,8 @@ void VersionStore::Recover(const std::string& map, const std::string& version) {
       throw MapError("it holds another version");
     }
     found.bytes = static_cast<std::int64_t>(std::filesystem::file_size(file));
-    found.added_s = UnixTime();
     found.origin = "recovered";
-    MapVersions versions = Get(map);
-    state_->Write(kPower, [&](const SqliteConnection& connection) {
-      WriteVersion(connection, map, found);
-      WriteActive(connection, map, versions);
-    });
-    versions.versions.push_back(std::move(found));
-    Remember(map, versions);
+    Note(map, std::move(found));
   } catch (const MapError& error) {
     spdlog::warn("{} is no version that this server kept ({}); remove it", file.string(), error.what());
   }
@@ -109,13 +100,18 @@ void VersionStore::SetActive(const std::string& map, const MapVersions& versions
 }
 
 MapVersion VersionStore::Keep(const std::string& map, IncomingFile& file, MapVersion version) {
-  MapVersions versions = Get(map);
+  const MapVersions versions = Get(map);
   if (const MapVersion* known = versions.Find(version.version)) {
     return *known;
   }
   version.bytes = static_cast<std::int64_t>(file.bytes());
-  version.added_s = UnixTime();
   file.MoveTo(files_.PathOf(map, version.version));
+  return Note(map, std::move(version));
+}
+
+MapVersion VersionStore::Note(const std::string& map, MapVersion version) {
+  version.added_s = UnixTimeNow();
+  MapVersions versions = Get(map);
   state_->Write(kPower, [&](const SqliteConnection& connection) {
     WriteVersion(connection, map, version);
     WriteActive(connection, map, versions);

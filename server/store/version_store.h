@@ -50,6 +50,8 @@ class VersionStore {
 
  private:
   void Recover(const std::string& map, const std::string& version);
+  /// Adds the row of a file that is among the versions now.
+  MapVersion Note(const std::string& map, MapVersion version);
 
   StateFile* const state_;
   const bool writable_;
