@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/twist.h"
 #include "core/localization/candidate_search.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
@@ -248,8 +249,7 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
 std::optional<FrameObservation> Localizer::Deblur(const FrameObservation& frame, const Eigen::Vector3d& twist,
                                                   const cv::Mat& left_out) const {
   const MotionBlurOptions& options = impl_->options.motion_blur;
-  const Eigen::Vector2d center = frame.samples.center();
-  const Eigen::Vector2d velocity = twist.head<2>() + twist.z() * Eigen::Vector2d(-center.y(), center.x());
+  const Eigen::Vector2d velocity = VelocityAt(twist, frame.samples.center());
   const double shortest_m = options.min_length_px * frame.samples.resolution_m();
   if (frame.floor.gray.empty() || !(velocity.norm() * options.max_exposure_s >= shortest_m)) {
     return std::nullopt;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/geometry/option_check.h"
+#include "core/geometry/twist.h"
 #include "core/registration/least_squares.h"
 
 namespace floorloc {
@@ -16,10 +17,6 @@ namespace {
 constexpr int kUnknowns = 5;
 using NormalMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using NormalVector = Eigen::Matrix<double, kUnknowns, 1>;
-
-Eigen::Vector2d VelocityAt(const Eigen::Vector3d& twist, const Eigen::Vector2d& point) {
-  return twist.head<2>() + twist.z() * Eigen::Vector2d(-point.y(), point.x());
-}
 
 // The matches as they would be seen if all rows were exposed with the middle one.
 std::vector<OrientedMatch> PutRowsBack(const ReadoutProblem& problem, double seconds) {
