@@ -2,11 +2,11 @@
 #include "mapbuilder/screening/odometry_agreement.h"
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "core/io/input_error.h"
 #include "core/io/stamp_range.h"
+#include "mapbuilder/screening/format_number.h"
 #include "mapbuilder/screening/motion_sample.h"
 #include "mapbuilder/screening/odometry_reading.h"
 #include "mapbuilder/screening/odometry_reading_text.h"
@@ -22,14 +22,6 @@ constexpr double kWarnScatter = 0.2;
 
 // Motions that scatter more have no scale and direction to be refused for.
 constexpr double kMaxScatter = 0.3;
-
-std::string Text(const char* format, double a) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, a);
-  return text;
-}
-
-double Degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
 // The agreement of odometry as it is written.
 MotionAgreement CompareSurvey(const FrameSet& set, int survey, const PairRegistrationOptions& registration) {
@@ -63,12 +55,12 @@ void CountFramesWithOdometry(const std::vector<BuildFrame>& frames, int index, c
 }
 
 std::string OtherDirection(const MotionAgreement& agreement) {
-  return "the images move in a direction turned by " + Text("%.0f", Degrees(agreement.direction_rad)) +
+  return "the images move in a direction turned by " + FormatNumber("%.0f", ToDegrees(agreement.direction_rad)) +
          " degrees against odometry.tum; the homography's axes (x forward, y left) do not fit the robot's";
 }
 
 std::string OtherScale(const MotionAgreement& agreement) {
-  return "the images show motions " + Text("%.3g", agreement.scale) +
+  return "the images show motions " + FormatNumber("%.3g", agreement.scale) +
          " times as long as odometry.tum says; the homography or the odometry has the wrong scale";
 }
 
@@ -119,7 +111,8 @@ void AssessAgreement(const MotionAgreement& agreement, const Survey& survey, std
   }
   if (agreement.scatter > kWarnScatter) {
     warnings->push_back((survey.folder / "odometry.tum").string() + ": differs from the motion in the images by " +
-                        Text("%.0f", 100.0 * agreement.scatter) + " % half of the time; check that both clocks agree");
+                        FormatNumber("%.0f", 100.0 * agreement.scatter) +
+                        " % half of the time; check that both clocks agree");
   }
 }
 

@@ -3,33 +3,24 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <utility>
+
+#include "mapbuilder/screening/format_number.h"
 
 namespace floorloc {
 namespace {
 
-constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
-
-double Degrees(double rad) { return rad * kDegreesPerRad; }
-
 bool IsNear(double angle_rad, double degrees) {
   constexpr double kNear = 15.0;
-  return std::abs(Degrees(WrapAngle(angle_rad - degrees / kDegreesPerRad))) < kNear;
-}
-
-std::string Text(const char* format, double a) {
-  char text[160];
-  std::snprintf(text, sizeof(text), format, a);
-  return text;
+  return std::abs(ToDegrees(WrapAngle(angle_rad - degrees * std::numbers::pi / 180.0))) < kNear;
 }
 
 std::string WhenTurned(double direction_rad) {
   if (IsNear(direction_rad, 0.0)) {
     return "";
   }
-  std::string text = Text("its motions are turned by %.0f degrees", Degrees(direction_rad));
+  std::string text = FormatNumber("its motions are turned by %.0f degrees", ToDegrees(direction_rad));
   if (IsNear(direction_rad, 180.0)) {
     return text + " (it says backward where the robot drives forward)";
   }
@@ -73,7 +64,7 @@ std::string WhenScaled(double scale) {
       return std::string("its positions are ") + name + ", not metres";
     }
   }
-  return std::abs(std::log(scale)) < kNear ? "" : Text("its positions are multiplied by %.3g", scale);
+  return std::abs(std::log(scale)) < kNear ? "" : FormatNumber("its positions are multiplied by %.3g", scale);
 }
 
 }  // namespace

@@ -2,9 +2,10 @@
 #include "mapbuilder/screening/odometry_step_text.h"
 
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
+
+#include "mapbuilder/screening/format_number.h"
 
 namespace floorloc {
 namespace {
@@ -12,26 +13,20 @@ namespace {
 // Turns below this are not worth naming.
 constexpr double kNamedTurnRad = 5.0 * std::numbers::pi / 180.0;
 
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-
 std::string Sentence(const FalseOdometryStep& step, const FrameSet& set) {
   const BuildFrame& first = set.frames[static_cast<std::size_t>(step.first)];
   const BuildFrame& second = set.frames[static_cast<std::size_t>(step.second)];
   const double turn = std::abs(step.by_odometry.yaw());
   std::string text = (set.surveys[static_cast<std::size_t>(first.survey)].survey.folder / "odometry.tum").string() +
-                     ": step of " + Text("%.2f m", step.by_odometry.translation().norm());
+                     ": step of " + FormatNumber("%.2f m", step.by_odometry.translation().norm());
   if (turn > kNamedTurnRad) {
-    text += Text(" and %.0f degrees", turn * 180.0 / std::numbers::pi);
+    text += FormatNumber(" and %.0f degrees", ToDegrees(turn));
   }
   text += " between " + first.info.filename + " and " + second.info.filename;
   if (step.by_images) {
-    return text + Text(" contradicts the images (%.2f m); left out", step.by_images->translation().norm());
+    return text + FormatNumber(" contradicts the images (%.2f m); left out", step.by_images->translation().norm());
   }
-  return text + Text(" is %.0f times as fast as the others; left out", step.times_usual);
+  return text + FormatNumber(" is %.0f times as fast as the others; left out", step.times_usual);
 }
 
 std::string StandingSentence(const std::vector<FalseOdometryStep>& span, const FrameSet& set) {
