@@ -119,6 +119,15 @@ CREATE TABLE keypoint_tile (
   PRIMARY KEY (x, y)
 ) WITHOUT ROWID;
 
+-- The same keypoints, in the same order, described at the map's own heading: what a frame is compared with whose heading
+-- is known. Only of extractors that can; then one row for each row of keypoint_tile.
+CREATE TABLE keypoint_upright (
+  x INTEGER NOT NULL, y INTEGER NOT NULL,
+  descriptor BLOB NOT NULL,  -- uint8[keypoint_tile.count][32]
+  checksum   INTEGER NOT NULL,
+  PRIMARY KEY (x, y)
+) WITHOUT ROWID;
+
 -- The mosaic: level mosaic_max_zoom has resolution_m, each lower z twice the metres per pixel. Tile (z, x, y) covers
 -- [x, x+1) * side by [y, y+1) * side in the map frame: y grows UP.
 CREATE TABLE mosaic_tile (

@@ -14,6 +14,23 @@ namespace {
 
 constexpr double kGridCellPx = 70.0;
 
+// The keypoints that a search at given headings takes: every stride-th one near a prior, the strongest ones in the
+// whole map.
+std::vector<int> ChooseKeypoints(const std::vector<Keypoint>& keypoints, const SearchScope& scope) {
+  std::vector<int> chosen;
+  const int stride = scope.guide ? scope.guide->stride : 1;
+  for (int i = 0; i < static_cast<int>(keypoints.size()); i += stride) {
+    chosen.push_back(i);
+  }
+  if (scope.strongest > 0 && static_cast<std::size_t>(scope.strongest) < chosen.size()) {
+    std::stable_sort(chosen.begin(), chosen.end(), [&](int a, int b) {
+      return keypoints[static_cast<std::size_t>(a)].response > keypoints[static_cast<std::size_t>(b)].response;
+    });
+    chosen.resize(static_cast<std::size_t>(scope.strongest));
+  }
+  return chosen;
+}
+
 }  // namespace
 
 std::vector<int> SupportingKeypoints(const FrameMatches& matches, const Pose2& map_from_base, double radius_m) {
@@ -31,11 +48,18 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
       options_(options),
       binary_(descriptors == DescriptorType::kBinary),
       index_(CreateDescriptorIndex(map.keypoints.descriptors, options.index)),
-      guided_(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m),
+      upright_index_(map.keypoints.upright.empty() ? nullptr
+                                                   : CreateDescriptorIndex(map.keypoints.upright, options.index)),
+      guided_(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m,
+              map.keypoints.upright),
       verifier_(map, guided_, options.registration, options.verification),
       floor_repeats_(IsSelfSimilar(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {}
 
-FrameMatches CandidateSearch::FindMatches(const Features& features, const SearchScope& scope) const {
+FrameMatches CandidateSearch::FindMatches(const FrameObservation& frame, const SearchScope& scope) const {
+  if (!scope.headings.empty()) {
+    return MatchAtHeadings(frame, scope);
+  }
+  const Features& features = frame.features;
   FrameMatches found;
   if (scope.indistinct && binary_) {
     const SearchOptions& o = options_.search;
@@ -52,17 +76,51 @@ FrameMatches CandidateSearch::FindMatches(const Features& features, const Search
   return found;
 }
 
-std::vector<VerifiedPose> CandidateSearch::FindPoses(const Features& features, const SearchScope& scope,
+// Matches vote for the heading at which they were found: the keypoints' own angles have no say.
+FrameMatches CandidateSearch::MatchAtHeadings(const FrameObservation& frame, const SearchScope& scope) const {
+  const std::vector<int> chosen = ChooseKeypoints(frame.features.keypoints, scope);
+  Features query;
+  for (const int i : chosen) {
+    query.keypoints.push_back(frame.features.keypoints[static_cast<std::size_t>(i)]);
+  }
+  FrameMatches found;
+  for (const double heading : scope.headings) {
+    query.descriptors = DescribeUpright(frame.upright, query.keypoints, heading);
+    std::vector<Match> nearest;
+    if (scope.guide) {
+      MatchGuide guide = *scope.guide;
+      guide.target_from_query = {guide.target_from_query.x(), guide.target_from_query.y(), heading};
+      guide.stride = 1;
+      guide.upright = true;
+      nearest = FilterByRatio(guided_.FindNearest(query, guide), scope.thorough ? 1.0F : options_.max_ratio_binary);
+    } else {
+      const SearchOptions& o = options_.search;
+      nearest = FindAllNear(*upright_index_, query.descriptors,
+                            {.count = scope.thorough ? o.thorough_heading_votes : o.votes_per_keypoint,
+                             .max_distance = scope.thorough ? o.thorough_heading_distance : o.max_vote_distance});
+    }
+    for (Match match : nearest) {
+      const Keypoint& from = query.keypoints[static_cast<std::size_t>(match.query)];
+      const Keypoint& to = map_.keypoints.keypoints[static_cast<std::size_t>(match.train)];
+      match.query = chosen[static_cast<std::size_t>(match.query)];
+      found.matches.push_back(match);
+      found.oriented.push_back({from.Position(), to.Position(), 0.0, heading});
+    }
+  }
+  return found;
+}
+
+std::vector<VerifiedPose> CandidateSearch::FindPoses(const FrameObservation& frame, const SearchScope& scope,
                                                      const FrameMatches& matches, GlobalSearchCache* global) const {
-  std::vector<VerifiedPose> poses = VerifyCandidates(features, scope, matches);
+  std::vector<VerifiedPose> poses = VerifyCandidates(frame, scope, matches);
   if (scope.prior && floor_repeats_ && !poses.empty()) {
-    AddPosesOutsidePrior(features, global, &poses);
+    AddPosesOutsidePrior(frame, global, &poses);
   }
   return poses;
 }
 
 // Candidates that converge to the same pose are kept once.
-std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& features, const SearchScope& scope,
+std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const FrameObservation& frame, const SearchScope& scope,
                                                             const FrameMatches& matches) const {
   const SearchRegion region = RegionOf(scope.guide);
   std::vector<VerifiedPose> verified;
@@ -74,7 +132,7 @@ std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& feat
     if (IsDominated(candidate, verified)) {
       continue;
     }
-    VerifiedPose pose = verifier_.Verify(features, candidate.target_from_source);
+    VerifiedPose pose = Verify(frame, candidate.target_from_source);
     const Pose2& refined = pose.candidate.target_from_source;
     if (!ContainsPose(verified, refined) && scope.Contains(refined)) {
       pose.supporting_keypoints = SupportingKeypoints(matches, refined, options_.registration.inlier_radius_m);
@@ -85,6 +143,14 @@ std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const Features& feat
     }
   }
   return verified;
+}
+
+VerifiedPose CandidateSearch::Verify(const FrameObservation& frame, const Pose2& map_from_base) const {
+  if (upright_index_ == nullptr) {
+    return verifier_.Verify(frame.features, map_from_base);
+  }
+  const std::vector<Keypoint>& keypoints = frame.features.keypoints;
+  return verifier_.Verify({keypoints, DescribeUpright(frame.upright, keypoints, map_from_base.yaw())}, map_from_base);
 }
 
 bool CandidateSearch::IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const {
@@ -102,12 +168,12 @@ bool CandidateSearch::ContainsPose(const std::vector<VerifiedPose>& poses, const
 
 // On a self-similar floor a similar place would confirm a wrong prior: poses outside it compete, and all are compared
 // by the matches that are distinctive on the whole map.
-void CandidateSearch::AddPosesOutsidePrior(const Features& features, GlobalSearchCache* global,
+void CandidateSearch::AddPosesOutsidePrior(const FrameObservation& frame, GlobalSearchCache* global,
                                            std::vector<VerifiedPose>* poses) const {
   if (!global->matches) {
     const SearchScope whole;
-    global->matches = FindMatches(features, whole);
-    global->poses = VerifyCandidates(features, whole, *global->matches);
+    global->matches = FindMatches(frame, whole);
+    global->poses = VerifyCandidates(frame, whole, *global->matches);
   }
   for (VerifiedPose& pose : *poses) {
     pose.supporting_keypoints =

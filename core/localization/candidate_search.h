@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/localization/frame_observation.h"
 #include "core/localization/localizer_options.h"
 #include "core/localization/pose_verifier.h"
 #include "core/localization/search_scope.h"
@@ -39,24 +40,27 @@ class CandidateSearch {
   CandidateSearch(const FloorMap& map, DescriptorType descriptors, const LocalizerOptions& options);
 
   /// First pass: matches that pass the ratio test, or all near neighbours for scope.indistinct. With a guide only every
-  /// stride-th keypoint is matched.
-  FrameMatches FindMatches(const Features& features, const SearchScope& scope) const;
+  /// stride-th keypoint is matched; with headings a keypoint may have one match at each.
+  FrameMatches FindMatches(const FrameObservation& frame, const SearchScope& scope) const;
 
   /// Second pass: matches all keypoints where each pose that the matches vote for predicts them. On a self-similar
   /// floor poses outside the prior are added as rivals.
-  std::vector<VerifiedPose> FindPoses(const Features& features, const SearchScope& scope, const FrameMatches& matches,
-                                      GlobalSearchCache* global) const;
+  std::vector<VerifiedPose> FindPoses(const FrameObservation& frame, const SearchScope& scope,
+                                      const FrameMatches& matches, GlobalSearchCache* global) const;
 
   bool floor_repeats() const { return floor_repeats_; }
+  SearchableMap searchable() const { return {floor_repeats_, upright_index_ != nullptr}; }
   /// Largest descriptor distance at which two keypoints count as similar.
   float max_distance() const { return verifier_.max_distance(); }
 
  private:
-  std::vector<VerifiedPose> VerifyCandidates(const Features& features, const SearchScope& scope,
+  FrameMatches MatchAtHeadings(const FrameObservation& frame, const SearchScope& scope) const;
+  std::vector<VerifiedPose> VerifyCandidates(const FrameObservation& frame, const SearchScope& scope,
                                              const FrameMatches& matches) const;
+  VerifiedPose Verify(const FrameObservation& frame, const Pose2& map_from_base) const;
   bool IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const;
   bool ContainsPose(const std::vector<VerifiedPose>& poses, const Pose2& pose) const;
-  void AddPosesOutsidePrior(const Features& features, GlobalSearchCache* global,
+  void AddPosesOutsidePrior(const FrameObservation& frame, GlobalSearchCache* global,
                             std::vector<VerifiedPose>* poses) const;
   SearchRegion RegionOf(const std::optional<MatchGuide>& guide) const;
 
@@ -64,6 +68,7 @@ class CandidateSearch {
   LocalizerOptions options_;
   bool binary_;
   std::unique_ptr<DescriptorIndex> index_;
+  std::unique_ptr<DescriptorIndex> upright_index_;  // nullptr: the map has no upright descriptors
   GuidedMatcher guided_;
   PoseVerifier verifier_;
   bool floor_repeats_;

@@ -5,6 +5,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/photometric_aligner.h"
+#include "core/vision/extractors/upright_image.h"
 #include "core/vision/features/features.h"
 #include "core/vision/image/ground_image.h"
 
@@ -13,6 +14,7 @@ namespace floorloc {
 /// What a Localizer needs of a frame: computed once, localized as often as needed.
 struct FrameObservation {
   Features features;            ///< base frame
+  UprightImage upright;         ///< describes them at any heading
   FrameSamples samples;         ///< to be aligned to the mosaic
   RectM roi;                    ///< region of interest of the camera, base frame
   double offset_sigma_m = 0.0;  ///< FloorPlane::offset_sigma_m of the camera

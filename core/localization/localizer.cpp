@@ -61,11 +61,7 @@ struct Localizer::Impl {
         extractor(CreateFeatureExtractor(map.info.extractor)),
         search(map, extractor->descriptor_type(), options) {
     if (tiles) {
-      const ExtractorOptions& e = map.info.extractor;
-      raster.emplace(std::move(tiles), map.mosaic,
-                     ContrastOptions{e.normalize_radius_px > 0 ? e.normalize_radius_px : ContrastOptions().radius_px,
-                                     e.smooth_sigma_px},
-                     o.mosaic_memory_bytes);
+      raster.emplace(std::move(tiles), map.mosaic, ContrastOfMosaic(map.info.extractor), o.mosaic_memory_bytes);
     }
   }
 
@@ -79,9 +75,9 @@ struct Localizer::Impl {
   void LocalizeIn(const SearchScope& scope, const FrameObservation& frame, GlobalSearchCache* global,
                   LocalizationResult* result) const {
     Stopwatch stage;
-    const FrameMatches matches = search.FindMatches(frame.features, scope);
+    const FrameMatches matches = search.FindMatches(frame, scope);
     result->timing.match_ms += stage.LapMs();
-    std::vector<VerifiedPose> poses = search.FindPoses(frame.features, scope, matches, global);
+    std::vector<VerifiedPose> poses = search.FindPoses(frame, scope, matches, global);
     const PoseDecision decision = Decide(frame, &poses);
     FillResult(frame, poses, decision, result);
     result->timing.register_ms += stage.LapMs();
@@ -115,7 +111,8 @@ struct Localizer::Impl {
 
   void Align(const PhotometricAligner& aligner, const FrameSamples& samples, VerifiedPose* pose) const {
     const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
-    pose->photo = aligner.Align(samples, map_from_origin * pose->candidate.target_from_source);
+    const bool rough = static_cast<int>(pose->candidate.inliers.size()) < options.photometric.sure_inliers;
+    pose->photo = aligner.Align(samples, map_from_origin * pose->candidate.target_from_source, rough);
     pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
     std::vector<float> cells = pose->photo->ComparedCells();
     const bool comparable = raster->resolution_m() <= options.decision.max_mosaic_coarseness * samples.resolution_m();
@@ -132,7 +129,10 @@ struct Localizer::Impl {
     const GroundGrid& grid = view.keypoint_image.grid;
     const Eigen::Vector2d low = grid.BaseFromPixel(grid.width_px - 0.5, grid.height_px - 0.5);
     const Eigen::Vector2d high = grid.BaseFromPixel(-0.5, -0.5);
-    FrameObservation frame{extractor->Extract(view.keypoint_image, view.keypoint_prepared),
+    UprightImage upright;
+    Features features = extractor->Extract(view.keypoint_image, view.keypoint_prepared, &upright);
+    FrameObservation frame{std::move(features),
+                           std::move(upright),
                            FrameSamples(view.image, view.prepared, rectifier),
                            RectM{low.x(), high.x(), low.y(), high.y()},
                            rectifier.camera().floor.offset_sigma_m,
@@ -148,10 +148,10 @@ struct Localizer::Impl {
   }
 
   std::vector<SearchScope> ScopesOf(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
-    std::vector<SearchScope> scopes = SearchScopes(prior, frame.roi, search.floor_repeats());
+    std::vector<SearchScope> scopes = SearchScopes(prior, frame.roi, search.searchable(), options.search);
     // On a self-similar floor weaker matches would speak for every copy.
     if (IsPoor(frame) && !search.floor_repeats()) {
-      scopes.push_back(ThoroughScope(prior, frame.roi));
+      scopes.push_back(ThoroughScope(prior, frame.roi, search.searchable(), options.search));
     }
     return scopes;
   }
@@ -235,7 +235,10 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
   const GroundImage image = LeaveOut(floor, left_out);
   const double rectify_ms = stage.LapMs();
   const cv::Mat prepared = impl_->extractor->Prepare(image);
-  FrameObservation frame{impl_->extractor->Extract(image, prepared),
+  UprightImage upright;
+  Features features = impl_->extractor->Extract(image, prepared, &upright);
+  FrameObservation frame{std::move(features),
+                         std::move(upright),
                          FrameSamples(image, prepared, rectifier),
                          rectifier.camera().floor.roi,
                          rectifier.camera().floor.offset_sigma_m,
@@ -264,7 +267,7 @@ std::optional<FrameObservation> Localizer::Deblur(const FrameObservation& frame,
   }
   image.gray = *sharp;
   FrameObservation deblurred = frame;
-  deblurred.features = impl_->extractor->Extract(image, impl_->extractor->Prepare(image));
+  deblurred.features = impl_->extractor->Extract(image, impl_->extractor->Prepare(image), &deblurred.upright);
   deblurred.rectify_ms = 0.0;
   deblurred.features_ms = stage.LapMs();
   return deblurred;
@@ -277,8 +280,8 @@ std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservati
   if (!ShowsReadout(frame.roi, prior.twist, impl_->options.readout_fit)) {
     return std::nullopt;
   }
-  const SearchScope scope = SearchScopes(near, frame.roi, impl_->search.floor_repeats()).back();
-  const FrameMatches found = impl_->search.FindMatches(frame.features, scope);
+  const SearchScope scope = SearchScopes(near, frame.roi, impl_->search.searchable(), impl_->options.search).back();
+  const FrameMatches found = impl_->search.FindMatches(frame, scope);
   ReadoutProblem problem{found.oriented, {}, prior.twist, camera.floor.resolution_m};
   for (const OrientedMatch& match : problem.matches) {
     problem.share.push_back(ReadoutShare(camera.camera, camera.RawPixelFromFloor(match.source_m)));

@@ -40,10 +40,13 @@ LocalizationResult Seek(const Localizer& localizer, const FrameObservation& fram
                         : localizer.Localize(frame, hints.prior);
 }
 
-// A frame that is not localized is sought once more with its motion's blur undone, where some is seen.
+// A frame that is not localized, or by few keypoints, is sought once more with its motion's blur undone, where some is
+// seen.
 ObservedFrame SeekBlurred(const Localizer& localizer, FrameObservation frame, const FrameHints& hints) {
   LocalizationResult result = Seek(localizer, frame, hints);
-  if (result.status == LocalizationStatus::kLocalized || !hints.motion.twist) {
+  const bool localized = result.status == LocalizationStatus::kLocalized;
+  const bool sure = localized && result.inliers >= localizer.options().photometric.sure_inliers;
+  if (sure || !hints.motion.twist) {
     return {std::move(frame), std::move(result)};
   }
   Stopwatch watch;
@@ -54,7 +57,7 @@ ObservedFrame SeekBlurred(const Localizer& localizer, FrameObservation frame, co
     return {std::move(frame), std::move(result)};
   }
   LocalizationResult again = Seek(localizer, *deblurred, hints);
-  if (again.status == LocalizationStatus::kLocalized) {
+  if (again.status == LocalizationStatus::kLocalized && (!localized || again.inliers > result.inliers)) {
     again.timing += result.timing;
     return {*std::move(deblurred), std::move(again)};
   }

@@ -81,9 +81,13 @@ class Fit {
 
   // The mosaic is blurred as the frame is: where the frame lacks what the mosaic shows, slopes of the mosaic promise
   // more than the frame can tell, so that steps and covariance become too small.
-  PhotometricFit Run(const Pose2& start) {
+  PhotometricFit Run(const Pose2& start, bool rough) {
     start_ = start;
-    ChooseBlur();
+    if (rough) {
+      blur_level_ = options_.max_blur_level;
+    } else {
+      ChooseBlur();
+    }
     Iterate();
     // A frame that was not where it belongs looked blurred.
     while (blur_level_ > 0 && CorrelationAt(blur_level_ - 1) > CorrelationAt(blur_level_)) {
@@ -301,6 +305,7 @@ void PhotometricOptions::Check() const {
   RequireOption(min_correlation >= 0 && min_correlation < 1, "min_correlation must be 0 to 1");
   RequireOption(max_correction_radii > 0, "max_correction_radii must be positive");
   RequireOption(max_blur_level >= 0 && max_blur_level <= MosaicRaster::kMaxBlurLevel, "max_blur_level must be 0 to 3");
+  RequireOption(sure_inliers >= 0, "sure_inliers must not be negative");
   RequireOption(mosaic_sigma_px > 0, "mosaic_sigma_px must be positive");
   RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
@@ -380,8 +385,8 @@ int FrameSamples::CellAt(const Eigen::Vector2d& point_in_base) const {
   return v / kCellPx * columns + u / kCellPx;
 }
 
-PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Pose2& start) const {
-  return Fit(frame, BlurredMosaic(raster_, frame, start), options_).Run(start);
+PhotometricFit PhotometricAligner::Align(const FrameSamples& frame, const Pose2& start, bool rough) const {
+  return Fit(frame, BlurredMosaic(raster_, frame, start), options_).Run(start, rough);
 }
 
 }  // namespace floorloc

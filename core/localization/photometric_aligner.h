@@ -29,6 +29,9 @@ struct PhotometricOptions {
   /// The mosaic is blurred up to this level (MosaicRaster::Cut) where a frame agrees better with it then: one that is
   /// blurred, or taken from higher than the map's. 0: never. Effect: docs/benchmarks/views.md.
   int max_blur_level = 3;
+  /// A pose by fewer inliers is a rough start: in frames with 20 to 30 pixels of motion blur few keypoints match, by
+  /// chance at one end of the blur, and the nearest optimum is up to 6 mm off (docs/benchmarks/blur.md).
+  int sure_inliers = 120;
   /// Standard deviation of the calibration of a camera that does not tell its own (CameraModel::sigma_px), pixels at
   /// the corners of the region of interest: a careful one leaves 0.2 to 1 px. `./run bench calibration` measures its
   /// effect.
@@ -148,8 +151,9 @@ class PhotometricAligner {
   explicit PhotometricAligner(const MosaicRaster& raster, const PhotometricOptions& options = {})
       : raster_(raster), options_(options) {}
 
-  /// start: map_from_base, a few pixels from the truth at most.
-  PhotometricFit Align(const FrameSamples& frame, const Pose2& start) const;
+  /// start: map_from_base, a few pixels from the truth at most. rough: it may be farther off; then frame and mosaic are
+  /// first compared as blurred as they can be.
+  PhotometricFit Align(const FrameSamples& frame, const Pose2& start, bool rough = false) const;
 
  private:
   const MosaicRaster& raster_;

@@ -48,7 +48,12 @@ void VerificationOptions::Check() const {
 
 PoseVerifier::PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, const RegistrationOptions& registration,
                            const VerificationOptions& options)
-    : map_(map.keypoints), matcher_(matcher), registration_(registration), options_(options) {
+    : map_(map.keypoints),
+      upright_(!map_.upright.empty()),
+      descriptors_(upright_ ? map_.upright : map_.descriptors),
+      matcher_(matcher),
+      registration_(registration),
+      options_(options) {
   MeasureChance(map.info.area_m2);
 }
 
@@ -59,7 +64,7 @@ std::vector<double> PoseVerifier::DistancesOfAnyPairs(std::mt19937* random) cons
     const auto a = static_cast<int>((*random)() % count);
     const auto b = static_cast<int>((*random)() % count);
     if (a != b) {
-      distances.push_back(DescriptorDistance(map_.descriptors, a, b));
+      distances.push_back(DescriptorDistance(descriptors_, a, b));
     }
   }
   return distances;
@@ -78,7 +83,7 @@ std::vector<double> PoseVerifier::DistancesOfNeighbours(std::mt19937* random) co
     });
     if (!around.empty()) {
       const int b = around[(*random)() % around.size()];
-      distances.push_back(DescriptorDistance(map_.descriptors, static_cast<int>(a), b));
+      distances.push_back(DescriptorDistance(descriptors_, static_cast<int>(a), b));
     }
   }
   return distances;
@@ -105,14 +110,15 @@ void PoseVerifier::MeasureChance(double area_m2) {
   const double alike_share = copies ? alike / kPairs : options_.alike_share;
   const double per_m2 = static_cast<double>(map_.size()) / std::max(area_m2, 1e-3);
   const double disc_m2 = std::numbers::pi * registration_.inlier_radius_m * registration_.inlier_radius_m;
-  const double angle_share = options_.yaw_radius_rad / std::numbers::pi;
+  const double angle_share = upright_ ? 1.0 : options_.yaw_radius_rad / std::numbers::pi;
   chance_ = std::min(options_.max_chance, per_m2 * disc_m2 * angle_share * alike_share);
 }
 
 VerifiedPose PoseVerifier::Verify(const Features& features, const Pose2& map_from_base) const {
   VerifiedPose verified;
   std::vector<Match> alike = matcher_.FindNearest(
-      features, {map_from_base, options_.search_radii * registration_.inlier_radius_m, options_.yaw_radius_rad, 1});
+      features,
+      {map_from_base, options_.search_radii * registration_.inlier_radius_m, options_.yaw_radius_rad, 1, upright_});
   std::erase_if(alike, [&](const Match& match) { return match.distance > max_distance_; });
   verified.matches = ToOrientedMatches(alike, features.keypoints, map_.keypoints);
   verified.candidate = RefinePose(verified.matches, map_from_base, registration_);

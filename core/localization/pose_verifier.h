@@ -54,10 +54,12 @@ struct VerificationOptions {
 /// Verifies poses against a map: the probability of a match under a wrong pose is measured on the map itself.
 class PoseVerifier {
  public:
-  /// Refers to the map's keypoints and their matcher, which must outlive it.
+  /// Refers to the map's keypoints and their matcher, which must outlive it. Where the map has upright descriptors they
+  /// are what poses are verified by.
   PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, const RegistrationOptions& registration,
                const VerificationOptions& options);
 
+  /// features: of the frame; described at the pose's heading (DescribeUpright) where the map has upright descriptors.
   VerifiedPose Verify(const Features& features, const Pose2& map_from_base) const;
 
   /// Largest descriptor distance at which two keypoints count as similar; few pairs of different floor points do.
@@ -69,6 +71,8 @@ class PoseVerifier {
   std::vector<double> DistancesOfNeighbours(std::mt19937* random) const;
 
   const MapKeypoints& map_;
+  bool upright_;
+  const cv::Mat& descriptors_;  // that poses are verified by
   const GuidedMatcher& matcher_;
   RegistrationOptions registration_;
   VerificationOptions options_;

@@ -14,6 +14,13 @@ void SearchOptions::Check() const {
   RequireOption(thorough_votes >= 1 && thorough_votes <= 100, "thorough_votes must be 1 to 100");
   RequireOption(thorough_vote_distance >= 0.0F, "thorough_vote_distance must not be negative");
   RequireOption(thorough_candidates >= 1 && thorough_candidates <= 1000, "thorough_candidates must be 1 to 1000");
+  RequireOption(heading_step_rad > 0.01 && heading_step_rad < 2.0, "heading_step_rad must be 0.01 to 2 rad");
+  RequireOption(heading_keypoints >= 1 && heading_keypoints <= 100000, "heading_keypoints must be 1 to 100000");
+  RequireOption(thorough_heading_keypoints >= 1 && thorough_heading_keypoints <= 100000,
+                "thorough_heading_keypoints must be 1 to 100000");
+  RequireOption(thorough_heading_votes >= 1 && thorough_heading_votes <= 100,
+                "thorough_heading_votes must be 1 to 100");
+  RequireOption(thorough_heading_distance >= 0.0F, "thorough_heading_distance must not be negative");
   RequireOption(clear_log10_nfa <= 0.0, "clear_log10_nfa must not be positive");
 }
 

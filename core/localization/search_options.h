@@ -26,6 +26,18 @@ struct SearchOptions {
   int thorough_votes = 20;
   float thorough_vote_distance = 90.0F;  ///< ... their largest Hamming distance ...
   int thorough_candidates = 50;          ///< ... and poses that are verified: hard frames 19 % with 10, 24 % with 50
+  /// Step between the headings at which keypoints are compared with upright descriptors: 6 degrees off, they are still
+  /// better than those at the keypoints' own angles, 10 degrees off no more (`./run bench descriptors`).
+  double heading_step_rad = 0.21;
+  /// Keypoints of the largest response that a search of the whole map at all headings takes; each votes as often as in
+  /// the search by its own angle. Of hard frames of a photographed floor from 0.8 m, on a map from 0.4 m, 52 % are
+  /// found without this search, 72 % with 100 keypoints, 73 % with 300 (docs/benchmarks/extractors.md) ...
+  int heading_keypoints = 100;
+  /// ... and of an image that lost much by compression: hard frames of quality 20 on faint concrete 28 % by the
+  /// keypoints' own angles, 34 % with 100 keypoints and 2 votes, 48 % with 300 and 6 (docs/benchmarks/compression.md).
+  int thorough_heading_keypoints = 300;
+  int thorough_heading_votes = 6;
+  float thorough_heading_distance = 80.0F;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;

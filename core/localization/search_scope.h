@@ -6,6 +6,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/pose_prior.h"
+#include "core/localization/search_options.h"
 #include "core/vision/matching/guided_matcher.h"
 
 namespace floorloc {
@@ -16,16 +17,28 @@ struct SearchScope {
   std::optional<MatchGuide> guide;  ///< follows from the prior
   int probes = 0;                   ///< buckets of the index, without a prior; 0: as in IndexOptions
   bool indistinct = false;          ///< without a prior: all near neighbours vote, not only distinctive ones
+  /// Headings of the robot in the map at which keypoints are described anew and compared with the map's upright
+  /// descriptors, radians; empty: by the keypoints' own angles.
+  std::vector<double> headings = {};
+  int strongest = 0;      ///< with headings: only that many keypoints, those of the largest response; 0: all
   bool thorough = false;  ///< more neighbours vote and more poses are verified; with a prior: all nearest ones vote
 
   bool Contains(const Pose2& map_from_base) const;
 };
 
+/// What a map allows.
+struct SearchableMap {
+  bool floor_repeats = false;  ///< it is self-similar
+  bool upright = false;        ///< it has upright descriptors
+};
+
 /// Searches to try in turn until a pose is accepted: the first one usually suffices. Without a prior a self-similar
 /// floor is searched once, with all probes of the index, to find the rivals. roi: base frame.
-std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, bool floor_repeats);
+std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, const SearchableMap& map,
+                                      const SearchOptions& options);
 
 /// The search to add for an image that lost much by compression.
-SearchScope ThoroughScope(const std::optional<PosePrior>& prior, const RectM& roi);
+SearchScope ThoroughScope(const std::optional<PosePrior>& prior, const RectM& roi, const SearchableMap& map,
+                          const SearchOptions& options);
 
 }  // namespace floorloc

@@ -91,6 +91,8 @@ struct MapKeypoints {
   std::vector<Keypoint> keypoints;
   std::vector<std::uint16_t> observations;  ///< number of frames that saw the point
   cv::Mat descriptors;                      ///< CV_8U or CV_32F; row i describes keypoints[i]
+  /// The same keypoints at the map's own heading, by DescribeUpright() of the mosaic, CV_8U; empty: the map has none.
+  cv::Mat upright;
   /// Distance to the nearest descriptor at another place in the map: 0 when it is equal, 255 when it is as far as
   /// expected of a random one.
   std::vector<std::uint8_t> distinctiveness;

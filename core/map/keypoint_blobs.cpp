@@ -63,6 +63,17 @@ std::int64_t KeypointBlobs::Checksum() const {
       .Checksum();
 }
 
+std::map<std::pair<int, int>, std::vector<int>> KeypointsByTile(const MapKeypoints& keypoints, double tile_m) {
+  std::map<std::pair<int, int>, std::vector<int>> tiles;
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    const Eigen::Vector2d tile = keypoints.PositionInMap(i) / tile_m;
+    const int x = static_cast<int>(std::floor(tile.x()));
+    const int y = static_cast<int>(std::floor(tile.y()));
+    tiles[{x, y}].push_back(static_cast<int>(i));
+  }
+  return tiles;
+}
+
 KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile) {
   KeypointBlobs blobs;
   blobs.count = static_cast<int>(indices.size());

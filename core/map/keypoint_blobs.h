@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/map/floor_map.h"
@@ -27,6 +29,9 @@ struct KeypointTile {
   /// Lower left corner, map frame.
   Eigen::Vector2d Corner() const { return {x * side_m, y * side_m}; }
 };
+
+/// Indices of the keypoints in each tile (x, y), ascending.
+std::map<std::pair<int, int>, std::vector<int>> KeypointsByTile(const MapKeypoints& keypoints, double tile_m);
 
 KeypointBlobs PackKeypoints(const MapKeypoints& keypoints, std::span<const int> indices, const KeypointTile& tile);
 

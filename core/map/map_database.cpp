@@ -7,11 +7,12 @@
 #include <string>
 
 #include "core/map/checked_row.h"
-#include "core/map/content_hash.h"
 #include "core/map/keypoint_table.h"
 #include "core/map/map_contract.h"
 #include "core/map/map_layers.h"
 #include "core/map/map_tables.h"
+#include "core/map/upright_table.h"
+#include "core/vision/extractors/extractor_layout.h"
 
 namespace floorloc {
 namespace {
@@ -122,6 +123,9 @@ FloorMap MapDatabase::ReadMap() const {
   map.info = ReadInfoTables(impl_->connection);
   map.mosaic = ReadMosaicColumns(impl_->connection);
   map.keypoints = ReadKeypointTable(impl_->connection, map.info);
+  if (HasLayer(map.info.layers, kUprightLayer) && HasUpright(map.info.extractor.type)) {
+    map.keypoints.upright = ReadUpright(impl_->connection, map.keypoints.size());
+  }
   // Not returned, but a map is used only when all of it is valid.
   impl_->ReadFrames();
   impl_->ReadLinks();
@@ -141,20 +145,7 @@ std::vector<MapLink> MapDatabase::ReadLinks() const {
 
 std::optional<std::vector<std::uint8_t>> MapDatabase::ReadMosaicTile(const TileId& tile) const {
   const std::lock_guard lock(impl_->mutex);
-  SqliteStatement row(impl_->connection, "SELECT jpeg, checksum FROM mosaic_tile WHERE z = ? AND x = ? AND y = ?");
-  row.Bind(tile.z).Bind(tile.x).Bind(tile.y);
-  if (!row.Step()) {
-    return std::nullopt;
-  }
-  const CheckedRow checked(
-      impl_->connection, row,
-      "mosaic tile " + std::to_string(tile.z) + "/" + std::to_string(tile.x) + "/" + std::to_string(tile.y));
-  Blob jpeg = checked.Bytes(0, "jpeg");
-  ContentHash hash;
-  if (hash.Add(jpeg).Checksum() != checked.Long(1, "checksum")) {
-    checked.Refuse("its checksum differs");
-  }
-  return jpeg;
+  return ReadTile(impl_->connection, tile);
 }
 
 std::vector<TileId> MapDatabase::ListMosaicTiles(int zoom) const {

@@ -21,7 +21,7 @@ struct KnownLayer {
   std::array<const char*, 2> rows;  // nullptr: none
 };
 
-constexpr std::array<KnownLayer, 5> kKnownLayers = {{
+constexpr std::array<KnownLayer, 6> kKnownLayers = {{
     {kCalibrationLayer,
      1,
      false,
@@ -44,7 +44,15 @@ constexpr std::array<KnownLayer, 5> kKnownLayers = {{
      true,
      {"SELECT resolution_m, mosaic_tile_px, mosaic_max_zoom FROM map",
       "SELECT z, x, y, checksum FROM mosaic_tile ORDER BY z, x, y"}},
+    {kUprightLayer, 1, false, {"SELECT x, y, checksum FROM keypoint_upright ORDER BY x, y", nullptr}},
 }};
+
+// Optional layers are listed where their tables hold something; that of the calibrations always does.
+bool IsEmpty(const SqliteConnection& connection, const KnownLayer& layer) {
+  const std::string name = layer.name;
+  const char* table = name == kCameraMaskLayer ? "camera_mask" : name == kUprightLayer ? "keypoint_upright" : nullptr;
+  return table != nullptr && !SqliteStatement(connection, std::string("SELECT 1 FROM ") + table).Step();
+}
 
 const KnownLayer* FindKnown(const std::string& name) {
   const auto* found =
@@ -105,10 +113,8 @@ std::vector<MapFileLayer> ReadLayers(const SqliteConnection& connection) {
 
 void WriteLayers(const SqliteConnection& connection) {
   SqliteStatement insert(connection, "INSERT INTO layer VALUES (?,?,?,?)");
-  SqliteStatement masks(connection, "SELECT 1 FROM camera_mask");
-  const bool has_masks = masks.Step();
   for (const KnownLayer& known : kKnownLayers) {
-    if (known.name == std::string(kCameraMaskLayer) && !has_masks) {
+    if (IsEmpty(connection, known)) {
       continue;
     }
     insert.Bind(std::string(known.name)).Bind(known.version).Bind(known.required ? 1 : 0);

@@ -18,6 +18,9 @@ inline constexpr const char* kCalibrationLayer = "calibration";
 /// Where the surveys' cameras see no floor, but what moves with them. Optional, and absent where no survey has a mask.
 inline constexpr const char* kCameraMaskLayer = "camera_mask";
 
+/// The keypoints at the map's own heading. Optional: absent where the extractor has no such descriptors.
+inline constexpr const char* kUprightLayer = "upright";
+
 /// True for a layer that the file has and this program reads.
 bool HasLayer(const std::vector<MapFileLayer>& layers, const std::string& name);
 

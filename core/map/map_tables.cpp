@@ -10,6 +10,7 @@
 
 #include "core/map/camera_mask_table.h"
 #include "core/map/checked_row.h"
+#include "core/map/content_hash.h"
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_contract.h"
 #include "core/map/map_layers.h"
@@ -335,6 +336,23 @@ std::vector<TileId> ReadMosaicTileIds(const SqliteConnection& connection, int zo
                      row.Integer(1, "y", first(extent.y_min), last(extent.y_max))});
   }
   return tiles;
+}
+
+std::optional<std::vector<std::uint8_t>> ReadTile(const SqliteConnection& connection, const TileId& tile) {
+  SqliteStatement row(connection, "SELECT jpeg, checksum FROM mosaic_tile WHERE z = ? AND x = ? AND y = ?");
+  row.Bind(tile.z).Bind(tile.x).Bind(tile.y);
+  if (!row.Step()) {
+    return std::nullopt;
+  }
+  const CheckedRow checked(
+      connection, row,
+      "mosaic tile " + std::to_string(tile.z) + "/" + std::to_string(tile.x) + "/" + std::to_string(tile.y));
+  Blob jpeg = checked.Bytes(0, "jpeg");
+  ContentHash hash;
+  if (hash.Add(jpeg).Checksum() != checked.Long(1, "checksum")) {
+    checked.Refuse("its checksum differs");
+  }
+  return jpeg;
 }
 
 }  // namespace floorloc

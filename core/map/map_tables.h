@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/map/floor_map.h"
@@ -19,6 +20,8 @@ std::vector<MapFrame> ReadFrameTable(const SqliteConnection& connection, const M
 std::vector<MapLink> ReadLinkTable(const SqliteConnection& connection, const MapInfo& info, int frames);
 
 MosaicLayout ReadMosaicColumns(const SqliteConnection& connection);
+/// The encoded JPEG of a mosaic tile, its checksum verified; empty where the map has none.
+std::optional<std::vector<std::uint8_t>> ReadTile(const SqliteConnection& connection, const TileId& tile);
 /// Tiles of one level, all on the surveyed floor.
 std::vector<TileId> ReadMosaicTileIds(const SqliteConnection& connection, int zoom);
 

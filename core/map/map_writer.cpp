@@ -2,8 +2,6 @@
 #include "core/map/map_writer.h"
 
 #include <array>
-#include <cmath>
-#include <map>
 
 #include "core/map/camera_mask_table.h"
 #include "core/map/content_hash.h"
@@ -11,7 +9,9 @@
 #include "core/map/keypoint_blobs.h"
 #include "core/map/map_contract.h"
 #include "core/map/map_layers.h"
+#include "core/map/map_tables.h"
 #include "core/map/part_file.h"
+#include "core/map/upright_table.h"
 #include "schema/embedded.h"
 
 namespace floorloc {
@@ -130,22 +130,25 @@ void MapWriter::WriteLinks(const std::vector<MapLink>& links) {
 void MapWriter::WriteKeypoints(const MapKeypoints& keypoints, DescriptorType type) {
   impl_->descriptor_type = type;
   impl_->descriptor_length = keypoints.descriptors.cols;
-  std::map<std::pair<int, int>, std::vector<int>> tiles;
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const Eigen::Vector2d tile = keypoints.PositionInMap(i) / kKeypointTileM;
-    const int x = static_cast<int>(std::floor(tile.x()));
-    const int y = static_cast<int>(std::floor(tile.y()));
-    tiles[{x, y}].push_back(static_cast<int>(i));
-  }
   SqliteTransaction transaction(impl_->connection);
   SqliteStatement insert(impl_->connection, "INSERT INTO keypoint_tile VALUES (?,?,?,?,?,?,?,?,?,?,?,?)");
-  for (const auto& [tile, indices] : tiles) {
+  for (const auto& [tile, indices] : KeypointsByTile(keypoints, kKeypointTileM)) {
     const KeypointBlobs b = PackKeypoints(keypoints, indices, {tile.first, tile.second, kKeypointTileM});
     insert.Bind(tile.first).Bind(tile.second).Bind(b.count).Bind(b.position).Bind(b.angle).Bind(b.size);
     insert.Bind(b.response).Bind(b.observations).Bind(b.distinctiveness).Bind(b.last_survey);
     insert.Bind(b.descriptor).Bind(b.Checksum()).Run();
   }
   transaction.Commit();
+}
+
+void MapWriter::WriteUprightDescriptors(const MapKeypoints& keypoints) {
+  SqliteTransaction transaction(impl_->connection);
+  WriteUpright(impl_->connection, keypoints, kKeypointTileM);
+  transaction.Commit();
+}
+
+std::optional<std::vector<std::uint8_t>> MapWriter::ReadMosaicTile(const TileId& tile) const {
+  return ReadTile(impl_->connection, tile);
 }
 
 void MapWriter::WriteMosaicTiles(const std::vector<MosaicTile>& tiles) {

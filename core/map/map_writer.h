@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ class MapWriter {
   void WriteLinks(const std::vector<MapLink>& links);
   void WriteKeypoints(const MapKeypoints& keypoints, DescriptorType type);
   void WriteMosaicTiles(const std::vector<MosaicTile>& tiles);
+  /// Writes MapKeypoints::upright of the keypoints that WriteKeypoints() wrote.
+  void WriteUprightDescriptors(const MapKeypoints& keypoints);
+  /// A tile that WriteMosaicTiles() wrote; empty: none. Not thread-safe.
+  std::optional<std::vector<std::uint8_t>> ReadMosaicTile(const TileId& tile) const;
   /// Writes info (its content_version is computed here), flushes to the disk, renames. Returns the content version.
   std::string Commit(const MapInfo& info, const MosaicLayout& mosaic);
 

@@ -20,6 +20,7 @@
 #include "mapbuilder/coverage/coverage.h"
 #include "mapbuilder/extend/extend_map.h"
 #include "mapbuilder/finished_map/map_info.h"
+#include "mapbuilder/finished_map/upright_descriptors.h"
 #include "mapbuilder/screening/frame_screening.h"
 #include "mapbuilder/screening/odometry_agreement.h"
 #include "mapbuilder/self_calibration/camera_doubt.h"
@@ -276,7 +277,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
   AddScale(floor.frames, options, base ? base->map.info.report_json : "", &report);
   clock.Finish("poses");
 
-  const MapKeypoints keypoints = FuseKeypoints(floor.ForFusion(), options.fusion);
+  MapKeypoints keypoints = FuseKeypoints(floor.ForFusion(), options.fusion);
   CountKeypoints(keypoints, &report);
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(options.extractor)->descriptor_type());
   clock.Finish("keypoints");
@@ -287,6 +288,12 @@ BuildReport BuildMap(const BuildOptions& requested) {
   }
 
   const MosaicLayout layout = WriteFramesAndMosaic(floor, options.mosaic, &writer, &report);
+  keypoints.upright =
+      DescribeInMosaic(keypoints,
+                       {[&](const TileId& tile) { return writer.ReadMosaicTile(tile); }, layout, options.extractor,
+                        floor.frames.set.surveys.front().survey.camera.floor.resolution_m},
+                       options.run);
+  writer.WriteUprightDescriptors(keypoints);
   clock.Finish("mosaic");
 
   const MapInfo info = MakeMapInfo(options.out.stem().string(), floor.frames.set.surveys, base.get());

@@ -9,6 +9,7 @@
 #include "core/map/map_writer.h"
 #include "mapbuilder/finished_map/map_info.h"
 #include "mapbuilder/finished_map/map_mosaic.h"
+#include "mapbuilder/finished_map/upright_descriptors.h"
 #include "mapbuilder/merge/join_keypoints.h"
 #include "mapbuilder/merge/map_deformation.h"
 #include "mapbuilder/mosaic/mosaic.h"
@@ -118,7 +119,7 @@ MergeReport MergeMaps(const MergeOptions& options) {
 
   const MapDeformation deformation(second, alignment.first_from_base);
   const MapKeypoints deformed = Deformed(second.map.keypoints, deformation, first.map.keypoints.origin_m);
-  const MapKeypoints keypoints =
+  MapKeypoints keypoints =
       JoinKeypoints(first.map.keypoints, deformed, first.map.info.camera().floor.resolution_m, first.survey_count());
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(first.map.info.extractor)->descriptor_type());
 
@@ -131,6 +132,11 @@ MergeReport MergeMaps(const MergeOptions& options) {
   mosaic.run = options.alignment.run;
   const MosaicLayout layout = MakeMosaicLayout(coverage.Extent(), mosaic);
   WriteMosaic(first, second, deformation, {coverage.Extent(), layout, mosaic}, &writer);
+  keypoints.upright = DescribeInMosaic(keypoints,
+                                       {[&](const TileId& tile) { return writer.ReadMosaicTile(tile); }, layout,
+                                        first.map.info.extractor, first.map.info.camera().floor.resolution_m},
+                                       options.alignment.run);
+  writer.WriteUprightDescriptors(keypoints);
 
   MergeReport report;
   for (const BaseMap* map : {&first, &second}) {

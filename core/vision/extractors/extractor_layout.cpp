@@ -26,4 +26,6 @@ DescriptorLayout LayoutOf(ExtractorType type) {
   throw std::invalid_argument("unknown extractor");
 }
 
+bool HasUpright(ExtractorType type) { return type == ExtractorType::kHessian; }
+
 }  // namespace floorloc

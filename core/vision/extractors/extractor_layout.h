@@ -9,4 +9,7 @@ namespace floorloc {
 /// Layout of an extractor's descriptors; also for extractors that this build does not have.
 DescriptorLayout LayoutOf(ExtractorType type);
 
+/// True for an extractor whose keypoints can be described at any heading (DescribeUpright).
+bool HasUpright(ExtractorType type);
+
 }  // namespace floorloc

@@ -26,6 +26,11 @@ cv::Mat FeatureExtractor::Prepare(const GroundImage& image) const {
   return NormalizeContrast(image.gray, image.mask, {options_.normalize_radius_px, options_.smooth_sigma_px});
 }
 
+ContrastOptions ContrastOfMosaic(const ExtractorOptions& options) {
+  const int radius_px = options.normalize_radius_px > 0 ? options.normalize_radius_px : ContrastOptions().radius_px;
+  return {radius_px, options.smooth_sigma_px};
+}
+
 const char* ToString(ExtractorType type) {
   switch (type) {
     case ExtractorType::kHessian:

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/vision/extractors/upright_image.h"
 #include "core/vision/features/features.h"
+#include "core/vision/image/contrast.h"
 #include "core/vision/image/ground_image.h"
 
 namespace floorloc {
@@ -34,16 +36,26 @@ struct ExtractorOptions {
   void Check() const;
 };
 
+/// How a mosaic is normalised that images, prepared with these options, are compared with.
+ContrastOptions ContrastOfMosaic(const ExtractorOptions& options);
+
 /// Detects and describes keypoints. Const and thread-safe.
 class FeatureExtractor {
  public:
   virtual ~FeatureExtractor() = default;
   /// Keypoints in the base frame. Deterministic.
-  Features Extract(const GroundImage& image) const { return Extract(image, Prepare(image)); }
+  Features Extract(const GroundImage& image) const {
+    UprightImage unused;
+    return Extract(image, Prepare(image), &unused);
+  }
   /// The contrast-normalised image that keypoints are detected in, CV_8UC1, for callers that use it too.
   cv::Mat Prepare(const GroundImage& image) const;
-  /// prepared: Prepare(image).
-  virtual Features Extract(const GroundImage& image, const cv::Mat& prepared) const = 0;
+  /// prepared: Prepare(image). upright: what describes the keypoints at any heading; left empty by extractors without
+  /// upright descriptors.
+  virtual Features Extract(const GroundImage& image, const cv::Mat& prepared, UprightImage* upright) const = 0;
+  /// The image, prepared as Prepare() does, for upright descriptors of points of another extraction or of a mosaic.
+  /// Empty: this extractor has none.
+  virtual UprightImage MakeUpright(const GroundGrid& grid, const cv::Mat& prepared) const = 0;
   virtual DescriptorType descriptor_type() const = 0;
   virtual int descriptor_length() const = 0;  ///< bytes (binary) or numbers (float) per descriptor
   const ExtractorOptions& options() const { return options_; }

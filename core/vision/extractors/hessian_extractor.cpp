@@ -46,7 +46,7 @@ class HessianExtractor final : public FeatureExtractor {
  public:
   explicit HessianExtractor(const ExtractorOptions& options) : FeatureExtractor(options) {}
 
-  Features Extract(const GroundImage& image, const cv::Mat& prepared) const override {
+  Features Extract(const GroundImage& image, const cv::Mat& prepared, UprightImage* upright) const override {
     const cv::Mat smooth = SmoothGaussian(prepared, kSigmaPx);
     const double threshold = options().threshold > 0.0 ? options().threshold : kDefaultThreshold;
     std::vector<cv::KeyPoint> found = DetectHessian(smooth, kBorderPx, static_cast<float>(threshold));
@@ -56,15 +56,22 @@ class HessianExtractor final : public FeatureExtractor {
       keypoints.push_back(found[static_cast<std::size_t>(i)]);
     }
     OrientByCentroid(prepared, &keypoints);
-    cv::Mat levels;
-    smooth.convertTo(levels, CV_16S, kLevelSteps);
-    return {ToFloor(image.grid, keypoints), DescribeBrief(levels, keypoints)};
+    *upright = {image.grid, ToLevels(smooth)};
+    return {ToFloor(image.grid, keypoints), DescribeBrief(upright->smooth, keypoints)};
+  }
+  UprightImage MakeUpright(const GroundGrid& grid, const cv::Mat& prepared) const override {
+    return {grid, ToLevels(SmoothGaussian(prepared, kSigmaPx))};
   }
 
   DescriptorType descriptor_type() const override { return DescriptorType::kBinary; }
   int descriptor_length() const override { return kBriefBytes; }
 
  private:
+  static cv::Mat ToLevels(const cv::Mat& smooth) {
+    cv::Mat levels;
+    smooth.convertTo(levels, CV_16S, kLevelSteps);
+    return levels;
+  }
   static std::vector<Keypoint> ToFloor(const GroundGrid& grid, const std::vector<cv::KeyPoint>& keypoints) {
     std::vector<Keypoint> on_floor;
     on_floor.reserve(keypoints.size());

@@ -154,7 +154,8 @@ class OpenCvExtractor final : public FeatureExtractor {
   explicit OpenCvExtractor(const ExtractorOptions& options)
       : FeatureExtractor(options), detector_(CreateDetector(options)) {}
 
-  Features Extract(const GroundImage& image, const cv::Mat& prepared) const override {
+  UprightImage MakeUpright(const GroundGrid& /*grid*/, const cv::Mat& /*prepared*/) const override { return {}; }
+  Features Extract(const GroundImage& image, const cv::Mat& prepared, UprightImage* /*upright*/) const override {
     if (!FitsPyramid(options(), image.gray.size())) {
       return {};
     }

@@ -118,6 +118,28 @@ void TurnPattern(const PixelPair* pattern, const Turn& turn, int step, int* __re
   }
 }
 
+// Rows are independent of each other: the offsets of the pairs are those of a row's angle.
+void CompareAll(const std::int16_t* center, const std::array<int, kPairs>& a, const std::array<int, kPairs>& b,
+                std::uint8_t* row) {
+  for (std::size_t byte = 0; byte < kBriefBytes; ++byte) {
+    int bits = 0;
+    for (std::size_t bit = 0; bit < 8; ++bit) {
+      bits |= static_cast<int>(center[a[8 * byte + bit]] < center[b[8 * byte + bit]]) << bit;
+    }
+    row[byte] = static_cast<std::uint8_t>(bits);
+  }
+}
+
+const std::array<PixelPair, kPairs>& Pattern() {
+  static const std::array<PixelPair, kPairs> pattern = MakePattern();
+  return pattern;
+}
+
+Turn TurnOf(float angle_deg) {
+  const float angle = angle_deg * std::numbers::pi_v<float> / 180.0F;
+  return {std::cos(angle), std::sin(angle)};
+}
+
 }  // namespace
 
 void OrientByCentroid(const cv::Mat& image, std::vector<cv::KeyPoint>* keypoints) {
@@ -132,23 +154,30 @@ void OrientByCentroid(const cv::Mat& image, std::vector<cv::KeyPoint>* keypoints
 }
 
 cv::Mat DescribeBrief(const cv::Mat& smooth, const std::vector<cv::KeyPoint>& keypoints) {
-  static const std::array<PixelPair, kPairs> pattern = MakePattern();
   cv::Mat descriptors(static_cast<int>(keypoints.size()), kBriefBytes, CV_8UC1);
   const auto step = static_cast<int>(smooth.step1());
   std::array<int, kPairs> a{};
   std::array<int, kPairs> b{};
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const cv::KeyPoint& k = keypoints[i];
-    const float angle = k.angle * std::numbers::pi_v<float> / 180.0F;
-    TurnPattern(pattern.data(), {std::cos(angle), std::sin(angle)}, step, a.data(), b.data());
+    TurnPattern(Pattern().data(), TurnOf(k.angle), step, a.data(), b.data());
     const std::int16_t* center = smooth.ptr<std::int16_t>(cvRound(k.pt.y)) + cvRound(k.pt.x);
-    std::uint8_t* row = descriptors.ptr<std::uint8_t>(static_cast<int>(i));
-    for (std::size_t byte = 0; byte < kBriefBytes; ++byte) {
-      int bits = 0;
-      for (std::size_t bit = 0; bit < 8; ++bit) {
-        bits |= static_cast<int>(center[a[8 * byte + bit]] < center[b[8 * byte + bit]]) << bit;
-      }
-      row[byte] = static_cast<std::uint8_t>(bits);
+    CompareAll(center, a, b, descriptors.ptr<std::uint8_t>(static_cast<int>(i)));
+  }
+  return descriptors;
+}
+
+cv::Mat DescribeBriefAt(const cv::Mat& smooth, const std::vector<cv::Point2f>& points, float angle_deg) {
+  cv::Mat descriptors = cv::Mat::zeros(static_cast<int>(points.size()), kBriefBytes, CV_8UC1);
+  std::array<int, kPairs> a{};
+  std::array<int, kPairs> b{};
+  TurnPattern(Pattern().data(), TurnOf(angle_deg), static_cast<int>(smooth.step1()), a.data(), b.data());
+  const cv::Rect inside(kBriefReachPx, kBriefReachPx, smooth.cols - 2 * kBriefReachPx, smooth.rows - 2 * kBriefReachPx);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const cv::Point center(cvRound(points[i].x), cvRound(points[i].y));
+    if (inside.contains(center)) {
+      CompareAll(smooth.ptr<std::int16_t>(center.y) + center.x, a, b,
+                 descriptors.ptr<std::uint8_t>(static_cast<int>(i)));
     }
   }
   return descriptors;

@@ -21,4 +21,8 @@ void OrientByCentroid(const cv::Mat& image, std::vector<cv::KeyPoint>* keypoints
 /// from the isotropic Gaussian of BRIEF's test design G II, with a fixed seed.
 cv::Mat DescribeBrief(const cv::Mat& smooth, const std::vector<cv::KeyPoint>& keypoints);
 
+/// The same with one angle for all points, degrees clockwise from the image's right: upright BRIEF in an image that is
+/// turned by it. Of points nearer than kBriefReachPx to the edge all bits are 0.
+cv::Mat DescribeBriefAt(const cv::Mat& smooth, const std::vector<cv::Point2f>& points, float angle_deg);
+
 }  // namespace floorloc

@@ -41,6 +41,9 @@ Match NearestEuclidean(const cv::Mat& query, int row, const cv::Mat& train, cons
   return best;
 }
 
+// As the least cosine: every angle is near enough.
+constexpr float kAnyAngle = -2.0F;
+
 // Fields of a run of keypoints.
 struct RunFields {
   const float* x_m;
@@ -84,13 +87,25 @@ struct GuidedMatcher::Window {
   float size_m;
 };
 
-GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m)
-    : descriptors_(descriptors), cell_m_(cell_m) {
+struct GuidedMatcher::PackedQuery {
+  PackedDescriptors query;
+  const PackedDescriptors* train = nullptr;
+};
+
+GuidedMatcher::GuidedMatcher(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, double cell_m,
+                             const cv::Mat& upright)
+    : descriptors_(descriptors), upright_descriptors_(upright), cell_m_(cell_m) {
   if (!(cell_m > 0.0) || !std::isfinite(cell_m)) {
     throw std::invalid_argument("cell_m must be a positive number");
   }
   if (descriptors.depth() == CV_8U) {
     packed_ = PackedDescriptors(descriptors);
+  }
+  if (!upright.empty()) {
+    if (static_cast<std::size_t>(upright.rows) != keypoints.size() || upright.type() != CV_8UC1) {
+      throw std::invalid_argument("there must be as many upright descriptors, of bytes, as keypoints");
+    }
+    upright_ = PackedDescriptors(upright);
   }
   if (keypoints.empty()) {
     return;
@@ -183,19 +198,18 @@ void GuidedMatcher::Collect(const Window& window, std::vector<int>* candidates) 
   }
 }
 
-Match GuidedMatcher::FindAmong(const Features& query, const PackedDescriptors& packed_query, int row,
+Match GuidedMatcher::FindAmong(const Features& query, const PackedQuery& packed, int row,
                                const std::vector<int>& candidates) const {
-  if (packed_.rows() == 0) {
+  if (packed.train->rows() == 0) {
     return NearestEuclidean(query.descriptors, row, descriptors_, candidates);
   }
-  const TwoNearest best = FindTwoNearest(packed_, packed_query.row(row), candidates);
+  const TwoNearest best = FindTwoNearest(*packed.train, packed.query.row(row), candidates);
   const float second =
       best.second_index >= 0 ? static_cast<float>(best.second_distance) : std::numeric_limits<float>::infinity();
   return {row, best.index, static_cast<float>(best.distance), second};
 }
 
 std::vector<int> GuidedMatcher::FindWithin(const Keypoint& keypoint, double radius_m) const {
-  constexpr float kAnyAngle = -2.0F;
   std::vector<int> found;
   Collect({keypoint.x_m, keypoint.y_m, static_cast<float>(radius_m), 1.0F, 0.0F, kAnyAngle, keypoint.size_m}, &found);
   return found;
@@ -208,14 +222,17 @@ std::vector<Match> GuidedMatcher::FindNearest(const Features& query, const Match
   if (query.keypoints.empty() || descriptors_.rows == 0) {
     return {};
   }
-  CheckComparable(query.descriptors, LayoutOf(descriptors_));
+  CheckComparable(query.descriptors, LayoutOf(guide.upright ? upright_descriptors_ : descriptors_));
   if (query.keypoints.size() != static_cast<std::size_t>(query.descriptors.rows)) {
     throw std::invalid_argument("a frame must have as many descriptors as keypoints");
   }
-  const PackedDescriptors packed_query =
-      packed_.rows() > 0 ? PackedDescriptors(query.descriptors) : PackedDescriptors();
+  PackedQuery packed{{}, guide.upright ? &upright_ : &packed_};
+  if (packed.train->rows() > 0) {
+    packed.query = PackedDescriptors(query.descriptors);
+  }
   const double yaw = guide.target_from_query.yaw();
-  const auto min_cos = static_cast<float>(std::cos(std::min(guide.yaw_radius_rad, std::numbers::pi)));
+  const float min_cos =
+      guide.upright ? kAnyAngle : static_cast<float>(std::cos(std::min(guide.yaw_radius_rad, std::numbers::pi)));
   std::vector<Match> matches;
   std::vector<int> candidates;
   for (std::size_t i = 0; i < query.keypoints.size(); i += static_cast<std::size_t>(guide.stride)) {
@@ -226,7 +243,7 @@ std::vector<Match> GuidedMatcher::FindNearest(const Features& query, const Match
              static_cast<float>(std::sin(angle)), min_cos, k.size_m},
             &candidates);
     if (!candidates.empty()) {
-      matches.push_back(FindAmong(query, packed_query, static_cast<int>(i), candidates));
+      matches.push_back(FindAmong(query, packed, static_cast<int>(i), candidates));
     }
   }
   return matches;

@@ -132,19 +132,22 @@ TEST_P(LocalizerTest, FindsAnyViewOnTheWholeMap) {
 FloorMap WithNearDuplicate(FloorMap map, double shift_m) {
   std::mt19937 random(3);
   const std::size_t count = map.keypoints.size();
-  cv::Mat duplicates = map.keypoints.descriptors.clone();
   for (std::size_t i = 0; i < count; ++i) {
     Keypoint k = map.keypoints.keypoints[i];
     k.x_m += static_cast<float>(shift_m);
     map.keypoints.keypoints.push_back(k);
     map.keypoints.observations.push_back(map.keypoints.observations[i]);
-    for (int flip = 0; flip < 10; ++flip) {
-      duplicates.at<std::uint8_t>(static_cast<int>(i),
-                                  static_cast<int>(random() % static_cast<unsigned>(duplicates.cols))) ^=
-          static_cast<std::uint8_t>(1U << (random() % 8));
-    }
   }
-  map.keypoints.descriptors.push_back(duplicates);
+  for (cv::Mat* descriptors : {&map.keypoints.descriptors, &map.keypoints.upright}) {
+    cv::Mat duplicates = descriptors->clone();
+    for (int row = 0; row < duplicates.rows; ++row) {
+      for (int flip = 0; flip < 10; ++flip) {
+        duplicates.at<std::uint8_t>(row, static_cast<int>(random() % static_cast<unsigned>(duplicates.cols))) ^=
+            static_cast<std::uint8_t>(1U << (random() % 8));
+      }
+    }
+    descriptors->push_back(duplicates);
+  }
   return map;
 }
 
@@ -161,6 +164,37 @@ TEST(RepeatingFloorTest, AWrongPriorIsNotConfirmedByAliasedFloor) {
     const LocalizationResult misled = localizer.Localize(rectifier, view, prior);
     EXPECT_EQ(misled.status, LocalizationStatus::kNotLocalized);
     EXPECT_EQ(misled.reason, NotLocalizedReason::kContradictsPrior);
+  }
+}
+
+// The angles of keypoints in blurred or worn images are wrong: where the heading is known they must not matter.
+TEST_P(LocalizerTest, ViewsNearAPriorNeedNoAnglesOfKeypoints) {
+  const Localizer localizer(TheMap(), LocalizerOptions{}, Tiles());
+  std::mt19937 random(12);
+  std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+  for (const Pose2& truth : RandomPoses(10, 12)) {
+    FrameObservation frame = localizer.Observe(rectifier_, GrayView(Floor(), truth, 12));
+    for (Keypoint& k : frame.features.keypoints) {
+      k.angle_rad = static_cast<float>(kPi) * unit(random);
+    }
+    cv::randu(frame.features.descriptors, 0, 256);
+    PosePrior prior;
+    prior.map_from_base = truth * Pose2(0.05, -0.05, 0.1);
+    ExpectNear(localizer.Localize(frame, prior), truth);
+    ExpectNear(localizer.Localize(frame, std::nullopt), truth);
+  }
+}
+
+TEST_P(LocalizerTest, AMapWithoutUprightDescriptorsIsUsedAsEver) {
+  FloorMap old = TheMap();
+  old.keypoints.upright = cv::Mat();
+  const Localizer localizer(std::move(old), LocalizerOptions{}, Tiles());
+  for (const Pose2& truth : RandomPoses(5, 13)) {
+    const cv::Mat view = GrayView(Floor(), truth, 13);
+    PosePrior prior;
+    prior.map_from_base = truth * Pose2(0.05, 0.05, -0.1);
+    ExpectNear(localizer.Localize(rectifier_, view, prior), truth);
+    ExpectNear(localizer.Localize(rectifier_, view, std::nullopt), truth);
   }
 }
 
@@ -272,6 +306,7 @@ TEST_P(LocalizerTest, AnEmptyMapLocalizesNothing) {
   empty.keypoints.keypoints.clear();
   empty.keypoints.observations.clear();
   empty.keypoints.descriptors = cv::Mat(0, TheMap().keypoints.descriptors.cols, CV_8U);
+  empty.keypoints.upright = cv::Mat();
   const Localizer localizer(empty, LocalizerOptions{}, Tiles());
   const Pose2 pose = Floor().BaseForView(0.6, 0.45, 0.0);
   const cv::Mat view = GrayView(Floor(), pose, 9);
@@ -361,8 +396,6 @@ LocalizerOptions InPart() {
 TEST(LocalizerBlurTest, AFastRobotIsFoundByTheDirectionOfItsBlur) {
   const Localizer localizer(TheMap(), {}, TheFile().Tiles());
   const Rectifier rectifier(Floor().camera());
-  int without = 0;
-  int with = 0;
   for (const Pose2& truth : RandomPoses(4, 19)) {
     RenderConditions conditions;
     conditions.motion = {0.013, 0.004, 0.0};
@@ -371,18 +404,14 @@ TEST(LocalizerBlurTest, AFastRobotIsFoundByTheDirectionOfItsBlur) {
     cv::cvtColor(Floor().View(truth, conditions), gray, cv::COLOR_BGR2GRAY);
     const PosePrior prior{truth, 0.05, 0.05};
     FrameHints hints{.prior = prior, .anywhere = false};
-    without += ObserveAndLocalize(localizer, rectifier, gray, hints).result.status == LocalizationStatus::kLocalized;
+    const LocalizationResult without = ObserveAndLocalize(localizer, rectifier, gray, hints).result;
     hints.motion.twist = Eigen::Vector3d(2.6, 0.8, 0.0);
     FloorCamera global_shutter = Floor().camera();
     global_shutter.camera.readout.seconds = 0.0;
     const ObservedFrame found = ObserveAndLocalize(localizer, Rectifier(global_shutter), gray, hints);
-    if (found.result.status == LocalizationStatus::kLocalized) {
-      ++with;
-      ExpectNear(found.result, truth);
-    }
+    ExpectNear(found.result, truth);
+    EXPECT_GT(found.result.inliers, 2 * without.inliers);
   }
-  EXPECT_LT(without, with);
-  EXPECT_EQ(with, 4);
 }
 
 TEST(LocalizerPartTest, APartOfTheViewSuffices) {
@@ -448,7 +477,7 @@ int FoundAt(int jpeg_quality, bool told) {
 }
 
 TEST(LocalizerCompressionTest, MoreIsFoundOfImagesThatAreKnownToBePoor) {
-  EXPECT_GE(FoundAt(4, true), FoundAt(4, false) + 3) << "7 and 12 of 12 when this was written";
+  EXPECT_GE(FoundAt(2, true), FoundAt(2, false) + 3) << "T";
 }
 
 TEST(LocalizationNamesTest, AreTheContracts) {

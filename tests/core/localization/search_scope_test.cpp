@@ -3,10 +3,28 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 namespace floorloc {
 namespace {
 
 const RectM kRoi{0.0, 0.4, -0.2, 0.2};
+const SearchOptions kOptions;
+const SearchableMap kPlain;
+const SearchableMap kRepeating{true, false};
+const SearchableMap kUpright{false, true};
+
+double Apart(double a, double b) { return std::abs(WrapAngle(a - b)); }
+
+double ToTheNearest(const std::vector<double>& headings, double yaw) {
+  double least = 10.0;
+  for (const double heading : headings) {
+    least = std::min(least, Apart(heading, yaw));
+  }
+  return least;
+}
 
 TEST(SearchScopeTest, APriorContainsWhatItAllows) {
   const SearchScope scope{PosePrior{Pose2(1.0, 2.0, 3.0), 0.2, 0.1}, std::nullopt};
@@ -19,7 +37,7 @@ TEST(SearchScopeTest, APriorContainsWhatItAllows) {
 
 TEST(SearchScopeTest, APriorsGuideReachesWhereAnyAllowedPosePutsAKeypoint) {
   const PosePrior prior{Pose2(1.0, 2.0, 0.5), 0.2, 0.3};
-  for (const SearchScope& scope : SearchScopes(prior, kRoi, false)) {
+  for (const SearchScope& scope : SearchScopes(prior, kRoi, kPlain, kOptions)) {
     ASSERT_TRUE(scope.guide.has_value());
     for (const double turn : {-0.3, 0.0, 0.3}) {
       for (const double ahead : {-0.2, 0.2}) {
@@ -33,13 +51,13 @@ TEST(SearchScopeTest, APriorsGuideReachesWhereAnyAllowedPosePutsAKeypoint) {
 }
 
 TEST(SearchScopeTest, EffortGrows) {
-  const auto with_prior = SearchScopes(PosePrior(), kRoi, false);
+  const auto with_prior = SearchScopes(PosePrior(), kRoi, kPlain, kOptions);
   ASSERT_GE(with_prior.size(), 2U);
   for (std::size_t i = 1; i < with_prior.size(); ++i) {
     EXPECT_LT(with_prior[i].guide->stride, with_prior[i - 1].guide->stride);
   }
   EXPECT_EQ(with_prior.back().guide->stride, 1);
-  const auto whole = SearchScopes(std::nullopt, kRoi, false);
+  const auto whole = SearchScopes(std::nullopt, kRoi, kPlain, kOptions);
   ASSERT_EQ(whole.size(), 3U);
   EXPECT_GT(whole[0].probes, 0);
   EXPECT_EQ(whole[1].probes, 0);  // 0: the number in the index's options
@@ -48,22 +66,56 @@ TEST(SearchScopeTest, EffortGrows) {
 }
 
 TEST(SearchScopeTest, AThoroughSearchUsesEveryKeypoint) {
-  const SearchScope near = ThoroughScope(PosePrior(), kRoi);
+  const SearchScope near = ThoroughScope(PosePrior(), kRoi, kPlain, kOptions);
   ASSERT_TRUE(near.guide.has_value());
   EXPECT_TRUE(near.thorough);
   EXPECT_EQ(near.guide->stride, 1);
   EXPECT_FALSE(near.Contains(Pose2(5.0, 0.0, 0.0))) << "it stays within the prior";
-  const SearchScope whole = ThoroughScope(std::nullopt, kRoi);
+  const SearchScope whole = ThoroughScope(std::nullopt, kRoi, kPlain, kOptions);
   EXPECT_TRUE(whole.thorough);
   EXPECT_TRUE(whole.indistinct);
   EXPECT_FALSE(whole.guide.has_value());
 }
 
 TEST(SearchScopeTest, AFloorThatRepeatsItselfIsSearchedWithAllEffortAtOnce) {
-  const auto whole = SearchScopes(std::nullopt, kRoi, true);
+  const auto whole = SearchScopes(std::nullopt, kRoi, kRepeating, kOptions);
   ASSERT_EQ(whole.size(), 1U);
   EXPECT_EQ(whole[0].probes, 0);
   EXPECT_FALSE(whole[0].indistinct);
+}
+
+TEST(SearchScopeTest, HeadingsOfAPriorLeaveNoneOutAndTheGuideStillReaches) {
+  for (const double yaw_radius : {0.02, 0.3, std::numbers::pi}) {
+    const PosePrior prior{Pose2(1.0, 2.0, 0.5), 0.2, yaw_radius};
+    for (const SearchScope& scope : SearchScopes(prior, kRoi, kUpright, kOptions)) {
+      ASSERT_FALSE(scope.headings.empty());
+      for (double turn = -yaw_radius; turn <= yaw_radius; turn += 0.01) {
+        const Pose2 allowed = prior.map_from_base * Pose2(0.2, 0.0, turn);
+        const double off = ToTheNearest(scope.headings, allowed.yaw());
+        EXPECT_LE(off, 0.5 * kOptions.heading_step_rad + 1e-9) << yaw_radius << " " << turn;
+        const auto reached = std::any_of(scope.headings.begin(), scope.headings.end(), [&](double heading) {
+          const Pose2 guess(prior.map_from_base.x(), prior.map_from_base.y(), heading);
+          const Eigen::Vector2d corner(0.4, 0.2);
+          return (allowed * corner - guess * corner).norm() <= scope.guide->radius_m + 1e-9;
+        });
+        EXPECT_TRUE(reached) << yaw_radius << " " << turn;
+      }
+    }
+  }
+}
+
+TEST(SearchScopeTest, AMapWithUprightDescriptorsIsSearchedAtAllHeadingsBeforeItIsGivenUp) {
+  const auto whole = SearchScopes(std::nullopt, kRoi, kUpright, kOptions);
+  ASSERT_EQ(whole.size(), 4U);
+  EXPECT_TRUE(whole.front().headings.empty());
+  EXPECT_EQ(whole[2].strongest, kOptions.heading_keypoints);
+  const SearchScope thorough = ThoroughScope(std::nullopt, kRoi, kUpright, kOptions);
+  EXPECT_TRUE(thorough.thorough);
+  for (const SearchScope& scope : {whole[2], thorough}) {
+    for (double yaw = -3.2; yaw < 3.2; yaw += 0.05) {
+      EXPECT_LE(ToTheNearest(scope.headings, yaw), 0.5 * kOptions.heading_step_rad + 1e-9) << yaw;
+    }
+  }
 }
 
 }  // namespace

@@ -126,6 +126,7 @@ inline std::string WriteMap(const std::filesystem::path& file, const MapContent&
   writer.WriteLinks(content.links);
   writer.WriteKeypoints(content.keypoints, content.type);
   writer.WriteMosaicTiles(content.tiles);
+  writer.WriteUprightDescriptors(content.keypoints);
   return writer.Commit(content.info, content.mosaic);
 }
 

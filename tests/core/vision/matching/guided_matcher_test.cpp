@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
 #include "tests/core/vision/vision_test_support.h"
 
@@ -108,6 +109,37 @@ TEST_P(GuidedMatcherTest, FindsItselfWithAGoodPrior) {
   for (const Match& match : matches) {
     EXPECT_EQ(match.distance, 0.0F);
   }
+}
+
+TEST_P(GuidedMatcherTest, UprightDescriptorsMatchAtAnyAngle) {
+  const Pose2 pose(0.4, -0.2, 2.9);
+  Features map = map_;
+  const cv::Mat upright = testing_vision::RandomBits(static_cast<int>(map.keypoints.size()), 32, 7);
+  const GuidedMatcher matcher(map.keypoints, map.descriptors, kCellM, upright);
+  map.descriptors = upright;
+  Features query = FeaturesSeenFrom(map, pose);
+  for (Keypoint& k : query.keypoints) {
+    k.angle_rad += 2.0F;
+  }
+  MatchGuide guide{pose, 0.01, 0.1};
+  guide.upright = true;
+  const std::vector<Match> matches = matcher.FindNearest(query, guide);
+  ASSERT_EQ(matches.size(), query.keypoints.size());
+  for (const Match& match : matches) {
+    EXPECT_EQ(match.distance, 0.0F);
+  }
+}
+
+TEST_P(GuidedMatcherTest, UprightDescriptorsAreCheckedLikeTheOthers) {
+  EXPECT_THROW(GuidedMatcher(map_.keypoints, map_.descriptors, kCellM, testing_vision::RandomBits(3, 32, 7)),
+               std::invalid_argument);
+  const cv::Mat upright = testing_vision::RandomBits(static_cast<int>(map_.keypoints.size()), 32, 7);
+  const GuidedMatcher matcher(map_.keypoints, map_.descriptors, kCellM, upright);
+  MatchGuide guide{Pose2(), 0.1, 0.3};
+  guide.upright = true;
+  Features query = FeaturesSeenFrom(map_, Pose2());
+  query.descriptors = testing_vision::RandomBits(query.descriptors.rows, 16, 8);
+  EXPECT_THROW(matcher.FindNearest(query, guide), std::invalid_argument);
 }
 
 TEST_P(GuidedMatcherTest, FindsNothingFarAway) {
