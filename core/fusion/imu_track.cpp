@@ -13,19 +13,11 @@ double Seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 Eigen::Matrix2d Rotation(double yaw) { return Pose2(0.0, 0.0, yaw).rotation(); }
 
-// Linear interpolation between two readings.
-ImuReading Interpolate(const ImuReading& a, const ImuReading& b, std::int64_t stamp_ns) {
-  const double share = static_cast<double>(stamp_ns - a.stamp_ns) / static_cast<double>(b.stamp_ns - a.stamp_ns);
-  return {stamp_ns, a.yaw_rate_rad_s + share * (b.yaw_rate_rad_s - a.yaw_rate_rad_s),
-          a.acceleration_m_s2 + share * (b.acceleration_m_s2 - a.acceleration_m_s2)};
-}
-
-void Extend(const ImuReading& a, const ImuReading& b, const ImuBias& bias, ImuMotion* motion) {
-  const double dt = Seconds(b.stamp_ns - a.stamp_ns);
-  const double turn = dt * (0.5 * (a.yaw_rate_rad_s + b.yaw_rate_rad_s) - bias.yaw_rate_rad_s);
+// The reading holds for dt seconds.
+void Extend(const ImuReading& reading, double dt, const ImuBias& bias, ImuMotion* motion) {
+  const double turn = dt * (reading.yaw_rate_rad_s - bias.yaw_rate_rad_s);
   const Eigen::Matrix2d rotation = Rotation(motion->yaw_rad + 0.5 * turn);
-  const Eigen::Vector2d acceleration =
-      rotation * (0.5 * (a.acceleration_m_s2 + b.acceleration_m_s2) - bias.acceleration_m_s2);
+  const Eigen::Vector2d acceleration = rotation * (reading.acceleration_m_s2 - bias.acceleration_m_s2);
   motion->position_m += dt * motion->velocity_m_s + 0.5 * dt * dt * acceleration;
   motion->position_by_bias += dt * motion->velocity_by_bias - 0.5 * dt * dt * rotation;
   motion->velocity_m_s += dt * acceleration;
@@ -80,12 +72,11 @@ std::int64_t ImuTrack::NextStart(std::int64_t from_ns, std::int64_t limit_ns) co
 
 ImuMotion ImuTrack::Between(std::int64_t from_ns, std::int64_t to_ns, const ImuBias& bias) const {
   ImuMotion motion;
-  auto next = FirstAfter(from_ns);
-  ImuReading here = Interpolate(*std::prev(next), *next, from_ns);
-  for (; here.stamp_ns < to_ns; ++next) {
-    const ImuReading there = next->stamp_ns > to_ns ? Interpolate(here, *next, to_ns) : *next;
-    Extend(here, there, bias, &motion);
-    here = there;
+  std::int64_t at_ns = from_ns;
+  for (auto reading = FirstAfter(from_ns); at_ns < to_ns; ++reading) {
+    const std::int64_t until_ns = std::min(reading->stamp_ns, to_ns);
+    Extend(*reading, Seconds(until_ns - at_ns), bias, &motion);
+    at_ns = until_ns;
   }
   return motion;
 }

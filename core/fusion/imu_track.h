@@ -41,7 +41,7 @@ class ImuTrack {
   std::int64_t CoveredUntil(std::int64_t from_ns, std::int64_t limit_ns) const;
   /// The first reading at or after from_ns; limit_ns when there is none before it.
   std::int64_t NextStart(std::int64_t from_ns, std::int64_t limit_ns) const;
-  /// Integrates over a covered interval by the trapezoidal rule.
+  /// Integrates over a covered interval.
   ImuMotion Between(std::int64_t from_ns, std::int64_t to_ns, const ImuBias& bias) const;
 
  private:

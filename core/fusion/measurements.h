@@ -28,7 +28,9 @@ struct MotionEstimate {
   double sigma_rad = 0.0;
 };
 
-/// One reading of an IMU whose axes are those of the base frame.
+/// One reading of an IMU whose axes are those of the base frame: the mean since the reading before it. MEMS sensors
+/// filter what they sample and are read when that is done: taken for the values at its stamp, a reading would be half
+/// an interval late, which is ten milliradians where the yaw rate changes by 2 rad/s at 100 Hz.
 struct ImuReading {
   std::int64_t stamp_ns = 0;
   double yaw_rate_rad_s = 0.0;

@@ -66,8 +66,9 @@ class DriveSimulation {
     return {from_ns, to_ns, Pose2(shrink * motion.x() + Normal(noise), shrink * motion.y() + Normal(noise), yaw), {}};
   }
 
+  // The mean since the reading before.
   ImuReading Imu(std::int64_t stamp_ns) {
-    const double t = Seconds(stamp_ns);
+    const double t = Seconds(stamp_ns - kImuNs / 2);
     return {stamp_ns, YawRate(t) + errors_.imu.yaw_rate_rad_s + Normal(errors_.gyro_noise),
             Eigen::Vector2d(Acceleration(t) + Normal(errors_.accelerometer_noise),
                             Speed(t) * YawRate(t) + Normal(errors_.accelerometer_noise)) +
