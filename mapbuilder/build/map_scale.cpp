@@ -79,9 +79,8 @@ double SigmaOfControlPoints(const CalibratedFrames& map, const DistanceOptions& 
       if (frame == by_name.end() || !map.placement.map_from_base[frame->second]) {
         continue;
       }
-      const Eigen::Vector2d seen_m =
-          *map.placement.map_from_base[frame->second] *
-          CameraOf(map.set.frames[frame->second], map.set.surveys).FloorFromRawPixel(point.raw_px);
+      const Eigen::Vector2d seen_m = *map.placement.map_from_base[frame->second] *
+                                     FloorPointOf(map.set.frames[frame->second], map.set.surveys, point.raw_px);
       points.Add(point.point_in_map_m, (seen_m - point.point_in_map_m).norm(),
                  std::hypot(point.sigma_m.value_or(ControlPointFactor().sigma_m),
                             options.reading_px * survey.camera.floor.resolution_m));

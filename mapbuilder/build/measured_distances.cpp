@@ -46,7 +46,7 @@ std::optional<Sight> BestSight(const CalibratedFrames& map, std::size_t survey, 
     if (!camera.floor.roi.Contains(in_base) || (best && off_m >= nearest_m)) {
       continue;
     }
-    const Eigen::Vector2d px = camera.RawPixelFromFloor(in_base);
+    const Eigen::Vector2d px = RawPixelOf(frame, map.set.surveys, in_base);
     if (px.minCoeff() >= 0.0 && px.x() <= camera.camera.width_px - 1 && px.y() <= camera.camera.height_px - 1) {
       best = Sight{i, px};
       nearest_m = off_m;
@@ -161,7 +161,7 @@ std::vector<DistanceMisfit> CompareDistances(const CalibratedFrames& map, const 
         return std::nullopt;
       }
       return *map.placement.map_from_base[frame->second] *
-             CameraOf(map.set.frames[frame->second], map.set.surveys).FloorFromRawPixel(px);
+             FloorPointOf(map.set.frames[frame->second], map.set.surveys, px);
     };
     for (const KnownDistance& known : map.set.surveys[s].survey.known_distances) {
       const auto a = seen(known.first_filename, known.first_raw_px);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 
 #include "core/geometry/option_check.h"
@@ -27,7 +28,9 @@ void Refine(const cv::Mat& smooth, int modules, MarkerInImage* corners) {
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
 }
 
-std::vector<MarkerDetection> DetectIn(const cv::Mat& raw, const FloorCamera& camera,
+// point_of: where a raw pixel sees the floor, base frame.
+std::vector<MarkerDetection> DetectIn(const cv::Mat& raw,
+                                      const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& point_of,
                                       const cv::Ptr<cv::aruco::Dictionary>& dictionary) {
   std::vector<MarkerInImage> found;
   std::vector<int> ids;
@@ -44,7 +47,7 @@ std::vector<MarkerDetection> DetectIn(const cv::Mat& raw, const FloorCamera& cam
     detection.id = ids[i];
     bool on_floor = true;
     for (std::size_t c = 0; c < 4; ++c) {
-      detection.corners_m[c] = camera.FloorFromRawPixel({found[i][c].x, found[i][c].y});
+      detection.corners_m[c] = point_of({found[i][c].x, found[i][c].y});
       on_floor = on_floor && detection.corners_m[c].allFinite();
     }
     if (on_floor) {
@@ -94,7 +97,8 @@ std::vector<MarkerDetection> DetectMarkers(const std::vector<BuildFrame>& frames
     const CameraModel& camera = survey.camera.camera;
     try {
       const cv::Mat raw = ReadGrayImage(survey.ImagePath(frames[index].info), camera.width_px, camera.height_px);
-      per_frame[index] = DetectIn(raw, CameraOf(frames[index], surveys), dictionary);
+      const auto point_of = [&](const Eigen::Vector2d& raw_px) { return FloorPointOf(frames[index], surveys, raw_px); };
+      per_frame[index] = DetectIn(raw, point_of, dictionary);
     } catch (const InputError&) {
       // The stage before this one has reported it.
     }

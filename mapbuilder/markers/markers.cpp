@@ -235,8 +235,7 @@ FrameSet MarkerSurvey::AddControlPoints(FrameSet set) const {
     const BuildFrame& frame = set.frames[static_cast<std::size_t>(detection.frame)];
     Survey& survey = set.surveys[static_cast<std::size_t>(frame.survey)].survey;
     const auto add = [&](const Eigen::Vector2d& in_base_m, const Eigen::Vector2d& in_map_m) {
-      survey.control_points.push_back(
-          {frame.info.filename, CameraOf(frame, set.surveys).RawPixelFromFloor(in_base_m), in_map_m, true});
+      survey.control_points.push_back({frame.info.filename, RawPixelOf(frame, set.surveys, in_base_m), in_map_m, true});
     };
     if (!marker->yaw_rad) {
       add(detection.Center(), marker->center_in_map_m);

@@ -12,6 +12,11 @@ Eigen::Vector2d FloorPointOf(const BuildFrame& frame, const std::vector<LoadedSu
   return FloorWhileMoving(CameraOf(frame, surveys), raw_px, frame.readout_motion);
 }
 
+Eigen::Vector2d RawPixelOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys,
+                           const Eigen::Vector2d& point_in_base_m) {
+  return RawPixelWhileMoving(CameraOf(frame, surveys), point_in_base_m, frame.readout_motion);
+}
+
 std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys) {
   std::vector<RectM> floors;
   floors.reserve(frames.size());

@@ -65,6 +65,9 @@ FloorCamera CameraOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& s
 /// Floor point that a raw pixel of the frame sees, base frame when its middle row is exposed.
 Eigen::Vector2d FloorPointOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys,
                              const Eigen::Vector2d& raw_px);
+/// The other way round.
+Eigen::Vector2d RawPixelOf(const BuildFrame& frame, const std::vector<LoadedSurvey>& surveys,
+                           const Eigen::Vector2d& point_in_base_m);
 
 /// The region of interest of every frame, base frame.
 std::vector<RectM> FloorsInBase(const std::vector<BuildFrame>& frames, const std::vector<LoadedSurvey>& surveys);

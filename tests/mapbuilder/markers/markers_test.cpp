@@ -66,13 +66,18 @@ void DrawMarkers(FloorTexture* floor) {
   }
 }
 
-// 18 frames over a floor with five markers; odometry without drift, in its own frame.
-void WriteSurvey(const fs::path& folder) {
+FloorTexture MarkedFloor() {
   FloorTextureOptions options;
   options.width_m = 1.2;
   options.height_m = 0.9;
   FloorTexture floor = MakeFloorTexture(options);
   DrawMarkers(&floor);
+  return floor;
+}
+
+// 18 frames over a floor with five markers; odometry without drift, in its own frame.
+void WriteSurvey(const fs::path& folder) {
+  const FloorTexture floor = MarkedFloor();
   const FloorCamera camera = MakeDownwardCamera();
   const CameraRenderer renderer(floor, camera);
   fs::create_directories(folder / "images");
@@ -209,6 +214,37 @@ TEST_F(MarkersTest, SaysThatAllYawsAreOffByTheSameQuarterTurn) {
   EXPECT_THAT(Error(csv(std::numbers::pi)), ::testing::AllOf(HasSubstr("markers.csv: the yaws of all 3 markers"),
                                                              HasSubstr("add 180 degrees to each")));
   EXPECT_THAT(Error(csv(0.5 * std::numbers::pi)), HasSubstr("add -90 degrees to each"));
+}
+
+// At 0.5 m/s, read out in 33 ms, with the marker at the edge of the view.
+TEST(MarkerDetectionTest, CornersAreWhereTheyAreWhenTheMiddleRowIsExposed) {
+  const TemporaryFolder folder;
+  const FloorTexture floor = MarkedFloor();
+  LoadedSurvey loaded;
+  loaded.survey.folder = folder.path();
+  loaded.survey.camera = MakeDownwardCamera();
+  BuildFrame frame;
+  frame.info.filename = "0.png";
+  RenderConditions conditions;
+  conditions.readout_motion = {0.0165, 0.002, 0.01};
+  const Eigen::Vector2d center = loaded.survey.camera.floor.roi.Center() + Eigen::Vector2d(0.06, 0.0);
+  const Pose2 pose = Pose2(0.6, 0.45, 0.1) * Pose2(-center.x(), -center.y(), 0.0);
+  cv::imwrite((folder.path() / "0.png").string(), CameraRenderer(floor, loaded.survey.camera).Render(pose, conditions));
+  MarkerDetectionOptions options;
+  options.size_m = kMarkerM;
+  const auto error_m = [&](const Eigen::Vector3d& readout_motion) {
+    frame.readout_motion = readout_motion;
+    for (const MarkerDetection& found : DetectMarkers({frame}, {loaded}, options)) {
+      if (found.id == 31) {
+        EXPECT_LT((FloorPointOf(frame, {loaded}, RawPixelOf(frame, {loaded}, found.Center())) - found.Center()).norm(),
+                  1e-5);
+        return (pose * found.Center() - Eigen::Vector2d(0.6, 0.45)).norm();
+      }
+    }
+    return 1.0;
+  };
+  EXPECT_LT(error_m(conditions.readout_motion), 5e-4);
+  EXPECT_GT(error_m(Eigen::Vector3d::Zero()), 2e-3);
 }
 
 TEST(CommonQuarterTurn, IsThatOfAll) {
