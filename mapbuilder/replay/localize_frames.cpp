@@ -20,33 +20,62 @@
 namespace floorloc {
 namespace {
 
-// Of a camera that does not tell its read-out nothing is learnt where frames are independent of each other.
-FrameMotion KnownMotionAt(const Survey& survey, const SurveyFrame& frame) {
-  return survey.camera.camera.readout.seconds ? FrameMotion{TwistAt(survey.odometry, frame.stamp_ns), std::nullopt}
-                                              : FrameMotion();
-}
+// A folder's frames, each of which is localized without the others.
+struct IndependentFrames {
+  const Localizer& localizer;
+  const Rectifier& rectifier;
+  const Survey& survey;
+  std::optional<ReadoutMeasurement> readout = {};  // of a camera that does not tell its own
 
-LocalizedFrame LocalizeOne(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey,
-                           const SurveyFrame& frame, const std::optional<PosePrior>& prior) {
-  LocalizedFrame localized;
-  localized.frame = frame;
-  const FrameHints hints{.prior = prior, .motion = KnownMotionAt(survey, frame), .anywhere = false};
-  LocateFrame(localizer, rectifier, survey, hints, &localized);
-  return localized;
-}
+  LocalizedFrame Localize(const SurveyFrame& frame, const std::optional<PosePrior>& prior) const {
+    LocalizedFrame localized;
+    localized.frame = frame;
+    const FrameHints hints{
+        .prior = prior, .motion = {TwistAt(survey.odometry, frame.stamp_ns), readout}, .anywhere = false};
+    LocateFrame(localizer, rectifier, survey, hints, &localized);
+    return localized;
+  }
+  // Every n-th frame, so that they are some `count` ones.
+  std::vector<SurveyFrame> Some(std::size_t count) const {
+    std::vector<SurveyFrame> some;
+    for (std::size_t i = 0; i < survey.frames.size(); i += std::max<std::size_t>(1, survey.frames.size() / count)) {
+      some.push_back(survey.frames[i]);
+    }
+    return some;
+  }
+};
 
 bool Found(const LocalizedFrame& frame) { return frame.result.status == LocalizationStatus::kLocalized; }
 
+// By some of the frames, so that not each of them has to be measured, which takes twice as long and knows less.
+std::optional<ReadoutMeasurement> LearnReadout(const IndependentFrames& frames) {
+  constexpr std::size_t kFrames = 30;
+  constexpr int kEnough = 16;
+  if (frames.survey.camera.camera.readout.seconds || frames.survey.odometry.empty()) {
+    return std::nullopt;
+  }
+  ReadoutEstimator readout;
+  for (const SurveyFrame& frame : frames.Some(kFrames)) {
+    const std::optional<ReadoutMeasurement> measured = frames.Localize(frame, std::nullopt).result.readout;
+    if (measured) {
+      readout.Add(*measured);
+    }
+    if (readout.images() >= kEnough) {
+      break;
+    }
+  }
+  return readout.Estimate();
+}
+
 // Ground truth and map have different frames. Some frames are localized globally; each gives a transform between the
 // frames, whether or not its fix was accepted, and the transform that most others agree with is returned.
-Pose2 AlignTruthToMap(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey) {
+Pose2 AlignTruthToMap(const IndependentFrames& frames) {
   constexpr std::size_t kFrames = 30;
   constexpr double kAgreeM = 0.05;
   std::vector<std::pair<Pose2, Pose2>> truth_and_fix;
-  const std::size_t step = std::max<std::size_t>(1, survey.frames.size() / kFrames);
-  for (std::size_t i = 0; i < survey.frames.size(); i += step) {
-    const auto truth = InterpolatePose(survey.ground_truth, survey.frames[i].stamp_ns);
-    const LocalizedFrame fix = LocalizeOne(localizer, rectifier, survey, survey.frames[i], std::nullopt);
+  for (const SurveyFrame& frame : frames.Some(kFrames)) {
+    const auto truth = InterpolatePose(frames.survey.ground_truth, frame.stamp_ns);
+    const LocalizedFrame fix = frames.Localize(frame, std::nullopt);
     if (truth && fix.result.inliers > 0) {
       truth_and_fix.emplace_back(*truth, fix.result.map_from_base);
     }
@@ -72,7 +101,9 @@ std::vector<LocalizedFrame> LocalizeIndependently(const Localizer& localizer, co
   if (with_truth && survey.ground_truth.empty()) {
     throw InputError(survey.folder, "has no groundtruth.tum; add it or use --prior none");
   }
-  const Pose2 map_from_truth = with_truth ? AlignTruthToMap(localizer, rectifier, survey) : Pose2();
+  IndependentFrames independent{localizer, rectifier, survey};
+  independent.readout = LearnReadout(independent);
+  const Pose2 map_from_truth = with_truth ? AlignTruthToMap(independent) : Pose2();
   std::vector<LocalizedFrame> frames(survey.frames.size());
   ProgressBar progress("localize", static_cast<std::int64_t>(frames.size()), options.run.progress);
   ParallelFor(static_cast<int>(frames.size()), options.run.threads, [&](int i) {
@@ -81,7 +112,7 @@ std::vector<LocalizedFrame> LocalizeIndependently(const Localizer& localizer, co
     if (const auto truth = with_truth ? InterpolatePose(survey.ground_truth, frame.stamp_ns) : std::nullopt) {
       prior = PosePrior{map_from_truth * *truth, options.prior_radius_m, options.prior_yaw_radius_rad};
     }
-    frames[static_cast<std::size_t>(i)] = LocalizeOne(localizer, rectifier, survey, frame, prior);
+    frames[static_cast<std::size_t>(i)] = independent.Localize(frame, prior);
     progress.Advance();
   });
   return frames;

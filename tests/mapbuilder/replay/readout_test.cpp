@@ -9,6 +9,7 @@
 #include "core/map/map_database.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/replay/fuse_frames.h"
+#include "mapbuilder/replay/localize_frames.h"
 #include "mapbuilder/simulation/simulate.h"
 #include "tests/synthetic/synthetic_floor.h"
 #include "tests/synthetic/temporary_folder.h"
@@ -49,21 +50,24 @@ class ReadoutReplayTest : public ::testing::Test {
   }
 
   FusedDrive Track(std::optional<double> readout_s) {
-    const MapDatabase database(Folder() / "floor.floormap");
-    const Localizer localizer(database.ReadMap(), {},
-                              [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
-    drive_ = ReadSurvey(Folder() / "drive");
     drive_.camera.camera.readout.seconds = readout_s;
-    return FuseFrames(localizer, drive_, FuseFramesOptions());
+    return FuseFrames(localizer_, drive_, FuseFramesOptions());
   }
 
   // The map's frame is that of its first frame: relative motions over a second have no such offset.
   double MedianStepError(const FusedDrive& fused) const {
+    std::vector<LocalizedFrame> frames;
+    for (const FusedFrame& frame : fused.frames) {
+      frames.push_back(frame.localized);
+    }
+    return MedianStepError(frames);
+  }
+  double MedianStepError(const std::vector<LocalizedFrame>& frames) const {
     constexpr std::size_t kStep = 5;
     std::vector<double> errors;
-    for (std::size_t i = kStep; i < fused.frames.size(); ++i) {
-      const LocalizedFrame& a = fused.frames[i - kStep].localized;
-      const LocalizedFrame& b = fused.frames[i].localized;
+    for (std::size_t i = kStep; i < frames.size(); ++i) {
+      const LocalizedFrame& a = frames[i - kStep];
+      const LocalizedFrame& b = frames[i];
       if (a.result.status == LocalizationStatus::kLocalized && b.result.status == LocalizationStatus::kLocalized) {
         const Pose2 truth = InterpolatePose(drive_.ground_truth, a.frame.stamp_ns)
                                 ->Between(*InterpolatePose(drive_.ground_truth, b.frame.stamp_ns));
@@ -76,7 +80,9 @@ class ReadoutReplayTest : public ::testing::Test {
     return errors.empty() ? 1.0 : errors[errors.size() / 2];
   }
 
-  Survey drive_;
+  MapDatabase database_{Folder() / "floor.floormap"};
+  Localizer localizer_{database_.ReadMap(), {}, [this](const TileId& tile) { return database_.ReadMosaicTile(tile); }};
+  Survey drive_ = ReadSurvey(Folder() / "drive");
 };
 
 TEST_F(ReadoutReplayTest, AGivenReadoutIsCompensated) {
@@ -94,6 +100,12 @@ TEST_F(ReadoutReplayTest, AnUnknownReadoutIsLearntAndNamed) {
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].status, FindingStatus::kNote);
   EXPECT_THAT(findings[0].cure, HasSubstr("'readout_direction: down'"));
+}
+
+TEST_F(ReadoutReplayTest, FramesWithoutAPriorUseTheMotionToo) {
+  EXPECT_LT(MedianStepError(LocalizeFrames(localizer_, drive_, {})), 0.002);
+  drive_.odometry.clear();
+  EXPECT_GT(MedianStepError(LocalizeFrames(localizer_, drive_, {})), 0.003) << "nothing tells how it moves";
 }
 
 TEST(ReadoutCheckTest, NamesTheDirectionThatTheRowsShow) {
