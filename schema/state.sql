@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: Apache-2.0
 -- What a server remembers beside its maps, format version 1: which version of each map is active, and the registered
--- vehicles with their poses. Units: metres, radians; times are Unix seconds unless they end in _ns.
+-- vehicles with their poses and what they have learnt. Units: metres, radians; times are Unix seconds unless they end in _ns.
 PRAGMA application_id = 0x464C5354;  -- "FLST"
 PRAGMA user_version = 1;
 
 -- The maps that have versions.
-CREATE TABLE map (
+CREATE TABLE IF NOT EXISTS map (
   name          TEXT PRIMARY KEY,
   active        TEXT NOT NULL,  -- content version that is served; '': none
   previous      TEXT NOT NULL,  -- the one before it; '': none
@@ -14,7 +14,7 @@ CREATE TABLE map (
 ) WITHOUT ROWID;
 
 -- Map files that the server keeps: floorloc-versions/MAP/VERSION.floormap, whole and verified.
-CREATE TABLE version (
+CREATE TABLE IF NOT EXISTS version (
   map             TEXT NOT NULL,
   version         TEXT NOT NULL,  -- content version
   id              TEXT NOT NULL,  -- of the map; versions with the same id have the same frame
@@ -29,13 +29,13 @@ CREATE TABLE version (
 ) WITHOUT ROWID;
 
 -- Registered vehicles: the body of PUT /v1/vehicles/{id}.
-CREATE TABLE vehicle (
+CREATE TABLE IF NOT EXISTS vehicle (
   id           TEXT PRIMARY KEY,
   registration TEXT NOT NULL
 ) WITHOUT ROWID;
 
 -- Their last poses, map_from_base, at most a second old; none without a row.
-CREATE TABLE pose (
+CREATE TABLE IF NOT EXISTS pose (
   id          TEXT PRIMARY KEY,  -- vehicle.id
   map_id      TEXT NOT NULL,     -- of the map in whose frame it is; '': there is no pose, only the columns below
   stamp_ns    INTEGER NOT NULL,  -- by the vehicle's clock
@@ -44,4 +44,14 @@ CREATE TABLE pose (
   epoch       INTEGER NOT NULL,  -- grows with each discontinuity of the pose
   last_heard_s REAL NOT NULL,    -- of its last message, by the server's clock
   lost_reason TEXT NOT NULL      -- why a vehicle without a pose lost it; '': it had none
+) WITHOUT ROWID;
+
+-- What their messages taught about them, some seconds old at most; nothing without a row. Missing in files of early
+-- servers, and made when one is opened.
+CREATE TABLE IF NOT EXISTS learnt (
+  id              TEXT PRIMARY KEY,  -- vehicle.id
+  camera          INTEGER NOT NULL,  -- key of the registered camera with which it was learnt
+  camera_in_map   INTEGER NOT NULL,  -- of that camera as the map corrected it
+  learnt_values   BLOB NOT NULL,     -- float64[], the first one their format: core/tracking/learnt_values.cpp
+  checksum        INTEGER NOT NULL   -- of learnt_values: first eight bytes of their SHA-256, big-endian
 ) WITHOUT ROWID;

@@ -2,26 +2,29 @@
 #include "core/localization/camera_errors.h"
 
 #include <algorithm>
-#include <functional>
+#include <string>
 #include <vector>
 
 #include "core/geometry/mounting.h"
+#include "core/map/content_hash.h"
 
 namespace floorloc {
 
 std::size_t CameraKey(const FloorCamera& camera) {
-  std::size_t key = 0;
-  const auto add = [&](double value) { key = key * 1'000'003U + std::hash<double>()(value); };
-  for (const double value : {camera.camera.fx, camera.camera.fy, camera.camera.cx, camera.camera.cy}) {
-    add(value);
-  }
-  std::for_each(camera.camera.distortion.begin(), camera.camera.distortion.end(), add);
-  std::for_each(camera.floor.base_from_pixel.data(), camera.floor.base_from_pixel.data() + 9, add);
+  ContentHash hash;
+  const CameraModel& c = camera.camera;
+  hash.Add(std::int64_t{c.width_px}).Add(std::int64_t{c.height_px});
+  hash.Add(std::string(ToString(c.distortion_model)));
+  hash.Add(c.readout.seconds.value_or(-1.0)).Add(std::string(ToString(c.readout.direction)));
+  hash.Add(std::string(ToString(c.readout.stamp_at)));
+  const auto add = [&](double value) { hash.Add(value); };
   const RectM& roi = camera.floor.roi;
-  for (const double value : {roi.x_min, roi.x_max, roi.y_min, roi.y_max}) {
+  for (const double value : {c.fx, c.fy, c.cx, c.cy, roi.x_min, roi.x_max, roi.y_min, roi.y_max}) {
     add(value);
   }
-  return key;
+  std::for_each(c.distortion.begin(), c.distortion.end(), add);
+  std::for_each(camera.floor.base_from_pixel.data(), camera.floor.base_from_pixel.data() + 9, add);
+  return static_cast<std::size_t>(hash.Checksum());
 }
 
 double LargestDisplacementPx(const FloorCamera& camera, const CameraErrors& errors) {

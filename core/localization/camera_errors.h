@@ -31,7 +31,8 @@ struct CameraPrior {
   std::size_t camera = 0;  ///< as in CameraEvidence
 };
 
-/// Equal for equal calibrations.
+/// Equal for cameras whose images show the same floor at the same time, whatever their name and resolution on the
+/// floor. The same in every process.
 std::size_t CameraKey(const FloorCamera& camera);
 
 /// Largest displacement of a floor point in view by the errors, beyond the mean one, which is like an offset of the

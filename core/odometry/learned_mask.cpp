@@ -39,10 +39,11 @@ cv::Mat KeepProven(const cv::Mat& candidates, const cv::Mat& proven, int min_cel
 }
 
 // Of one region of interest, at any resolution.
-bool SameImage(const SmallView& a, const SmallView& b) {
-  const double tolerance_m = std::max(a.grid.resolution_m, b.grid.resolution_m);
-  return a.contrast.size() == b.contrast.size() && std::abs(a.grid.x_top_m - b.grid.x_top_m) <= tolerance_m &&
-         std::abs(a.grid.y_left_m - b.grid.y_left_m) <= tolerance_m;
+bool IsOf(const MaskEvidence& evidence, const SmallView& view) {
+  const double tolerance_m = std::max(evidence.grid.resolution_m, view.grid.resolution_m);
+  return evidence.cells == CellsOf(view.contrast) &&
+         std::abs(evidence.grid.x_top_m - view.grid.x_top_m) <= tolerance_m &&
+         std::abs(evidence.grid.y_left_m - view.grid.y_left_m) <= tolerance_m;
 }
 
 }  // namespace
@@ -95,14 +96,15 @@ bool LearnedMask::Add(const GroundImage& image, const std::vector<Pose2>& refere
     return false;
   }
   const SmallView view = cells_.Shrink(image);
-  if (SameImage(*reference_, view) && background_views_ >= options_.min_background) {
+  if (IsOf(evidence_, view) && background_views_ >= options_.min_background) {
     for (const Pose2& motion : reference_from_view) {
       if (share(motion) < options_.min_motion || share(motion) > options_.max_motion) {
         continue;
       }
       if (const std::optional<CellVotes> votes = cells_.Compare(*reference_, view, background_, motion)) {
         AddVotes(*votes);
-        Decide(view);
+        Measure(view);
+        Decide();
         resting_views_ = ShowsNews(*votes) ? 0 : options_.rest_views;
         break;
       }
@@ -112,36 +114,49 @@ bool LearnedMask::Add(const GroundImage& image, const std::vector<Pose2>& refere
   return true;
 }
 
-LearnedMask LearnedMask::Clone() const {
-  LearnedMask copy = *this;
-  copy.background_ = background_.clone();
-  copy.votes_ = {votes_.views.clone(), votes_.standing.clone(), votes_.floor.clone()};
+MaskEvidence LearnedMask::Learnt() const {
+  MaskEvidence copy = evidence_;
+  copy.votes = {evidence_.votes.views.clone(), evidence_.votes.standing.clone(), evidence_.votes.floor.clone()};
   return copy;
+}
+
+void LearnedMask::Resume(const MaskEvidence& evidence) {
+  reference_.reset();
+  background_ = cv::Mat();
+  background_views_ = resting_views_ = 0;
+  evidence_ = evidence;
+  evidence_.votes = {evidence.votes.views.clone(), evidence.votes.standing.clone(), evidence.votes.floor.clone()};
+  Decide();
 }
 
 // The background is that of views between which the floor moved, or was said to.
 void LearnedMask::Use(const SmallView& view) {
-  if (background_.size() != view.contrast.size() || (reference_ && !SameImage(*reference_, view))) {
-    background_ = cv::Mat::zeros(view.contrast.size(), CV_32F);
-    background_views_ = 0;
-    votes_ = {};
+  if (!IsOf(evidence_, view)) {
+    background_ = cv::Mat();
+    evidence_ = {CellsOf(view.contrast), view.grid, {}, 0, 0.0};
     state_ = {};
   }
+  if (background_.empty()) {
+    background_ = cv::Mat::zeros(view.contrast.size(), CV_32F);
+    background_views_ = 0;
+  }
+  evidence_.grid = view.grid;
   ++background_views_;
   background_ += (view.contrast - background_) / std::min<double>(background_views_, options_.memory_pairs);
   reference_ = view;
 }
 
 void LearnedMask::AddVotes(const CellVotes& votes) {
-  if (votes_.views.empty()) {
-    votes_ = votes;
+  CellVotes& sums = evidence_.votes;
+  if (sums.views.empty()) {
+    sums = votes;
   } else {
     const double kept = 1.0 - 1.0 / options_.memory_pairs;
-    votes_.views = kept * votes_.views + votes.views;
-    votes_.standing = kept * votes_.standing + votes.standing;
-    votes_.floor = kept * votes_.floor + votes.floor;
+    sums.views = kept * sums.views + votes.views;
+    sums.standing = kept * sums.standing + votes.standing;
+    sums.floor = kept * sums.floor + votes.floor;
   }
-  ++state_.pairs;
+  ++evidence_.pairs;
 }
 
 bool LearnedMask::ShowsNews(const CellVotes& votes) const {
@@ -156,26 +171,31 @@ bool LearnedMask::ShowsNews(const CellVotes& votes) const {
 }
 
 cv::Mat LearnedMask::Proven() const {
-  const cv::Mat known = (votes_.views >= options_.min_pairs) & ~AtLeast(votes_.floor, votes_.views, options_.max_floor);
-  const cv::Mat proven = AtLeast(votes_.standing, votes_.views, options_.min_standing) & known;
-  const cv::Mat candidates = AtLeast(votes_.standing, votes_.views, options_.min_beside) & known;
+  const CellVotes& sums = evidence_.votes;
+  const cv::Mat known = (sums.views >= options_.min_pairs) & ~AtLeast(sums.floor, sums.views, options_.max_floor);
+  const cv::Mat proven = AtLeast(sums.standing, sums.views, options_.min_standing) & known;
+  const cv::Mat candidates = AtLeast(sums.standing, sums.views, options_.min_beside) & known;
   return KeepProven(candidates, proven, options_.min_region_cells);
 }
 
-void LearnedMask::Decide(const SmallView& view) {
-  cv::Mat proven = Proven();
+// How much of the floor in view stands still.
+void LearnedMask::Measure(const SmallView& view) {
+  const cv::Mat proven = Proven();
   cv::Mat seen;
   cv::resize(view.seen, seen, proven.size(), 0, 0, cv::INTER_NEAREST);
   const int cells = cv::countNonZero(seen);
-  state_.share = cells > 0 ? static_cast<double>(cv::countNonZero(proven & seen)) / cells : 0.0;
-  state_.left_out = cv::Mat();
+  evidence_.share = cells > 0 ? static_cast<double>(cv::countNonZero(proven & seen)) / cells : 0.0;
+}
+
+void LearnedMask::Decide() {
+  state_ = {LearnedMaskStatus::kLearning, evidence_.pairs, evidence_.share, cv::Mat()};
   if (state_.pairs < options_.min_pairs) {
     state_.status = LearnedMaskStatus::kLearning;
   } else if (state_.share > options_.max_share) {
     state_.status = LearnedMaskStatus::kTooMuch;
   } else if (state_.share > 0.0) {
     state_.status = LearnedMaskStatus::kLearnt;
-    state_.left_out = options_.apply ? proven : cv::Mat();
+    state_.left_out = options_.apply ? Proven() : cv::Mat();
   } else {
     state_.status = LearnedMaskStatus::kNothing;
   }

@@ -57,6 +57,15 @@ struct LearnedMaskState {
   double LeftOutShare() const { return left_out.empty() ? 0.0 : share; }
 };
 
+/// What views told of a camera: enough to go on learning elsewhere.
+struct MaskEvidence {
+  cv::Size cells;      ///< across and down the view; empty: there was none
+  GroundGrid grid;     ///< of the newest view
+  CellVotes votes;     ///< sums; empty: no pair was compared
+  int pairs = 0;       ///< LearnedMaskState::pairs
+  double share = 0.0;  ///< LearnedMaskState::share
+};
+
 /// Learns what stands still in the images of a vehicle's camera while the floor moves. A cell of the image is masked
 /// when most of the views that showed the floor moving showed structure in it that stood still, and through which the
 /// floor was not seen. Cells without structure prove nothing and are not masked. Not thread-safe.
@@ -69,13 +78,16 @@ class LearnedMask {
   /// motion as different sources tell it, the best first; empty: unknown. True when this view becomes the reference.
   bool Add(const GroundImage& image, const std::vector<Pose2>& reference_from_view);
   const LearnedMaskState& State() const { return state_; }
-  /// A copy that shares no memory with this one.
-  LearnedMask Clone() const;
+  /// Shares no memory with this one.
+  MaskEvidence Learnt() const;
+  /// Goes on with what another one learnt of this camera. Views are compared again after min_background of them.
+  void Resume(const MaskEvidence& evidence);
 
  private:
   void Use(const SmallView& view);
   void AddVotes(const CellVotes& votes);
-  void Decide(const SmallView& view);
+  void Measure(const SmallView& view);
+  void Decide();
   bool ShowsNews(const CellVotes& votes) const;
   cv::Mat Proven() const;
 
@@ -85,8 +97,8 @@ class LearnedMask {
   cv::Mat background_;  // CV_32FC1, mean contrast
   int background_views_ = 0;
   int resting_views_ = 0;  // still to be left out
-  CellVotes votes_;
-  LearnedMaskState state_;
+  MaskEvidence evidence_;
+  LearnedMaskState state_;  // that follows from it
 };
 
 }  // namespace floorloc

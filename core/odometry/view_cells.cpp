@@ -23,8 +23,6 @@ constexpr double kDarkShare = 0.5;
 // Share of a cell's window that the other view must show.
 constexpr double kInView = 0.95;
 
-cv::Size CellsOf(const cv::Mat& small) { return {small.cols / kCellPx, small.rows / kCellPx}; }
-
 // Weighted mean of the window of three cells around every cell.
 cv::Mat CellMean(const cv::Mat& image) {
   cv::Mat cells;
@@ -74,6 +72,8 @@ cv::Mat SeenByBoth(const SmallView& view, const SmallView& other, const cv::Matx
 void Count(const cv::Mat& where, cv::Mat* votes) { cv::add(*votes, cv::Scalar(1.0), *votes, where); }
 
 }  // namespace
+
+cv::Size CellsOf(const cv::Mat& small) { return {small.cols / kCellPx, small.rows / kCellPx}; }
 
 void ViewCellOptions::Check() const {
   RequireOption(cells >= 8 && cells <= 256, "cells must be 8 to 256");

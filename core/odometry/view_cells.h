@@ -31,6 +31,9 @@ struct SmallView {
   GroundGrid grid;   ///< of the image that it was made from
 };
 
+/// Cells across and down an image of a SmallView.
+cv::Size CellsOf(const cv::Mat& small);
+
 /// What a pair of views tells of each cell of the image. CV_32FC1, numbers of views: 0 to 2.
 struct CellVotes {
   cv::Mat views;     ///< that showed the cell's floor in the other one

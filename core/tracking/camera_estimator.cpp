@@ -25,6 +25,12 @@ bool IsPlausible(const CameraErrors& errors, const CameraEstimatorOptions& optio
          errors.tail<kCalibrationModes>().norm() <= options.max_calibration_px;
 }
 
+void AddTo(LearntCamera::Sums* sums, const CameraEvidence& evidence, double memory_fixes) {
+  const double kept = 1.0 - 1.0 / memory_fixes;
+  sums->information = kept * sums->information + evidence.information;
+  sums->pull = kept * sums->pull + evidence.pull;
+}
+
 }  // namespace
 
 void CameraEstimatorOptions::Check() const {
@@ -61,58 +67,54 @@ const char* ToString(CameraStatus status) {
 CameraEstimator::CameraEstimator(const CameraEstimatorOptions& options) : options_(options) { options.Check(); }
 
 bool CameraEstimator::HasMoved(const Pose2& map_from_base, double view_radius_m) const {
-  if (!last_used_) {
+  if (!learnt_.last_used) {
     return true;
   }
-  const Pose2 motion = last_used_->Between(map_from_base);
+  const Pose2 motion = learnt_.last_used->Between(map_from_base);
   return motion.translation().norm() >= options_.min_travel_share * view_radius_m ||
          std::abs(motion.yaw()) >= options_.min_turn_rad;
-}
-
-void CameraEstimator::Sums::Add(const CameraEvidence& evidence, double memory_fixes) {
-  const double kept = 1.0 - 1.0 / memory_fixes;
-  information = kept * information + evidence.information;
-  pull = kept * pull + evidence.pull;
 }
 
 // The residual of the newest fixes has the covariance information + information * P * information.
 bool CameraEstimator::WasBumped() const {
   const CameraPrior now = Estimate().errors;
-  const CameraErrors residual = recent_.pull - recent_.information * now.mean;
-  const CameraErrorMatrix covariance = recent_.information + recent_.information * now.covariance * recent_.information;
+  const CameraErrors residual = learnt_.recent.pull - learnt_.recent.information * now.mean;
+  const CameraErrorMatrix covariance =
+      learnt_.recent.information + learnt_.recent.information * now.covariance * learnt_.recent.information;
   return residual.dot(covariance.ldlt().solve(residual)) > options_.bump_significance;
 }
 
 void CameraEstimator::Add(const CameraEvidence& evidence, const Pose2& map_from_base, double p_wrong) {
-  if (evidence.camera != camera_) {
-    *this = CameraEstimator(options_);
-    camera_ = evidence.camera;
+  if (evidence.camera != learnt_.camera) {
+    learnt_ = LearntCamera();
+    learnt_.camera = evidence.camera;
   }
   if (p_wrong > options_.max_p_wrong || !HasMoved(map_from_base, evidence.view_radius_m)) {
     return;
   }
-  all_.Add(evidence, options_.memory_fixes);
-  recent_.Add(evidence, options_.recent_fixes);
-  last_used_ = map_from_base;
-  ++fixes_;
-  if (fixes_ > 2 * options_.min_fixes && WasBumped()) {
-    all_ = recent_;
-    fixes_ = options_.min_fixes;
+  AddTo(&learnt_.all, evidence, options_.memory_fixes);
+  AddTo(&learnt_.recent, evidence, options_.recent_fixes);
+  learnt_.last_used = map_from_base;
+  ++learnt_.fixes;
+  if (learnt_.fixes > 2 * options_.min_fixes && WasBumped()) {
+    learnt_.all = learnt_.recent;
+    learnt_.fixes = options_.min_fixes;
   }
 }
 
 CameraEstimate CameraEstimator::Estimate() const {
-  const Eigen::LLT<CameraErrorMatrix> information(PriorInformation(options_) + all_.information);
+  const Eigen::LLT<CameraErrorMatrix> information(PriorInformation(options_) + learnt_.all.information);
   CameraEstimate estimate;
-  estimate.fixes = fixes_;
-  estimate.errors = {information.solve(all_.pull), information.solve(CameraErrorMatrix::Identity()), camera_};
+  estimate.fixes = learnt_.fixes;
+  estimate.errors = {information.solve(learnt_.all.pull), information.solve(CameraErrorMatrix::Identity()),
+                     learnt_.camera};
   const CameraErrors& errors = estimate.errors.mean;
-  if (fixes_ < options_.min_fixes) {
+  if (learnt_.fixes < options_.min_fixes) {
     estimate.status = CameraStatus::kLearning;
   } else if (!IsPlausible(errors, options_)) {
     estimate.status = CameraStatus::kImplausible;
   } else {
-    const double significance = errors.dot((PriorInformation(options_) + all_.information) * errors);
+    const double significance = errors.dot((PriorInformation(options_) + learnt_.all.information) * errors);
     estimate.status =
         significance >= options_.min_significance ? CameraStatus::kCorrected : CameraStatus::kAsCalibrated;
   }

@@ -57,6 +57,20 @@ struct CameraEstimate {
   std::optional<ReadoutMeasurement> readout;  ///< of a camera that does not tell its own; empty: not learnt (yet)
 };
 
+/// What a vehicle's fixes told of its camera.
+struct LearntCamera {
+  /// Sums of evidence.
+  struct Sums {
+    CameraErrorMatrix information = CameraErrorMatrix::Zero();
+    CameraErrors pull = CameraErrors::Zero();
+  };
+  Sums all;
+  Sums recent;             ///< of the newest ones
+  std::size_t camera = 0;  ///< as in CameraEvidence
+  int fixes = 0;
+  std::optional<Pose2> last_used = {};  ///< where the newest one was
+};
+
 /// Estimates the constant errors of one vehicle's camera: the product of the likelihoods of its fixes, and of a prior.
 class CameraEstimator {
  public:
@@ -68,25 +82,16 @@ class CameraEstimator {
   CameraEstimate Estimate() const;
   /// For the next frame's alignment; empty while there is none that may be used.
   std::optional<CameraPrior> PriorOfNextFrame() const;
+  const LearntCamera& Learnt() const { return learnt_; }
+  /// Goes on with what another estimator of this camera learnt.
+  void Resume(const LearntCamera& learnt) { learnt_ = learnt; }
 
  private:
-  // Sums of evidence.
-  struct Sums {
-    CameraErrorMatrix information = CameraErrorMatrix::Zero();
-    CameraErrors pull = CameraErrors::Zero();
-
-    void Add(const CameraEvidence& evidence, double memory_fixes);
-  };
-
   bool WasBumped() const;
   bool HasMoved(const Pose2& map_from_base, double view_radius_m) const;
 
   CameraEstimatorOptions options_;
-  Sums all_;
-  Sums recent_;
-  std::size_t camera_ = 0;
-  int fixes_ = 0;
-  std::optional<Pose2> last_used_;
+  LearntCamera learnt_;
 };
 
 }  // namespace floorloc

@@ -12,11 +12,9 @@ void MaskLearner::Add(const ViewPose& now, const GroundImage& floor, const Wheel
   }
 }
 
-MaskLearner MaskLearner::Clone() const {
-  MaskLearner copy = *this;
-  copy.mask_ = mask_.Clone();
-  copy.ForgetReference();
-  return copy;
+void MaskLearner::Resume(const MaskEvidence& evidence) {
+  mask_.Resume(evidence);
+  ForgetReference();
 }
 
 // Those that are known, the best first.

@@ -30,8 +30,8 @@ class MaskLearner {
   /// floor: FrameObservation::floor of the view; may be empty.
   void Add(const ViewPose& now, const GroundImage& floor, const WheelMotion& wheels);
   const LearnedMaskState& State() const { return mask_.State(); }
-  /// What was learnt, without the view that the next one would be compared with.
-  MaskLearner Clone() const;
+  MaskEvidence Learnt() const { return mask_.Learnt(); }
+  void Resume(const MaskEvidence& evidence);
   /// After a clock jump: motions since the last view are unknown.
   void ForgetReference() { reference_.reset(); }
 

@@ -48,6 +48,11 @@ void ReadoutEstimator::Add(const ReadoutMeasurement& measurement) {
   measurements_.push_back(measurement);
 }
 
+void ReadoutEstimator::Resume(const std::vector<ReadoutMeasurement>& measurements) {
+  const std::size_t dropped = measurements.size() - std::min(measurements.size(), options_.max_images);
+  measurements_.assign(measurements.begin() + static_cast<std::ptrdiff_t>(dropped), measurements.end());
+}
+
 std::optional<ReadoutMeasurement> ReadoutEstimator::Estimate() const {
   if (images() < options_.min_images) {
     return std::nullopt;

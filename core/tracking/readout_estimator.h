@@ -32,6 +32,10 @@ class ReadoutEstimator {
   int images() const { return static_cast<int>(measurements_.size()); }
   /// Empty while there are too few images, or they disagree.
   std::optional<ReadoutMeasurement> Estimate() const;
+  /// The newest measurements, the oldest first.
+  const std::vector<ReadoutMeasurement>& Learnt() const { return measurements_; }
+  /// Goes on with those of another estimator of this camera.
+  void Resume(const std::vector<ReadoutMeasurement>& measurements);
 
  private:
   ReadoutEstimatorOptions options_;

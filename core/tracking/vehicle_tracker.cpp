@@ -196,26 +196,24 @@ FrameMotion VehicleTracker::Motion(std::int64_t stamp_ns) const {
 
 void VehicleTracker::Restart() {
   const LearntValues learnt = Learnt();
-  auto restarted = std::make_unique<State>(state_->options, state_->resolution_m);
-  restarted->mask = std::move(state_->mask);
-  restarted->mask.ForgetReference();
-  state_ = std::move(restarted);
+  state_ = std::make_unique<State>(state_->options, state_->resolution_m);
   Resume(learnt);
 }
 
-LearntValues VehicleTracker::Learnt() const { return {state_->fuser->Learnt(), state_->camera, state_->readout}; }
+LearntValues VehicleTracker::Learnt() const {
+  return {state_->fuser->Learnt(), state_->camera.Learnt(), state_->readout.Learnt(), state_->mask.Learnt()};
+}
 
 void VehicleTracker::Resume(const LearntValues& learnt) {
-  state_->camera = learnt.camera;
-  state_->readout = learnt.readout;
+  state_->camera.Resume(learnt.camera);
+  state_->readout.Resume(learnt.readout);
+  state_->mask.Resume(learnt.mask);
   if (learnt.odometry) {
     state_->fuser->Resume(*learnt.odometry);
   }
 }
 
 const LearnedMaskState& VehicleTracker::Mask() const { return state_->mask.State(); }
-
-void VehicleTracker::TakeMaskOf(const VehicleTracker& other) { state_->mask = other.state_->mask.Clone(); }
 
 void VehicleTracker::SetPose(const PoseFix& pose) { state_->fuser->SetPose(pose); }
 

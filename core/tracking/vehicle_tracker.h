@@ -11,8 +11,7 @@
 #include "core/localization/pose_prior.h"
 #include "core/odometry/learned_mask.h"
 #include "core/odometry/planar_odometry.h"
-#include "core/tracking/camera_estimator.h"
-#include "core/tracking/readout_estimator.h"
+#include "core/tracking/learnt_values.h"
 
 namespace floorloc {
 
@@ -65,13 +64,6 @@ struct FrameOutcome {
   bool visual_used = false;  ///< false: an image from before the last one, or no visual odometry
 };
 
-/// What fixes taught about a vehicle beside its pose.
-struct LearntValues {
-  std::optional<LearntOdometry> odometry;
-  CameraEstimator camera;
-  ReadoutEstimator readout;
-};
-
 /// Estimates the pose of one vehicle from its images, odometry and IMU. Not thread-safe. The caller localizes images
 /// between Prior() and AddFrame(): that is slow and needs no lock of the vehicle.
 class VehicleTracker {
@@ -97,12 +89,10 @@ class VehicleTracker {
   /// Forgets everything but what was learnt.
   void Restart();
   LearntValues Learnt() const;
-  /// Starts with what was learnt of the same vehicle and camera before; to be called before the first message.
+  /// Starts with what was learnt of the same vehicle before; to be called before the first message.
   void Resume(const LearntValues& learnt);
   /// What was seen to travel with the camera: left_out is to be left out of the next image (Localizer::Observe).
   const LearnedMaskState& Mask() const;
-  /// Takes over what a tracker of the same camera learnt of its view.
-  void TakeMaskOf(const VehicleTracker& other);
   /// Adds an image after its localization.
   FrameOutcome AddFrame(std::int64_t stamp_ns, const Features& features, const LocalizationResult& found);
   /// The same, and learns from it what travels with the camera. floor: FrameObservation::floor of the image.

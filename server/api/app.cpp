@@ -88,6 +88,7 @@ AppState::AppState(const ServerConfig& server_config, const std::filesystem::pat
   if (persistence == Persistence::kKeep) {
     keeper = std::make_unique<VehicleKeeper>(vehicles, *state_file, VehicleKeeperOptions());
     RestoreVehicles(*this);
+    keeper->Begin();
   }
   library.SetOnServed([this](const auto& map) { return MoveVehicles(map, vehicles, rectifiers); });
   watch = std::make_unique<FolderWatch>(maps_folder, FolderWatchOptions(), [this] { library.TakeFolder(); });

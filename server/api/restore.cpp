@@ -20,6 +20,9 @@ void Restore(AppState& state, const RememberedVehicle& remembered) {
   Vehicle vehicle = MakeVehicle(remembered.id, std::move(parsed));
   BindToMap(state.catalog.Find(vehicle.map), state.rectifiers, &vehicle);
   const Registration registration = state.vehicles.Put(std::move(vehicle));
+  if (remembered.learning) {
+    registration.state.session->Resume(LearntFrom(*remembered.learning, *registration.state.vehicle));
+  }
   if (remembered.track) {
     registration.state.session->Start(StartFrom(*remembered.track, *registration.state.vehicle));
   }

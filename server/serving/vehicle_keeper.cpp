@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/serving/vehicle_keeper.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -9,9 +11,15 @@
 #include "server/wire/unix_time.h"
 
 namespace floorloc {
-namespace {}  // namespace
 
-void VehicleKeeperOptions::Check() const { RequireOption(interval.count() > 0.0, "interval must be positive"); }
+void VehicleKeeperOptions::Check() const {
+  RequireOption(interval.count() > 0.0, "interval must be positive");
+  RequireOption(learning_share > 0.0, "learning_share must be positive");
+  RequireOption(min_learning_interval.count() > 0.0, "min_learning_interval must be positive");
+  RequireOption(max_learning_interval >= min_learning_interval,
+                "max_learning_interval must be at least min_learning_interval");
+  RequireOption(max_learnings >= 1, "max_learnings must be at least 1");
+}
 
 RememberedTrack TrackOf(const VehicleState& state) {
   const VehicleView view = state.session->View();
@@ -23,6 +31,25 @@ RememberedTrack TrackOf(const VehicleState& state) {
     track.pose = {info->id, view.fused->stamp_ns, view.fused->map_from_base, view.fused->covariance};
   }
   return track;
+}
+
+RememberedLearning LearningOf(const VehicleState& state) {
+  const LearntWith with = LearntWithOf(*state.vehicle);
+  return {static_cast<std::int64_t>(with.given), static_cast<std::int64_t>(with.in_map),
+          ToNumbers(state.session->Learnt())};
+}
+
+LearntValues LearntFrom(const RememberedLearning& learning, const Vehicle& vehicle) {
+  std::optional<LearntValues> learnt = FromNumbers(learning.values);
+  if (!learnt) {
+    spdlog::warn(
+        "vehicle '{}': what it had learnt can't be read (it is damaged, or another version of floorloc-server "
+        "wrote it); it learns anew",
+        vehicle.id);
+    return {};
+  }
+  return HeldWith(LearntWithOf(vehicle), std::move(*learnt),
+                  {static_cast<std::size_t>(learning.camera), static_cast<std::size_t>(learning.camera_in_map)});
 }
 
 SessionStart StartFrom(const RememberedTrack& track, const Vehicle& vehicle) {
@@ -39,7 +66,11 @@ SessionStart StartFrom(const RememberedTrack& track, const Vehicle& vehicle) {
 }
 
 VehicleKeeper::VehicleKeeper(VehicleRegistry& registry, StateFile& state, const VehicleKeeperOptions& options)
-    : registry_(registry), state_(state), options_((options.Check(), options)), thread_([this] { Run(); }) {}
+    : registry_(registry), state_(state), options_((options.Check(), options)) {}
+
+void VehicleKeeper::Begin() {
+  thread_ = std::thread([this] { Run(); });
+}
 
 VehicleKeeper::~VehicleKeeper() {
   {
@@ -47,8 +78,10 @@ VehicleKeeper::~VehicleKeeper() {
     stopping_ = true;
   }
   wake_.notify_all();
-  thread_.join();
-  WriteTracks();
+  if (thread_.joinable()) {
+    thread_.join();
+    WriteBehind(true);
+  }
 }
 
 void VehicleKeeper::Try(const std::function<void(const SqliteConnection&)>& change) {
@@ -87,29 +120,48 @@ void VehicleKeeper::Run() {
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, options_.interval, [this] { return stopping_; })) {
     lock.unlock();
-    WriteTracks();
+    WriteBehind(false);
     lock.lock();
   }
 }
 
+bool VehicleKeeper::LearningIsDue(const Written& written, std::int64_t changes) const {
+  const Clock::time_point now = Clock::now();
+  const auto interval = std::clamp(std::chrono::duration<double>(options_.learning_share * (now - written.first)),
+                                   options_.min_learning_interval, options_.max_learning_interval);
+  return written.learnt_changes < 0 || (written.learnt_changes != changes && now - written.learnt >= interval);
+}
+
 // One commit for all that sent something.
-void VehicleKeeper::WriteTracks() {
+void VehicleKeeper::WriteBehind(bool all) {
   std::map<std::string, Written> written;
   std::vector<std::pair<std::string, RememberedTrack>> tracks;
+  std::vector<std::pair<std::string, RememberedLearning>> learnings;
   for (const VehicleState& state : registry_.All()) {
     const std::string& id = state.vehicle->id;
-    const Written now{state.session->Changes(), state.session.get()};
     const auto before = written_.find(id);
-    if (before == written_.end() || before->second.changes != now.changes || before->second.session != now.session) {
+    const bool known = before != written_.end() && before->second.session == state.session;
+    Written& now = written[id] = known ? before->second : Written{state.session, -1, -1, Clock::now(), {}};
+    const std::int64_t changes = state.session->Changes();
+    if (now.track_changes != changes) {
       tracks.emplace_back(id, TrackOf(state));
+      now.track_changes = changes;
     }
-    written[id] = now;
+    if (all ? now.learnt_changes != changes
+            : LearningIsDue(now, changes) && learnings.size() < options_.max_learnings) {
+      learnings.emplace_back(id, LearningOf(state));
+      now.learnt_changes = changes;
+      now.learnt = Clock::now();
+    }
   }
   written_ = std::move(written);
-  if (!tracks.empty()) {
+  if (!tracks.empty() || !learnings.empty()) {
     Try([&](const SqliteConnection& connection) {
       for (const auto& [id, track] : tracks) {
         WriteTrack(connection, id, track);
+      }
+      for (const auto& [id, learning] : learnings) {
+        WriteLearning(connection, id, learning);
       }
     });
   }

@@ -47,14 +47,10 @@ Move MoveVehicle(const VehicleState& state, const std::shared_ptr<const LoadedMa
   const VehicleView view = state.session->View();
   const bool keeps_pose = HaveOneFrame(InfoOf(before.served), InfoOf(map));
   std::shared_ptr<VehicleSession> session = state.session;
-  const bool same_camera = HasSameCameraInMap(before, after);
-  if (!keeps_pose || !same_camera || before.in_map.rectifier != after.in_map.rectifier ||
+  if (!keeps_pose || LearntWithOf(before) != LearntWithOf(after) || before.in_map.rectifier != after.in_map.rectifier ||
       before.map_resolution_m != after.map_resolution_m) {
     session = registry.NewSession(after);
-    if (same_camera) {
-      session->Resume(state.session->Learnt());
-    }
-    session->TakeMaskOf(*state.session);
+    session->Resume(HeldWith(LearntWithOf(after), state.session->Learnt(), LearntWithOf(before)));
     session->Start(StartAfter(view, keeps_pose));
   }
   if (!registry.Replace(state, {std::make_shared<const Vehicle>(after), std::move(session), std::nullopt})) {

@@ -16,18 +16,10 @@ bool IsSame(const Vehicle& a, const Vehicle& b) {
          a.gate.max_angle_rad == b.gate.max_angle_rad;
 }
 
-// What stands still in the images does not depend on the map.
-bool HasSameCamera(const Vehicle& a, const Vehicle& b) {
-  const FloorCamera& first = a.camera.camera;
-  const FloorCamera& second = b.camera.camera;
-  return first.camera.width_px == second.camera.width_px && first.camera.height_px == second.camera.height_px &&
-         CameraKey(first) == CameraKey(second);
-}
-
 }  // namespace
 
-bool HasSameCameraInMap(const Vehicle& a, const Vehicle& b) {
-  return CameraKey(a.in_map.rectifier->camera()) == CameraKey(b.in_map.rectifier->camera());
+LearntWith LearntWithOf(const Vehicle& vehicle) {
+  return {CameraKey(vehicle.camera.camera), CameraKey(vehicle.in_map.rectifier->camera())};
 }
 
 void VehicleRegistryOptions::Check() const {
@@ -59,15 +51,11 @@ Registration VehicleRegistry::Put(Vehicle vehicle) {
   }
   auto session = NewSession(vehicle);
   if (known != vehicles_.end()) {
+    const VehicleState& before = known->second;
+    session->Resume(HeldWith(LearntWithOf(vehicle), before.session->Learnt(), LearntWithOf(*before.vehicle)));
     SessionStart start;
-    start.epoch = known->second.session->View().epoch + 1;
+    start.epoch = before.session->View().epoch + 1;
     session->Start(start);
-  }
-  if (known != vehicles_.end() && HasSameCameraInMap(*known->second.vehicle, vehicle)) {
-    session->Resume(known->second.session->Learnt());
-  }
-  if (known != vehicles_.end() && HasSameCamera(*known->second.vehicle, vehicle)) {
-    session->TakeMaskOf(*known->second.session);
   }
   const std::string id = vehicle.id;
   VehicleState& state = vehicles_[id];

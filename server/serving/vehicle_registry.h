@@ -52,8 +52,8 @@ struct VehicleRegistryOptions {
   void Check() const;
 };
 
-/// What was learnt is relative to the camera as its map corrects it.
-bool HasSameCameraInMap(const Vehicle& a, const Vehicle& b);
+/// What the vehicle learns is relative to.
+LearntWith LearntWithOf(const Vehicle& vehicle);
 
 /// Result of a registration.
 struct Registration {

@@ -137,11 +137,6 @@ LearnedMaskState VehicleSession::Mask() {
   return tracker_.Mask();
 }
 
-void VehicleSession::TakeMaskOf(VehicleSession& other) {
-  const std::scoped_lock lock(mutex_, other.mutex_);
-  tracker_.TakeMaskOf(other.tracker_);
-}
-
 // The vehicle's clock is unknown before its first message: a pose set earlier gets the time of that message.
 void VehicleSession::StampPoseLocked(std::int64_t stamp_ns) {
   if (started_ns_ && stamp_ns < *started_ns_ - WindowNs(options_)) {

@@ -145,14 +145,12 @@ class VehicleSession {
   /// What the fixes tell of the camera's errors.
   CameraEstimate Camera();
   LearntValues Learnt();
-  /// Starts with what was learnt of the same vehicle and camera before; to be called before the first message.
+  /// Starts with what was learnt of the same vehicle before; to be called before Start.
   void Resume(const LearntValues& learnt);
   /// The last images and odometry messages, whether they were used or not.
   DriveRecord Record();
   /// What of the view travels with the camera.
   LearnedMaskState Mask();
-  /// Takes over what another session of the same camera learnt of its view.
-  void TakeMaskOf(VehicleSession& other);
   double SecondsSinceLastMessage() const;
   /// Grows with every message when it is taken in, and with every image once more when it is localized: what is read
   /// after it is at least as new.

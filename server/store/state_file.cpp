@@ -74,15 +74,15 @@ void StateFile::Open(const std::filesystem::path& file, Mode mode) {
   connection_ = std::make_unique<SqliteConnection>(
       file, mode == Mode::kWrite ? SqliteConnection::Mode::kCreate : SqliteConnection::Mode::kReadOnly);
   connection_->Execute("PRAGMA busy_timeout = 2000");
+  if (mode == Mode::kRead || !IsEmpty(*connection_)) {
+    CheckFormat(*connection_);
+  }
   if (mode == Mode::kWrite) {
     connection_->Execute("PRAGMA journal_mode = WAL");
-    if (IsEmpty(*connection_)) {
-      SqliteTransaction transaction(*connection_);
-      connection_->Execute(std::string(StateSql()));
-      transaction.Commit();
-    }
+    SqliteTransaction transaction(*connection_);
+    connection_->Execute(std::string(StateSql()));
+    transaction.Commit();
   }
-  CheckFormat(*connection_);
 }
 
 void StateFile::Write(Durability durability, const std::function<void(const SqliteConnection&)>& change) {

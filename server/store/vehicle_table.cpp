@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <span>
 
+#include "core/map/content_hash.h"
 #include "core/map/map_contract.h"
 
 namespace floorloc {
@@ -27,17 +28,36 @@ std::optional<RememberedPose> ReadPose(const SqliteStatement& row) {
   return pose;
 }
 
+// Far beyond what a vehicle learns.
+constexpr std::int64_t kMaxLearntBytes = 4'000'000;
+
+// Columns 11 to 14.
+RememberedLearning ReadLearning(const SqliteStatement& row) {
+  RememberedLearning learning{row.Integer(11), row.Integer(12), {}};
+  const Blob values = row.Bytes(13);
+  if (ContentHash().Add(std::span(values)).Checksum() == row.Integer(14)) {
+    learning.values = UnpackDoubles(values);
+  }
+  return learning;
+}
+
 }  // namespace
 
 std::vector<RememberedVehicle> ReadVehicles(const SqliteConnection& connection) {
   SqliteStatement row(connection,
                       "SELECT vehicle.id, registration, map_id, stamp_ns, x, y, yaw, covariance, epoch, last_heard_s, "
-                      "lost_reason FROM vehicle LEFT JOIN pose ON vehicle.id = pose.id ORDER BY vehicle.id");
+                      "lost_reason, camera, camera_in_map, CASE WHEN length(learnt_values) <= ? THEN learnt_values "
+                      "END, checksum FROM vehicle LEFT JOIN pose ON vehicle.id = pose.id LEFT JOIN learnt ON "
+                      "vehicle.id = learnt.id ORDER BY vehicle.id");
+  row.Bind(kMaxLearntBytes);
   std::vector<RememberedVehicle> vehicles;
   while (row.Step()) {
     RememberedVehicle vehicle{row.Text(0), row.Text(1), std::nullopt};
     if (!row.IsNull(8)) {
       vehicle.track = {ReadPose(row), static_cast<std::uint64_t>(row.Integer(8)), row.Real(9), row.Text(10)};
+    }
+    if (!row.IsNull(11)) {
+      vehicle.learning = ReadLearning(row);
     }
     vehicles.push_back(std::move(vehicle));
   }
@@ -65,7 +85,19 @@ void WriteTrack(const SqliteConnection& connection, const std::string& id, const
       .Run();
 }
 
+void WriteLearning(const SqliteConnection& connection, const std::string& id, const RememberedLearning& learning) {
+  const Blob values = PackDoubles(learning.values);
+  SqliteStatement(connection, "INSERT OR REPLACE INTO learnt SELECT id,?,?,?,? FROM vehicle WHERE id = ?")
+      .Bind(learning.camera)
+      .Bind(learning.camera_in_map)
+      .Bind(values)
+      .Bind(ContentHash().Add(std::span(values)).Checksum())
+      .Bind(id)
+      .Run();
+}
+
 void DeleteVehicle(const SqliteConnection& connection, const std::string& id) {
+  SqliteStatement(connection, "DELETE FROM learnt WHERE id = ?").Bind(id).Run();
   SqliteStatement(connection, "DELETE FROM pose WHERE id = ?").Bind(id).Run();
   SqliteStatement(connection, "DELETE FROM vehicle WHERE id = ?").Bind(id).Run();
 }

@@ -28,10 +28,18 @@ struct RememberedTrack {
   std::string lost_reason;    ///< why it has no pose; empty: it never had one
 };
 
+/// What a vehicle has learnt, as it is remembered.
+struct RememberedLearning {
+  std::int64_t camera = 0;         ///< key of the registered camera
+  std::int64_t camera_in_map = 0;  ///< of that camera as the map corrects it
+  std::vector<double> values;      ///< empty: they are damaged
+};
+
 struct RememberedVehicle {
   std::string id;
   std::string registration;              ///< body of PUT /v1/vehicles/{id}
   std::optional<RememberedTrack> track;  ///< empty: it was killed before the first was written
+  std::optional<RememberedLearning> learning = std::nullopt;
 };
 
 // Functions of a StateFile's connection.
@@ -39,6 +47,8 @@ std::vector<RememberedVehicle> ReadVehicles(const SqliteConnection& connection);
 void WriteRegistration(const SqliteConnection& connection, const std::string& id, const std::string& registration);
 /// Does nothing for a vehicle that is not registered any more.
 void WriteTrack(const SqliteConnection& connection, const std::string& id, const RememberedTrack& track);
+/// Does nothing for a vehicle that is not registered any more.
+void WriteLearning(const SqliteConnection& connection, const std::string& id, const RememberedLearning& learning);
 void DeleteVehicle(const SqliteConnection& connection, const std::string& id);
 
 }  // namespace floorloc

@@ -214,6 +214,19 @@ def journal_pieces():
             "build_journal": [header, header + record, header + 2 * record, header + record[:50], b"no journal"]}
 
 
+def learnt_values():
+    """Nothing; odometry, a fix that told of the camera, and a read-out; a mask of 3 x 2 cells."""
+    def square(size, diagonal):
+        return [diagonal if row == column else 0 for row in range(size) for column in range(size)]
+
+    sums = square(12, 100) + [0.5] * 12
+    odometry = [1, 0.05, -0.01, 0.001, *square(3, 1e-4), 1.5, 9.6e7]
+    camera = [123456, 654321, 40, 1, 0.5, 0.5, 0.1, *sums, *sums]
+    mask = [14, 0.2, 3, 2, 0.11, 0.15, 0.003] + [14] * 6 + [12, 0] * 3 + [0, 13] * 3
+    values = [[1] + [0] * 7, [1, *odometry, *camera, 1, 0.02, 0.0005, 0], [1, 0, 0, 0, 0, 0, 0, *mask]]
+    return [struct.pack(f"<{len(numbers)}d", *numbers) for numbers in values]
+
+
 def map_changes():
     """A command and a few changes, see map_content_fuzzer.cpp: all commands on the whole map, then with damages."""
     commands = 17
@@ -252,7 +265,7 @@ def main():
     corpus = {**files, **server_texts(), **journal_pieces(), "survey_folder": [whole_survey(files)],
               "image": images(), "image_header": images(), "http": http_requests(),
               "request_head": http_requests(), "multipart": multipart_bodies(),
-              "tokens": token_files(), "api": api_calls(),
+              "tokens": token_files(), "learnt_values": learnt_values(), "api": api_calls(),
               "calibrate_options": boards, "map_content": map_changes(), "map_file": [map_file()]}
     for name, seeds in corpus.items():
         folder = pathlib.Path(sys.argv[1]) / name

@@ -178,17 +178,37 @@ TEST_F(LearnedMaskTest, WhatIsNotToBeAppliedIsReportedOnly) {
   EXPECT_TRUE(mask_.State().left_out.empty());
 }
 
-TEST_F(LearnedMaskTest, ACloneLearnsOnItsOwn) {
+TEST_F(LearnedMaskTest, AnotherGoesOnWithWhatWasLearnt) {
   Drive(Views(), kPart);
-  const LearnedMask clone = mask_.Clone();
-  const cv::Mat known = clone.State().left_out.clone();
+  const LearnedMaskState known = mask_.State();
+  const cv::Mat left_out = known.left_out.clone();
+  const MaskEvidence learnt = mask_.Learnt();
   Drive(Views());
   Drive(Views());
-  EXPECT_EQ(clone.State().status, LearnedMaskStatus::kLearnt);
-  EXPECT_EQ(cv::norm(clone.State().left_out, known, cv::NORM_INF), 0.0);
-  LearnedMask again = clone.Clone();
-  again.Add(rectifier_.Rectify(Views()[0].raw), {});
-  EXPECT_EQ(again.State().status, LearnedMaskStatus::kLearnt) << "the evidence is kept";
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kNothing);
+  mask_ = LearnedMask();
+  mask_.Resume(learnt);
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kLearnt);
+  EXPECT_EQ(mask_.State().pairs, known.pairs);
+  EXPECT_EQ(mask_.State().share, known.share);
+  EXPECT_EQ(cv::norm(mask_.State().left_out, left_out, cv::NORM_INF), 0.0) << "learning on did not change it";
+  Drive(Views(), kPart);
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kLearnt);
+  EXPECT_GT(mask_.State().pairs, known.pairs);
+  Drive(Views());
+  Drive(Views());
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kNothing) << "the part is gone";
+}
+
+TEST_F(LearnedMaskTest, WhatWasLearntOfAnotherViewIsForgotten) {
+  Drive(Views(), kPart);
+  MaskEvidence learnt = mask_.Learnt();
+  learnt.grid.x_top_m += 0.02;
+  mask_.Resume(learnt);
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kLearnt);
+  mask_.Add(rectifier_.Rectify(Views()[0].raw), {});
+  EXPECT_EQ(mask_.State().status, LearnedMaskStatus::kLearning);
+  EXPECT_EQ(mask_.State().pairs, 0);
 }
 
 TEST(LearnedMaskOptionsTest, EachBadFieldIsRefusedByName) {

@@ -96,6 +96,29 @@ class KillTest : public testing::Test {
 
   static json Get(int port, const std::string& target) { return Json(ContractClient(port).Get(target)); }
 
+  // Drives the vehicle "a" in circles, with a plate in view.
+  static json Drive(int port, int first_frame, int frames) {
+    const SyntheticFloor& floor = SharedMaps().floor();
+    const cv::Rect plate(0, 240, 230, 240);
+    const cv::Mat part = floor.View(floor.BaseForView(0.9, 0.6, 2.0))(plate).clone();
+    const auto pose = [&](int i) {
+      const double angle = 0.4 * i;
+      return floor.BaseForView(0.6 + 0.2 * std::sin(angle), 0.45 + 0.14 * (1.0 - std::cos(angle)), 0.0);
+    };
+    ContractClient client(port);
+    json answer;
+    for (int i = first_frame; i < first_frame + frames; ++i) {
+      const Pose2 step = pose(i - 1).Between(pose(i));
+      const std::string query = "/v1/vehicles/a/frames?stamp=" + std::to_string(100 + i) +
+                                "&odometry=" + std::to_string(step.x()) + "," + std::to_string(step.y()) + "," +
+                                std::to_string(step.yaw());
+      cv::Mat image = floor.View(pose(i));
+      part.copyTo(image(plate));
+      answer = Json(client.Post(query, EncodeImage(image, ".jpg"), "image/jpeg", {{"X-Deadline-Ms", "60000"}}));
+    }
+    return answer;
+  }
+
   TemporaryFolder maps_;
   std::string other_;  // another version of the hall
 };
@@ -129,6 +152,26 @@ TEST_F(KillTest, VehiclesTheirPosesAndVersionsAreThereAgain) {
               testing::Pointwise(testing::DoubleNear(1e-12), before["pose"]["covariance"].get<std::vector<double>>()));
   EXPECT_GT(after["silent_s"].get<double>(), 1.0);
   EXPECT_EQ(Get(server.port(), "/v1/vehicles/b")["status"], "lost");
+}
+
+TEST_F(KillTest, WhatAVehicleHasLearntIsThereAgain) {
+  json vehicle;
+  {
+    ServerProcess server(maps_.path());
+    ContractClient client(server.port());
+    client.Put("/v1/vehicles/a", VehicleBody().dump());
+    const auto start = std::chrono::steady_clock::now();
+    Drive(server.port(), 0, 28);
+    vehicle = Get(server.port(), "/v1/vehicles/a");
+    const auto driven = std::chrono::steady_clock::now() - start;
+    std::this_thread::sleep_for(std::chrono::seconds(2) + driven / 8);  // longer than what was learnt waits
+    server.Kill();
+  }
+  ASSERT_EQ(vehicle["camera"]["learnt_mask"]["status"], "learnt") << vehicle;
+  ServerProcess server(maps_.path());
+  EXPECT_EQ(Get(server.port(), "/v1/vehicles/a")["camera"], vehicle["camera"]);
+  const json next = Drive(server.port(), 28, 1);
+  EXPECT_GT(next["masked_share"].get<double>(), 0.05) << "it is left out of the first image";
 }
 
 // Wherever it is killed: one of the versions is served, whole, and the one whose activation was answered.

@@ -83,6 +83,56 @@ TEST_F(StateFileTest, APoseThatNoServerWroteIsNone) {
   }
 }
 
+TEST_F(StateFileTest, RemembersWhatVehiclesHaveLearnt) {
+  StateFile state(file_, Mode::kWrite);
+  state.Write(kProcess, [&](const SqliteConnection& connection) {
+    WriteRegistration(connection, "agv", "{}");
+    WriteRegistration(connection, "new", "{}");
+    WriteLearning(connection, "agv", {1, 2, {0.0}});
+    WriteLearning(connection, "agv", {-7, 8, {1.0, 2.5}});
+    WriteLearning(connection, "nobody", {1, 2, {3.0}});
+    const std::vector<RememberedVehicle> vehicles = ReadVehicles(connection);
+    ASSERT_EQ(vehicles.size(), 2U);
+    ASSERT_TRUE(vehicles[0].learning);
+    EXPECT_EQ(vehicles[0].learning->camera, -7);
+    EXPECT_EQ(vehicles[0].learning->camera_in_map, 8);
+    EXPECT_EQ(vehicles[0].learning->values, (std::vector<double>{1.0, 2.5}));
+    EXPECT_FALSE(vehicles[1].learning);
+    DeleteVehicle(connection, "agv");
+    WriteRegistration(connection, "agv", "{}");
+    EXPECT_FALSE(ReadVehicles(connection)[0].learning);
+  });
+}
+
+TEST_F(StateFileTest, DamagedLearningIsNone) {
+  StateFile state(file_, Mode::kWrite);
+  for (const char* damage :
+       {"UPDATE learnt SET learnt_values = x'0000000000000000'", "UPDATE learnt SET learnt_values = 'text'",
+        "UPDATE learnt SET learnt_values = zeroblob(5000000)", "UPDATE learnt SET checksum = 'x'"}) {
+    state.Write(kProcess, [&](const SqliteConnection& connection) {
+      WriteRegistration(connection, "agv", "{}");
+      WriteLearning(connection, "agv", {1, 2, {1.0}});
+      EXPECT_EQ(ReadVehicles(connection)[0].learning->values.size(), 1U);
+      connection.Execute(damage);
+      ASSERT_TRUE(ReadVehicles(connection)[0].learning) << damage;
+      EXPECT_TRUE(ReadVehicles(connection)[0].learning->values.empty()) << damage;
+    });
+  }
+}
+
+TEST_F(StateFileTest, AFileWithoutLearningGetsItsTable) {
+  StateFile(file_, Mode::kWrite).Write(kProcess, [](const SqliteConnection& connection) {
+    connection.Execute("DROP TABLE learnt");
+    WriteRegistration(connection, "agv", "{}");
+  });
+  StateFile state(file_, Mode::kWrite);
+  state.Write(kProcess, [](const SqliteConnection& connection) {
+    ASSERT_EQ(ReadVehicles(connection).size(), 1U);
+    WriteLearning(connection, "agv", {1, 2, {1.0}});
+    EXPECT_TRUE(ReadVehicles(connection)[0].learning);
+  });
+}
+
 TEST_F(StateFileTest, AChangeThatFailsLeavesNothing) {
   StateFile state(file_, Mode::kWrite);
   EXPECT_THROW(state.Write(kProcess,
