@@ -16,6 +16,7 @@ inline constexpr int kRobotIsWrong = 3;
 void AddBuildCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddCheckDriveCommand(CLI::App& app);
+void AddClassifyCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddDiffCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
@@ -28,6 +29,7 @@ void AddMergeCommand(CLI::App& app);
 void AddOdometryCommand(CLI::App& app);
 void AddReportCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
+void AddTrainSurfaceCommand(CLI::App& app);
 void AddVerifyCommand(CLI::App& app);
 
 }  // namespace floorloc

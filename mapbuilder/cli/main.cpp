@@ -25,6 +25,8 @@ int main(int argc, char** argv) {
   floorloc::AddEvaluateCommand(app);
   floorloc::AddEvaluateFeaturesCommand(app);
   floorloc::AddCompareCommand(app);
+  floorloc::AddTrainSurfaceCommand(app);
+  floorloc::AddClassifyCommand(app);
   floorloc::AddReportCommand(app);
   floorloc::AddSimulateCommand(app);
   cv::setNumThreads(1);  // --threads is the total; OpenCV's own pool would add to it

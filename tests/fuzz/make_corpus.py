@@ -236,6 +236,20 @@ def map_changes():
     return whole + [bytes([index % commands, 0]) + damage for index, damage in enumerate(damages)]
 
 
+def surface_models():
+    """The body of a model that tells dark from bright by the histogram of values, and the whole file's beginning."""
+    names = b"".join(struct.pack("<I", len(name)) + name for name in (b"bright", b"dark"))
+    group = struct.pack("<IB", 1, 1)
+    options = struct.pack("<iddi", 640, 0.8, 200.0, 400) + group + struct.pack("<fiQ", 1.0, 2, 1)
+    input_ = group + struct.pack("<16f", *[0.0] * 8, *[1.0] * 8)
+    vectors = [0.0] * 7 + [1.0] + [1.0] + [0.0] * 7
+    weak = struct.pack("<IfI", 0, 1.0, 2) + struct.pack("<22f", *vectors, 1, -1, -1, 1, 0, 0)
+    confidences = struct.pack("<B16f", 1, *([-1.0] * 4 + [1.0] * 4) * 2)
+    body = (struct.pack("<I", 2) + names + options + struct.pack("<I", 1) + input_ + struct.pack("<I", 1) + weak +
+            confidences + struct.pack("<ff", 1.0, 1.0))
+    return [body, b"FLOORSRF" + struct.pack("<IQ", 1, 0) + body]
+
+
 def map_file():
     """A map of one camera and one frame in pages as small as SQLite has them; its checksums and hashes are wrong."""
     with tempfile.TemporaryDirectory() as folder:
@@ -266,7 +280,8 @@ def main():
               "image": images(), "image_header": images(), "http": http_requests(),
               "request_head": http_requests(), "multipart": multipart_bodies(),
               "tokens": token_files(), "learnt_values": learnt_values(), "api": api_calls(),
-              "calibrate_options": boards, "map_content": map_changes(), "map_file": [map_file()]}
+              "calibrate_options": boards, "map_content": map_changes(), "map_file": [map_file()],
+              "surface_model": surface_models()}
     for name, seeds in corpus.items():
         folder = pathlib.Path(sys.argv[1]) / name
         folder.mkdir(parents=True, exist_ok=True)
