@@ -48,8 +48,11 @@ Eigen::MatrixXf KernelSvm::Decide(const SampleMatrix& samples) const {
 int DecisionBlock(float decision) {
   constexpr float kFirst = -1.5F;
   constexpr float kStep = 0.5F;
-  const float block = std::floor((decision - kFirst) / kStep) + 1.0F;
-  return static_cast<int>(std::clamp(block, 0.0F, static_cast<float>(kDecisionBlocks - 1)));
+  int block = 0;
+  for (float edge = kFirst; block < kDecisionBlocks - 1 && decision >= edge; edge += kStep) {
+    ++block;
+  }
+  return block;
 }
 
 Eigen::MatrixXf BoostedSvm::Decide(std::span<const SegmentFeatures> segments) const {

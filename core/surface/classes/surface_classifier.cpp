@@ -46,6 +46,19 @@ void SetBoxes(const cv::Mat& labels, cv::Size original, std::vector<SegmentClass
   }
 }
 
+// Bounds within which no sum overflows; learnt numbers are far from them.
+constexpr float kMaxNumber = 1e6F;
+constexpr float kMaxMean = 1e12F;  // of a variance of intensities, say
+
+template <typename Matrix>
+bool IsWithin(const Matrix& matrix, float most) {
+  return matrix.size() == 0 || (matrix.allFinite() && matrix.cwiseAbs().maxCoeff() <= most);
+}
+
+bool IsWithin(const std::vector<float>& numbers, float most) {
+  return std::all_of(numbers.begin(), numbers.end(), [most](float number) { return std::abs(number) <= most; });
+}
+
 void CheckWeak(const WeakSvm& weak, const BoostedSvm& boosted) {
   RequireOption(weak.input >= 0 && static_cast<std::size_t>(weak.input) < boosted.inputs.size(),
                 "a classifier's input must be one of the model's");
@@ -57,9 +70,10 @@ void CheckWeak(const WeakSvm& weak, const BoostedSvm& boosted) {
   RequireOption(weak.confidences.size() == 0 ||
                     (weak.confidences.rows() == kDecisionBlocks && weak.confidences.cols() == boosted.classes),
                 "confidences must be given for all blocks and classes");
-  RequireOption(svm.gamma > 0.0F && svm.gamma < 1e9F && svm.vectors.allFinite() && svm.weights.allFinite() &&
-                    svm.bias.allFinite() && weak.confidences.allFinite(),
-                "a classifier's numbers must be finite");
+  RequireOption(svm.gamma > 0.0F && svm.gamma <= kMaxNumber && IsWithin(svm.vectors, kMaxNumber) &&
+                    IsWithin(svm.weights, kMaxNumber) && IsWithin(svm.bias, kMaxNumber) &&
+                    IsWithin(weak.confidences, kMaxNumber),
+                "a classifier's numbers must be finite, up to 1e6");
 }
 
 }  // namespace
@@ -74,10 +88,8 @@ void SurfaceModel::Check() const {
     const auto size = static_cast<std::size_t>(input.size());
     RequireOption(size > 0 && input.mean.size() == size && input.scale.size() == size,
                   "an input's mean and scale must have its size");
-    const auto finite = [](float number) { return std::isfinite(number); };
-    RequireOption(std::all_of(input.mean.begin(), input.mean.end(), finite) &&
-                      std::all_of(input.scale.begin(), input.scale.end(), finite),
-                  "an input's mean and scale must be finite");
+    RequireOption(IsWithin(input.mean, kMaxMean) && IsWithin(input.scale, kMaxNumber),
+                  "an input's mean and scale must be finite, up to 1e12 and 1e6");
   }
   for (const WeakSvm& weak : boosted.weak) {
     CheckWeak(weak, boosted);

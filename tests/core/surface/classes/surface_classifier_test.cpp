@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <stdexcept>
@@ -75,6 +76,25 @@ TEST(SurfaceModel, IsCheckedWhole) {
   model = DarkOrBright();
   model.boosted.weak.front().input = 1;
   EXPECT_THROW(SurfaceClassifier{model}, std::invalid_argument);
+}
+
+TEST(SurfaceModel, MayHaveNoNumberThatOverflows) {
+  SurfaceModel model = DarkOrBright();
+  model.boosted.weak.front().svm.weights(0, 0) = 1e30F;
+  EXPECT_THROW(SurfaceClassifier{model}, std::invalid_argument);
+  model = DarkOrBright();
+  model.boosted.inputs.front().scale.front() = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(SurfaceClassifier{model}, std::invalid_argument);
+}
+
+TEST(DecisionBlock, HasStepsAroundTheMargins) {
+  EXPECT_EQ(DecisionBlock(-9.0F), 0);
+  EXPECT_EQ(DecisionBlock(-1.5F), 1);
+  EXPECT_EQ(DecisionBlock(-0.1F), 3);
+  EXPECT_EQ(DecisionBlock(0.1F), 4);
+  EXPECT_EQ(DecisionBlock(1.4F), 6);
+  EXPECT_EQ(DecisionBlock(1e30F), 7);
+  EXPECT_EQ(DecisionBlock(std::numeric_limits<float>::quiet_NaN()), 0);
 }
 
 }  // namespace
