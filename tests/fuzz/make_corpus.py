@@ -103,6 +103,8 @@ def survey_files():
             "control_points": ["filename,u,v,x,y\n0.jpg,1,2,3,4\n1.jpg,5.5,6,-7,8\n"],
             "known_distances": ["filename1,u1,v1,filename2,u2,v2,distance\n0.jpg,1,2,1.jpg,3,4,1.5\n"],
             "markers_csv": ["id,x,y,yaw\n3,1,2,\n17,0,4,1.57\n"],
+            "texture_model": ["floorloc-texture 1\ngrid 4 3 0\nclass ROUGH error 0.2 classifiers 1\n-1 1 0.5 0 1 0.7\n"
+                              "class SMOOTH error 0.1 classifiers 2\n1 -1 0 2e3 -1 1.5\n0 0 1 0 1 0.25\n"],
             "tum": [first_lines(survey / "odometry.tum", 4), "# t\n1.5 1 2 3 0 0 0 1\n2.5 -1 2e0 3 0 0 1 0\n"],
             "euroc": ["#t\n10,1,2,3,1,0,0,0,5\n20,1,2,3,0,1,0,0\n"],
             "time_stamp": ["1700000000.123456789", "-1.5e-3", "1e9", "+0", "9" * 40]}
