@@ -81,6 +81,15 @@ CREATE TABLE camera_mask (
   picture BLOB NOT NULL   -- JPEG of an image with the mask, to be looked at; may be empty
 );
 
+-- What the floor of a survey looks like, block by block (48 rectified pixels a side). Only of the surveys that show enough
+-- of it.
+CREATE TABLE floor_texture (
+  survey     INTEGER PRIMARY KEY,
+  blocks     INTEGER NOT NULL,  -- of which the model was made
+  mean       BLOB NOT NULL,     -- float64[5]; schema/README.md names the features
+  covariance BLOB NOT NULL      -- float64[15]: upper triangle, row-major
+);
+
 -- Survey frames with their optimised poses.
 CREATE TABLE frame (
   id         INTEGER PRIMARY KEY,  -- from 0

@@ -49,7 +49,7 @@ bool IsLostBySpeed(const DriveRecord& record, const DiagnosisOptions& options) {
 
 // Why images are not found, by the reason that is the most frequent.
 std::string CureOfLost(const DriveRecord& record, const DiagnosisOptions& options) {
-  constexpr auto kReasons = static_cast<std::size_t>(NotLocalizedReason::kViewDisagrees) + 1;
+  constexpr auto kReasons = static_cast<std::size_t>(NotLocalizedReason::kOtherFloor) + 1;
   std::array<int, kReasons> reasons{};
   int ambiguous = 0, lost = 0;
   for (const RecordedFrame& frame : record.frames()) {
@@ -73,6 +73,11 @@ std::string CureOfLost(const DriveRecord& record, const DiagnosisOptions& option
       return "they agree with the map in a part of the view only: mask what is no floor, or survey the floor again "
              "where "
              "it changed";
+    case NotLocalizedReason::kNoFloor:
+      return "they show no floor: see whether something is before the camera, it is dark, or a lamp blinds it";
+    case NotLocalizedReason::kOtherFloor:
+      return "they show a floor that looks different from the map's: see whether the map is that of this floor, and "
+             "survey what was not";
     default:
       return "they do not match the map: see whether it is another floor, the floor is worn or changed, or the "
              "camera's "

@@ -21,6 +21,8 @@ struct FrameObservation {
   GroundImage floor;            ///< rectified, with what was left out
   double rectify_ms = 0.0;
   double features_ms = 0.0;
+  cv::Mat left_out = {};                 ///< of `floor`, as in Localizer::Observe
+  bool deblurred = false;                ///< the features are of an image whose blur was undone, `floor` is not
   std::optional<int> jpeg_quality = {};  ///< EstimateJpegQuality() of the image's file, by whoever has it
 
   void SetContext(const std::optional<CameraPrior>& camera_prior, std::optional<int> quality) {

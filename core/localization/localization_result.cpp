@@ -31,6 +31,10 @@ const char* ToString(NotLocalizedReason reason) {
       return "contradicts_prior";
     case NotLocalizedReason::kViewDisagrees:
       return "view_disagrees";
+    case NotLocalizedReason::kNoFloor:
+      return "no_floor";
+    case NotLocalizedReason::kOtherFloor:
+      return "other_floor";
   }
   return "unknown";
 }

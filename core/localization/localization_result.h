@@ -25,9 +25,11 @@ enum class NotLocalizedReason {
   kNotSignificant,
   kContradictsPrior,  ///< the frame fits better outside the prior
   kViewDisagrees,     ///< keypoints match in one part of the view, the rest of it does not agree with the map
+  kNoFloor,           ///< the view shows no floor: darkness, glare, a lens cap, or things
+  kOtherFloor,        ///< it shows a floor of a texture that the map does not have
 };
 /// "", "too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant", "contradicts_prior",
-/// "view_disagrees"
+/// "view_disagrees", "no_floor", "other_floor"
 const char* ToString(NotLocalizedReason reason);
 
 /// Milliseconds of wall time.

@@ -13,6 +13,7 @@
 #include "core/localization/stopwatch.h"
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
+#include "core/surface/texture/floor_recognizer.h"
 #include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/matching/guided_matcher.h"
 
@@ -52,6 +53,21 @@ LocalizationStatus StatusOf(RegistrationStatus status) {
   }
 }
 
+NotLocalizedReason ReasonOf(StrangeView view) {
+  return view == StrangeView::kNoFloor ? NotLocalizedReason::kNoFloor : NotLocalizedReason::kOtherFloor;
+}
+
+// What the floors of all surveys look like; nothing where that is not known of one of them.
+std::vector<FloorTextureModel> FloorsOf(const MapInfo& info) {
+  std::vector<FloorTextureModel> floors;
+  for (const MapFloorTexture& floor : info.floor_textures) {
+    if (floor.blocks > 0) {
+      floors.push_back({floor.blocks, floor.mean, floor.covariance});
+    }
+  }
+  return floors.size() == info.cameras.size() ? floors : std::vector<FloorTextureModel>();
+}
+
 }  // namespace
 
 struct Localizer::Impl {
@@ -59,7 +75,8 @@ struct Localizer::Impl {
       : options(ScaledTo(o, floor_map.info.camera().floor.resolution_m)),
         map(std::move(floor_map)),
         extractor(CreateFeatureExtractor(map.info.extractor)),
-        search(map, extractor->descriptor_type(), options) {
+        search(map, extractor->descriptor_type(), options),
+        recognizer(FloorsOf(map.info), options.floor) {
     if (tiles) {
       raster.emplace(std::move(tiles), map.mosaic, ContrastOfMosaic(map.info.extractor), o.mosaic_memory_bytes);
     }
@@ -70,6 +87,7 @@ struct Localizer::Impl {
   std::unique_ptr<FeatureExtractor> extractor;
   CandidateSearch search;
   std::optional<MosaicRaster> raster;
+  FloorRecognizer recognizer;
 
   // Searches, decides and reports; adds its times to the result's. All poses are relative to the keypoints' origin.
   void LocalizeIn(const SearchScope& scope, const FrameObservation& frame, GlobalSearchCache* global,
@@ -145,6 +163,12 @@ struct Localizer::Impl {
 
   bool IsPoor(const FrameObservation& frame) const {
     return frame.jpeg_quality && *frame.jpeg_quality < options.search.poor_jpeg_quality;
+  }
+
+  // Nothing is said of a view of which only parts are known, of one whose blur was undone, and of one whose compression
+  // took the fine structures.
+  FloorVerdict Look(const FrameObservation& frame) const {
+    return frame.deblurred || IsPoor(frame) ? FloorVerdict() : recognizer.Look(LeaveOut(frame.floor, frame.left_out));
   }
 
   std::vector<SearchScope> ScopesOf(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
@@ -246,6 +270,7 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
                          rectify_ms,
                          0.0};
   frame.features_ms = stage.LapMs();
+  frame.left_out = left_out;
   return frame;
 }
 
@@ -269,6 +294,7 @@ std::optional<FrameObservation> Localizer::Deblur(const FrameObservation& frame,
   FrameObservation deblurred = frame;
   deblurred.features = impl_->extractor->Extract(image, impl_->extractor->Prepare(image), &deblurred.upright);
   deblurred.rectify_ms = 0.0;
+  deblurred.deblurred = true;
   deblurred.features_ms = stage.LapMs();
   return deblurred;
 }
@@ -297,7 +323,11 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
   result.keypoints = static_cast<int>(frame.features.keypoints.size());
   result.poor_jpeg_quality = impl_->IsPoor(frame) ? frame.jpeg_quality : std::nullopt;
   Stopwatch search;
-  if (result.keypoints < impl_->options.registration.min_inliers) {
+  // Near a prior the search costs less than it would to look whether it is hopeless.
+  std::optional<FloorVerdict> view = prior ? std::nullopt : std::optional(impl_->Look(frame));
+  if (view && view->hopeless) {
+    result.reason = ReasonOf(*view->strange);
+  } else if (result.keypoints < impl_->options.registration.min_inliers) {
     result.reason = NotLocalizedReason::kTooFewKeypoints;
   } else {
     const Pose2 map_from_origin = impl_->map.keypoints.MapFromOrigin();
@@ -316,6 +346,10 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
     for (PoseHypothesis& other : result.alternatives) {
       other.target_from_source = map_from_origin * other.target_from_source;
     }
+  }
+  if (result.status == LocalizationStatus::kNotLocalized && result.reason != NotLocalizedReason::kContradictsPrior) {
+    view = view ? view : impl_->Look(frame);
+    result.reason = view->strange ? ReasonOf(*view->strange) : result.reason;
   }
   result.timing.total_ms = frame.rectify_ms + frame.features_ms + search.LapMs();
   return result;

@@ -22,6 +22,7 @@ void LocalizerOptions::Check() const {
   readout_fit.Check();
   partial_view.Check();
   motion_blur.Check();
+  floor.Check();
 }
 
 }  // namespace floorloc

@@ -12,6 +12,7 @@
 #include "core/localization/search_options.h"
 #include "core/localization/self_similarity.h"
 #include "core/registration/registration.h"
+#include "core/surface/texture/floor_recognizer.h"
 #include "core/vision/image/motion_blur.h"
 #include "core/vision/matching/descriptor_index.h"
 
@@ -31,6 +32,7 @@ struct LocalizerOptions {
   ReadoutFitOptions readout_fit;
   PartialViewOptions partial_view;
   MotionBlurOptions motion_blur;
+  FloorRecognitionOptions floor;     ///< which views are not searched for
   double systematic_m = 1.5e-4;      ///< error of the map that a residual does not show; `./run bench calibration`
   double systematic_share = 1.0;     ///< the same as a share of their RMS, where the mosaic was not compared
   double systematic_lever_m = 0.25;  ///< lever arm: systematic error of the heading = that of the position / lever

@@ -39,6 +39,17 @@ struct MapCameraMask {
   std::vector<std::uint8_t> picture;  ///< JPEG of an image of the camera with the mask; may be empty
 };
 
+/// What the blocks of a survey's floor look like, by the features of BlockTexture.
+struct MapFloorTexture {
+  static constexpr int kSize = 5;
+  using Mean = Eigen::Matrix<double, kSize, 1>;
+  using Covariance = Eigen::Matrix<double, kSize, kSize>;
+
+  int blocks = 0;  ///< of which it was made; 0: nothing is known
+  Mean mean = Mean::Zero();
+  Covariance covariance = Covariance::Identity();
+};
+
 /// Metadata of a map; written once, when the map is built.
 struct MapInfo {
   int format_version = 0;
@@ -56,6 +67,8 @@ struct MapInfo {
   std::vector<FloorCamera> given_cameras;
   /// One per survey; or empty: no camera has a mask.
   std::vector<MapCameraMask> masks;
+  /// One per survey; or empty: the file does not tell.
+  std::vector<MapFloorTexture> floor_textures;
   std::vector<MapParent> parents;
   std::vector<MapFileLayer> layers;  ///< as the file has them, also those that this program does not know
   std::string surveys_json;          ///< provenance: one object per survey

@@ -21,7 +21,7 @@ struct KnownLayer {
   std::array<const char*, 2> rows;  // nullptr: none
 };
 
-constexpr std::array<KnownLayer, 6> kKnownLayers = {{
+constexpr std::array<KnownLayer, 7> kKnownLayers = {{
     {kCalibrationLayer,
      1,
      false,
@@ -29,6 +29,10 @@ constexpr std::array<KnownLayer, 6> kKnownLayers = {{
       "given_homography FROM calibration ORDER BY survey",
       nullptr}},
     {kCameraMaskLayer, 1, false, {"SELECT survey, found, runs, picture FROM camera_mask ORDER BY survey", nullptr}},
+    {kFloorTextureLayer,
+     1,
+     false,
+     {"SELECT survey, blocks, mean, covariance FROM floor_texture ORDER BY survey", nullptr}},
     {"frames",
      1,
      true,
@@ -50,7 +54,9 @@ constexpr std::array<KnownLayer, 6> kKnownLayers = {{
 // Optional layers are listed where their tables hold something; that of the calibrations always does.
 bool IsEmpty(const SqliteConnection& connection, const KnownLayer& layer) {
   const std::string name = layer.name;
-  const char* table = name == kCameraMaskLayer ? "camera_mask" : name == kUprightLayer ? "keypoint_upright" : nullptr;
+  const char* table = name == kUprightLayer                                    ? "keypoint_upright"
+                      : name == kCameraMaskLayer || name == kFloorTextureLayer ? name.c_str()
+                                                                               : nullptr;
   return table != nullptr && !SqliteStatement(connection, std::string("SELECT 1 FROM ") + table).Step();
 }
 

@@ -21,6 +21,10 @@ inline constexpr const char* kCameraMaskLayer = "camera_mask";
 /// The keypoints at the map's own heading. Optional: absent where the extractor has no such descriptors.
 inline constexpr const char* kUprightLayer = "upright";
 
+/// What the surveys' floors look like: a view of another floor is refused as such. Optional, and absent where no survey
+/// shows enough floor.
+inline constexpr const char* kFloorTextureLayer = "floor_texture";
+
 /// True for a layer that the file has and this program reads.
 bool HasLayer(const std::vector<MapFileLayer>& layers, const std::string& name);
 

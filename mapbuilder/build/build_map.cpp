@@ -26,6 +26,7 @@
 #include "mapbuilder/self_calibration/camera_doubt.h"
 #include "mapbuilder/survey/extract_frames.h"
 #include "mapbuilder/survey/frame_journal.h"
+#include "mapbuilder/survey/survey_texture.h"
 
 namespace floorloc {
 namespace {
@@ -208,6 +209,12 @@ void AddMasks(const std::vector<CameraMaskFinding>& findings, MapInfo* info) {
   }
 }
 
+// What the floors of the surveys look like, after those of the base map.
+void AddFloorTextures(const FrameSet& set, MapInfo* info) {
+  const std::vector<MapFloorTexture> textures = FloorTexturesOf(set);
+  info->floor_textures.insert(info->floor_textures.end(), textures.begin(), textures.end());
+}
+
 MapInfo Completed(MapInfo info, const BuildOptions& options, const BuildReport& report) {
   AddMasks(report.masks, &info);
   info.extractor = options.extractor;
@@ -296,8 +303,9 @@ BuildReport BuildMap(const BuildOptions& requested) {
   writer.WriteUprightDescriptors(keypoints);
   clock.Finish("mosaic");
 
-  const MapInfo info = MakeMapInfo(options.out.stem().string(), floor.frames.set.surveys, base.get());
-  report.content_version = writer.Commit(Completed(info, options, report), layout);
+  MapInfo info = MakeMapInfo(options.out.stem().string(), floor.frames.set.surveys, base.get());
+  AddFloorTextures(floor.frames.set, &info);
+  report.content_version = writer.Commit(Completed(std::move(info), options, report), layout);
   journal.Remove();
   clock.Finish("write");
   return report;

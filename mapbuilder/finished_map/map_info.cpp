@@ -50,6 +50,12 @@ void AppendMasks(const MapInfo& info, std::vector<MapCameraMask>* masks) {
   masks->insert(masks->end(), before.begin(), before.end());
 }
 
+void AppendFloorTextures(const MapInfo& info, std::vector<MapFloorTexture>* textures) {
+  std::vector<MapFloorTexture> before = info.floor_textures;
+  before.resize(info.cameras.size());
+  textures->insert(textures->end(), before.begin(), before.end());
+}
+
 MapInfo NewInfo(const std::string& name, const std::string& id) {
   MapInfo info;
   info.builder_version = FLOORLOC_VERSION;
@@ -69,6 +75,7 @@ MapInfo MakeMapInfo(const std::string& name, const std::vector<LoadedSurvey>& su
     info.cameras = before.cameras;
     AppendGivenCameras(before, &info.given_cameras);
     AppendMasks(before, &info.masks);
+    AppendFloorTextures(before, &info.floor_textures);
     info.parents = {{"extends", before.id, before.content_version}};
     AppendProvenance(before, &provenance);
   }
@@ -90,6 +97,7 @@ MapInfo MakeMergedInfo(const std::string& name, const BaseMap& first, const Base
     info.cameras.insert(info.cameras.end(), before.cameras.begin(), before.cameras.end());
     AppendGivenCameras(before, &info.given_cameras);
     AppendMasks(before, &info.masks);
+    AppendFloorTextures(before, &info.floor_textures);
     info.parents.push_back({"merges", before.id, before.content_version});
     AppendProvenance(before, &provenance);
   }

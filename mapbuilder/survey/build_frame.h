@@ -37,6 +37,7 @@ struct BuildFrame {
   Features features;   ///< base frame
   cv::Mat brightness;  ///< CV_32F, mean grey of coarse cells of the rectified image; 0: invalid
   ImageQuality quality;
+  cv::Mat texture;         ///< SampleBlockTextures() of the rectified image
   std::string unreadable;  ///< reason if the image can't be used; else empty
   /// The camera's height while the image was taken over that of its survey's calibration; `features` are corrected for
   /// it.

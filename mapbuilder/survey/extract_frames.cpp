@@ -10,6 +10,7 @@
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/survey/frame_journal.h"
 #include "mapbuilder/survey/readout_motion.h"
+#include "mapbuilder/survey/survey_texture.h"
 
 namespace floorloc {
 namespace {
@@ -34,6 +35,7 @@ void Extract(const LoadedSurvey& from, const FeatureExtractor& extractor, BuildF
   frame->features = extractor.Extract(image);
   frame->brightness = MeasureBrightness(image);
   frame->quality = MeasureQuality(image);
+  frame->texture = SampleBlockTextures(image);
 }
 
 // Reads, or restores, the features of all frames or of some.

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/map/extractor_parameters.h"
+#include "core/surface/texture/floor_blocks.h"
 #include "mapbuilder/batch/journal_bytes.h"
 
 namespace floorloc {
@@ -26,12 +27,13 @@ void AddCamera(const FloorCamera& c, ContentHash* hash) {
   hash->Add(std::string(ToString(c.camera.readout.direction)));
 }
 
-// Checks the extractor's invariant: one descriptor per keypoint, of bytes or floats.
-bool IsWhole(const Features& features, const cv::Mat& brightness) {
+// Checks the extractor's invariant, one descriptor per keypoint, of bytes or floats, and the matrices' types.
+bool IsWhole(const Features& features, const cv::Mat& brightness, const cv::Mat& texture) {
   const cv::Mat& descriptors = features.descriptors;
   return static_cast<std::size_t>(descriptors.rows) == features.keypoints.size() &&
          (descriptors.type() == CV_8UC1 || descriptors.type() == CV_32FC1) &&
-         (brightness.empty() || brightness.type() == CV_32FC1);
+         (brightness.empty() || brightness.type() == CV_32FC1) &&
+         (texture.empty() || (texture.type() == CV_64FC1 && texture.cols == BlockTexture::SizeAtCompileTime));
 }
 
 }  // namespace
@@ -91,12 +93,15 @@ bool FrameJournal::Restore(BuildFrame* frame) {
   reader.Read(&brightness);
   ImageQuality quality;
   reader.Read(&quality);
-  if (!reader.Complete() || !IsWhole(features, brightness)) {
+  cv::Mat texture;
+  reader.Read(&texture);
+  if (!reader.Complete() || !IsWhole(features, brightness, texture)) {
     return false;
   }
   frame->features = std::move(features);
   frame->brightness = brightness;
   frame->quality = quality;
+  frame->texture = texture;
   ++restored_;
   return true;
 }
@@ -104,6 +109,7 @@ bool FrameJournal::Restore(BuildFrame* frame) {
 void FrameJournal::Store(const BuildFrame& frame) {
   ByteWriter writer;
   writer.Add(frame.features.keypoints).Add(frame.features.descriptors).Add(frame.brightness).Add(frame.quality);
+  writer.Add(frame.texture);
   journal_->Put(KeyOf(frame), writer.Take());
 }
 

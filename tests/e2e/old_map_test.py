@@ -62,7 +62,7 @@ class BaseMap(Scratch):
         run_ok("verify", out)
         new = info(out)
         self.assertEqual(new["format_version"], 3)
-        self.assertEqual([layer["name"] for layer in new["layers"]], ["calibration", "frames", "keypoints", "mosaic"])
+        self.assertEqual([layer["name"] for layer in new["layers"]], ["calibration", "floor_texture", "frames", "keypoints", "mosaic"])
         self.assertEqual(new["parents"][0]["version"], VERSION)
         self.assertEqual(json.loads(run_ok("diff", self.map, out, "--json"))["relation"], "extends")
 

@@ -10,7 +10,7 @@
 
 namespace floorloc {
 
-/// When a view counts as one of a known floor. Numbers: docs/benchmarks/surface.md.
+/// When a view counts as one of a known floor. Numbers: docs/benchmarks/floor_texture.md.
 struct FloorRecognitionOptions {
   /// A view of which a smaller share of the blocks is like a known floor is not searched for. Of 200 frames that were
   /// found with 20 % of the floor changed, blur, lamps and shadow the worst had 0.1. 0: none is refused.

@@ -124,6 +124,10 @@ TEST_F(DiagnosisTest, TheMostFrequentReasonIsNamed) {
   Expect("floor", FindingStatus::kNote, "too little structure");
   Lose(5, 20, NotLocalizedReason::kViewDisagrees);
   Expect("floor", FindingStatus::kNote, "mask what is no floor");
+  Lose(5, 20, NotLocalizedReason::kNoFloor);
+  Expect("floor", FindingStatus::kNote, "they show no floor");
+  Lose(5, 20, NotLocalizedReason::kOtherFloor);
+  Expect("floor", FindingStatus::kNote, "looks different from the map's");
   ForFrames(0, 20, [](RecordedFrame& frame) { frame.status = LocalizationStatus::kAmbiguous; });
   Expect("floor", FindingStatus::kNote, "several places of the floor look alike");
 }

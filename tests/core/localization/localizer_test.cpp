@@ -232,11 +232,37 @@ TEST_P(LocalizerTest, AnotherFloorIsNotThisFloor) {
   }
 }
 
-TEST_P(LocalizerTest, ABlackImageHasTooFewKeypoints) {
-  const LocalizationResult result = Localize(cv::Mat::zeros(480, 640, CV_8UC1));
-  EXPECT_EQ(result.status, LocalizationStatus::kNotLocalized);
-  EXPECT_EQ(result.reason, NotLocalizedReason::kTooFewKeypoints);
-  EXPECT_EQ(result.keypoints, 0);
+TEST_P(LocalizerTest, ABlackImageShowsNoFloorAndIsNotSearchedFor) {
+  for (const std::optional<PosePrior>& prior : {std::optional<PosePrior>(), std::optional(PosePrior{Pose2()})}) {
+    const LocalizationResult result = Localize(cv::Mat::zeros(480, 640, CV_8UC1), prior);
+    EXPECT_EQ(result.status, LocalizationStatus::kNotLocalized);
+    EXPECT_EQ(result.reason, NotLocalizedReason::kNoFloor);
+    EXPECT_EQ(result.keypoints, 0);
+    EXPECT_EQ(result.timing.match_ms, 0.0);
+  }
+}
+
+// Stripes: a strong texture that no survey saw, and plenty of keypoints.
+cv::Mat Stripes() {
+  cv::Mat view(480, 640, CV_8UC1);
+  for (int u = 0; u < view.cols; ++u) {
+    view.col(u).setTo(u / 6 % 2 == 0 ? 60 : 180);
+  }
+  cv::Mat noise(view.size(), CV_8UC1);
+  cv::RNG(8).fill(noise, cv::RNG::UNIFORM, 0, 40);
+  return view + noise;
+}
+
+TEST_P(LocalizerTest, AnotherTextureIsRefusedBeforeTheWholeMapIsSearched) {
+  const LocalizationResult result = Localize(Stripes());
+  EXPECT_EQ(result.reason, NotLocalizedReason::kOtherFloor);
+  EXPECT_EQ(result.timing.match_ms, 0.0);
+}
+
+TEST_P(LocalizerTest, NearAPriorAnyTextureIsSearchedForAndNamedAfterwards) {
+  const LocalizationResult result = Localize(Stripes(), PosePrior{Floor().BaseForView(0.4, 0.4, 0.3)});
+  EXPECT_EQ(result.reason, NotLocalizedReason::kOtherFloor);
+  EXPECT_GT(result.timing.match_ms, 0.0);
 }
 
 TEST_P(LocalizerTest, AWrongPriorFindsNothing) {
@@ -485,6 +511,8 @@ TEST(LocalizationNamesTest, AreTheContracts) {
   EXPECT_STREQ(ToString(LocalizationStatus::kAmbiguous), "ambiguous");
   EXPECT_STREQ(ToString(LocalizationStatus::kNotLocalized), "not_localized");
   EXPECT_STREQ(ToString(NotLocalizedReason::kTooFewKeypoints), "too_few_keypoints");
+  EXPECT_STREQ(ToString(NotLocalizedReason::kNoFloor), "no_floor");
+  EXPECT_STREQ(ToString(NotLocalizedReason::kOtherFloor), "other_floor");
 }
 
 }  // namespace
