@@ -127,7 +127,8 @@ int main(int argc, char** argv) {
   app.add_option("--frames", arguments.frames, "Mild and as many hard frames per simulated floor")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--strange", arguments.strange, "NAME=FOLDER: images that show none of the floors");
+  app.add_option("--strange", arguments.strange, "NAME=FOLDER: images that show none of the floors")
+      ->allow_extra_args(false);
   app.add_option("--strange-images", arguments.strange_images, "Most of each kind")->capture_default_str();
   app.add_option("folders", arguments.folders,
                  "Recorded floors instead of simulated ones: each has survey/ and folders of frames with truth");
