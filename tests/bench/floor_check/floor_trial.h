@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/scenes/scene.h"
 #include "tests/bench/floor_check/strange_views.h"
+#include "tests/bench/scenes/scene.h"
 
 namespace floorloc {
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <opencv2/core.hpp>
 
 namespace floorloc {
 namespace {

@@ -40,7 +40,7 @@ cv::Mat Picture(bool coarse, std::uint64_t seed, cv::Size size = {96, 72}) {
 class SurfaceTraining : public testing::Test {
  protected:
   fs::path Add(const std::string& name, const cv::Mat& image) {
-    const fs::path file = folder_.path() / name;
+    fs::path file = folder_.path() / name;
     fs::create_directories(file.parent_path());
     cv::imwrite(file.string(), image);
     return file;
@@ -48,7 +48,7 @@ class SurfaceTraining : public testing::Test {
   void AddClasses(int pictures) {
     for (int i = 0; i < pictures; ++i) {
       Add("fine/" + std::to_string(i) + ".png", Picture(false, static_cast<std::uint64_t>(i)));
-      Add("coarse/" + std::to_string(i) + ".png", Picture(true, static_cast<std::uint64_t>(100 + i)));
+      Add("coarse/" + std::to_string(i) + ".png", Picture(true, 100U + static_cast<std::uint64_t>(i)));
     }
   }
   std::string Refusal(const std::function<void()>& work) const {
@@ -175,7 +175,8 @@ TEST(LookAlikeFolds, KeepLookAlikesTogetherAndFoldsEven) {
   std::vector<int> labels;
   for (int i = 0; i < 80; ++i) {  // 20 rooms of 4 pictures, 10 of each class
     const auto room = static_cast<float>(i % 20);
-    looks.push_back({room * room, 0.01F * static_cast<float>(i / 20)});
+    const int picture = i / 20;
+    looks.push_back({room * room, 0.01F * static_cast<float>(picture)});
     labels.push_back(i % 20 < 10 ? 0 : 1);
   }
   FoldOptions options;
@@ -200,8 +201,8 @@ TEST(LabelledPicture, TintsByClass) {
   cv::Mat classes = cv::Mat::zeros(40, 40, CV_32SC1);
   classes.colRange(20, 40).setTo(1);
   const cv::Mat tinted = TintByClass(picture, classes, {"a", "b"});
-  const auto left = tinted.at<cv::Vec3b>(390, 10);
-  const auto right = tinted.at<cv::Vec3b>(390, 390);
+  const auto& left = tinted.at<cv::Vec3b>(390, 10);
+  const auto& right = tinted.at<cv::Vec3b>(390, 390);
   EXPECT_NE(left, right);
   EXPECT_NEAR(left[1], 0.55 * 100 + 0.45 * ClassColor(0)[1], 1.0);
 }

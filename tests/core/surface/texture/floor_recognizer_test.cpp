@@ -37,7 +37,7 @@ cv::Mat Floor(double growth, double contrast, std::uint64_t seed = 1) {
   return 120.0 + contrast / deviation[0] * floor;
 }
 
-cv::Mat WithNoise(cv::Mat image, double sigma) {
+cv::Mat WithNoise(const cv::Mat& image, double sigma) {
   cv::Mat noise(image.size(), CV_32FC1);
   cv::RNG(77).fill(noise, cv::RNG::NORMAL, 0.0, sigma);
   return image + noise;
