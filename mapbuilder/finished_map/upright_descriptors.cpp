@@ -2,7 +2,6 @@
 #include "mapbuilder/finished_map/upright_descriptors.h"
 
 #include <cmath>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <numbers>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/map/keypoint_blobs.h"
 #include "core/vision/extractors/extractor_layout.h"
 #include "core/vision/extractors/steered_brief.h"
 #include "mapbuilder/batch/parallel.h"
@@ -60,20 +60,15 @@ cv::Mat DescribeInMosaic(const MapKeypoints& keypoints, const FinishedMosaic& mo
         return mosaic.tiles(tile);
       },
       mosaic.layout, ContrastOfMosaic(mosaic.extractor), std::size_t{64} << 20);
-  std::map<std::pair<int, int>, std::vector<int>> by_block;
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const Eigen::Vector2d block = keypoints.PositionInMap(i) / kBlockM;
-    by_block[{static_cast<int>(std::floor(block.y())), static_cast<int>(std::floor(block.x()))}].push_back(
-        static_cast<int>(i));
-  }
+  const auto by_block = KeypointsByTile(keypoints, kBlockM);
   const std::vector<std::pair<std::pair<int, int>, std::vector<int>>> blocks(by_block.begin(), by_block.end());
   cv::Mat upright(static_cast<int>(keypoints.size()), kBriefBytes, CV_8UC1);
   ParallelFor(static_cast<int>(blocks.size()), run.threads, [&](int b) {
     const auto& [block, indices] = blocks[static_cast<std::size_t>(b)];
     const double margin_m = kMarginPx * mosaic.resolution_m;
     const MosaicView view = ViewOf(raster,
-                                   {block.second * kBlockM - margin_m, (block.second + 1) * kBlockM + margin_m,
-                                    block.first * kBlockM - margin_m, (block.first + 1) * kBlockM + margin_m},
+                                   {block.first * kBlockM - margin_m, (block.first + 1) * kBlockM + margin_m,
+                                    block.second * kBlockM - margin_m, (block.second + 1) * kBlockM + margin_m},
                                    mosaic.resolution_m);
     std::vector<Keypoint> in_view;
     for (const int i : indices) {

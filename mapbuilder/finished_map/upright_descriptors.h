@@ -22,8 +22,7 @@ struct FinishedMosaic {
 };
 
 /// Upright descriptors of the keypoints (MapKeypoints::upright), as the mosaic shows them: it holds what all images of
-/// a point agree on, at one heading. Empty for extractors without them, and of
-/// a mosaic that is too coarse.
+/// a point agree on, at one heading. Empty for extractors without them, and of a mosaic that is too coarse.
 cv::Mat DescribeInMosaic(const MapKeypoints& keypoints, const FinishedMosaic& mosaic, const RunOptions& run);
 
 }  // namespace floorloc
