@@ -2,13 +2,13 @@
 #include "mapbuilder/laboratory/image_set.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "core/io/image.h"
+#include "core/io/image_folder.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 
@@ -18,34 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxPixels = 100'000'000;
-
-bool IsImage(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-}
-
-std::vector<fs::path> SortedEntries(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> entries;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    entries.push_back(entry->path());
-  }
-  if (error) {
-    throw InputError(folder, "cannot be read as a folder (" + error.message() + "); check the path");
-  }
-  std::sort(entries.begin(), entries.end());
-  return entries;
-}
-
-// Images directly in the folder.
-std::vector<fs::path> ImagesIn(const fs::path& folder) {
-  std::vector<fs::path> images = SortedEntries(folder);
-  std::erase_if(images, [](const fs::path& file) { return !fs::is_regular_file(file) || !IsImage(file); });
-  return images;
-}
 
 std::vector<fs::path> FirstOfEachFolder(const fs::path& folder) {
   std::vector<fs::path> images;
@@ -86,7 +58,7 @@ std::vector<fs::path> SpreadEvenly(const std::vector<fs::path>& files, std::size
 }  // namespace
 
 std::vector<fs::path> ImagesOf(const fs::path& folder) {
-  return ImagesIn(fs::is_directory(folder / "images") ? folder / "images" : folder);
+  return ImageFilesIn(fs::is_directory(folder / "images") ? folder / "images" : folder);
 }
 
 ImageSet ParseImageSet(const std::string& text, int max_images) {

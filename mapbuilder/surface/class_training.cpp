@@ -34,16 +34,6 @@ PictureFeatureOptions FeatureOptionsOf(const LabelledFolder& folder, const Class
   return features;
 }
 
-std::vector<int> FoldsOf(const std::vector<PictureFeatures>& pictures, const FoldOptions& options) {
-  std::vector<std::vector<float>> looks;
-  std::vector<int> labels;
-  for (const PictureFeatures& picture : pictures) {
-    looks.push_back(picture.look);
-    labels.push_back(picture.label);
-  }
-  return LookAlikeFolds(looks, labels, options);
-}
-
 // The best of the grid by held-out pictures, every class weighing the same.
 SvmParameters Choose(const std::vector<PictureFeatures>& pictures, const std::vector<int>& fold_of,
                      CrossValidationInput input, const ClassTrainingOptions& options) {
@@ -90,7 +80,7 @@ TrainedClasses TrainClasses(const LabelledFolder& folder, const ClassTrainingOpt
   options.Check();
   const PictureFeatureOptions measuring = FeatureOptionsOf(folder, options);
   const std::vector<PictureFeatures> pictures = MeasurePictures(folder, measuring);
-  const std::vector<int> fold_of = FoldsOf(pictures, options.folds);
+  const std::vector<int> fold_of = LookAlikeFoldsOf(pictures, options.folds);
 
   CrossValidationInput input;
   input.class_count = static_cast<int>(folder.classes.size());

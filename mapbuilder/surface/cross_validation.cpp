@@ -40,6 +40,16 @@ BoostedSvm BoostInputs(std::span<const LabelledSegment> samples, const CrossVali
   return Boost(samples, input.class_count, std::move(inputs), parameters, input.boosting);
 }
 
+std::vector<int> LookAlikeFoldsOf(const std::vector<PictureFeatures>& pictures, const FoldOptions& options) {
+  std::vector<std::vector<float>> looks;
+  std::vector<int> labels;
+  for (const PictureFeatures& picture : pictures) {
+    looks.push_back(picture.look);
+    labels.push_back(picture.label);
+  }
+  return LookAlikeFolds(looks, labels, options);
+}
+
 HeldOutPictures CrossValidate(const std::vector<PictureFeatures>& pictures, std::span<const int> fold_of,
                               const CrossValidationInput& input) {
   HeldOutPictures result;

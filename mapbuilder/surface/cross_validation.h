@@ -7,6 +7,7 @@
 
 #include "mapbuilder/surface/boosting.h"
 #include "mapbuilder/surface/confusion.h"
+#include "mapbuilder/surface/look_alike_folds.h"
 #include "mapbuilder/surface/parameter_search.h"
 #include "mapbuilder/surface/picture_features.h"
 
@@ -18,6 +19,9 @@ Eigen::RowVectorXf PictureSum(const BoostedSvm& boosted, std::span<const Segment
 /// The samples of all pictures but those of a fold (-1: of all).
 std::vector<LabelledSegment> SamplesWithout(int fold, const std::vector<PictureFeatures>& pictures,
                                             std::span<const int> fold_of);
+
+/// LookAlikeFolds() of pictures.
+std::vector<int> LookAlikeFoldsOf(const std::vector<PictureFeatures>& pictures, const FoldOptions& options);
 
 /// What was said of pictures by classifiers that were trained without their fold.
 struct HeldOutPictures {

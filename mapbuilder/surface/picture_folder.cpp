@@ -3,24 +3,16 @@
 
 #include <algorithm>
 #include <cctype>
-#include <string_view>
-#include <system_error>
 #include <tuple>
 
 #include "core/io/floor_picture.h"
+#include "core/io/image_folder.h"
 #include "core/io/input_error.h"
 
 namespace floorloc {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool IsPicture(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-}
 
 // "9.jpg" comes before "10.jpg": the last number in a name counts, longer ones after shorter ones.
 std::tuple<std::size_t, std::string, std::string> Order(const fs::path& file) {
@@ -34,23 +26,8 @@ std::tuple<std::size_t, std::string, std::string> Order(const fs::path& file) {
   return {number.size(), number, file.filename().string()};
 }
 
-std::vector<fs::path> Entries(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> entries;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    entries.push_back(entry->path());
-  }
-  if (error) {
-    throw InputError(folder, "cannot be read as a folder (" + error.message() + "); check the path");
-  }
-  std::sort(entries.begin(), entries.end());
-  return entries;
-}
-
 std::vector<fs::path> PicturesIn(const fs::path& folder) {
-  std::vector<fs::path> pictures = Entries(folder);
-  std::erase_if(pictures, [](const fs::path& file) { return !fs::is_regular_file(file) || !IsPicture(file); });
+  std::vector<fs::path> pictures = ImageFilesIn(folder);
   std::sort(pictures.begin(), pictures.end(), [](const fs::path& a, const fs::path& b) { return Order(a) < Order(b); });
   return pictures;
 }
@@ -110,7 +87,7 @@ SurfaceImage ReadPicture(const PictureFolder& folder, const fs::path& picture) {
 
 LabelledFolder ListClasses(const fs::path& folder) {
   LabelledFolder found;
-  for (const fs::path& entry : Entries(folder)) {
+  for (const fs::path& entry : SortedEntries(folder)) {
     if (fs::is_directory(entry) && !IsReserved(entry)) {
       found.classes.push_back(entry.filename().string());
       found.folders.push_back(ListPictures(entry));

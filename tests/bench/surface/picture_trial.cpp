@@ -38,16 +38,6 @@ std::vector<int> PlainFolds(const std::vector<PictureFeatures>& pictures, int fo
   return fold_of;
 }
 
-std::vector<int> StrictFolds(const std::vector<PictureFeatures>& pictures, const FoldOptions& options) {
-  std::vector<std::vector<float>> looks;
-  std::vector<int> labels;
-  for (const PictureFeatures& picture : pictures) {
-    looks.push_back(picture.look);
-    labels.push_back(picture.label);
-  }
-  return LookAlikeFolds(looks, labels, options);
-}
-
 }  // namespace
 
 void TryPictures(const PictureTrialOptions& options, std::ostream& out) {
@@ -60,7 +50,7 @@ void TryPictures(const PictureTrialOptions& options, std::ostream& out) {
   measuring.run = options.run;
   const std::vector<PictureFeatures> pictures = MeasurePictures(folder, measuring);
   const FoldOptions folds;
-  const std::vector<int> strict = StrictFolds(pictures, folds);
+  const std::vector<int> strict = LookAlikeFoldsOf(pictures, folds);
   const std::vector<int> plain = PlainFolds(pictures, folds.folds);
   out << "\n"
       << pictures.size() << " pictures of " << folder.classes.size() << " classes, " << folds.folds
