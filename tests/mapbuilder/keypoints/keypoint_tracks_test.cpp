@@ -83,7 +83,10 @@ TEST_P(KeypointTracksTest, FewViewsAreLeftOutOnDemand) {
 TEST_P(KeypointTracksTest, BaseMapPointsAreJoined) {
   FloorPoints floor(200, GetParam(), 5);
   const Pose2 pose(0.3, 0.5, 0.4);
-  const MapKeypoints base_map{floor.points, std::vector<std::uint16_t>(200, 3), floor.descriptors, {}, {}};
+  MapKeypoints base_map;
+  base_map.keypoints = floor.points;
+  base_map.observations.assign(200, 3);
+  base_map.descriptors = floor.descriptors;
   const BuildFrame frame = floor.Observe(pose, 1e-4);
   const std::vector<KeypointTrack> tracks = FindTracks({frame}, {pose}, {}, base_map);
   ASSERT_EQ(tracks.size(), base_map.size()) << "no new ones";
