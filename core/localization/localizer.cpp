@@ -157,8 +157,17 @@ struct Localizer::Impl {
                            GroundImage(),
                            rectify_ms,
                            0.0};
+    SetReadout(rectifier.camera(), motion, &frame.samples);
     frame.features_ms = stage.LapMs();
     return frame;
+  }
+
+  // motion: as that of Observe.
+  void SetReadout(const FloorCamera& camera, const Eigen::Vector3d& motion, FrameSamples* samples) const {
+    const double sigma_m = options.photometric.readout_motion_share * VelocityAt(motion, samples->center()).norm();
+    if (sigma_m > 0.0) {
+      samples->SetReadout(camera, sigma_m);
+    }
   }
 
   bool IsPoor(const FrameObservation& frame) const {
@@ -269,6 +278,7 @@ FrameObservation Localizer::Observe(const Rectifier& rectifier, const cv::Mat& r
                          floor,
                          rectify_ms,
                          0.0};
+  impl_->SetReadout(rectifier.camera(), motion, &frame.samples);
   frame.features_ms = stage.LapMs();
   frame.left_out = left_out;
   return frame;

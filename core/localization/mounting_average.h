@@ -27,6 +27,12 @@ struct MountingProblem {
   Eigen::Matrix<double, kCalibrationModes, 1> calibration_gradient =
       Eigen::Matrix<double, kCalibrationModes, 1>::Zero();
   int cells = 0;  ///< number of cells summed in scatter; 0: many
+  /// The same of the motion (x, y: base frame, m) by which the rows of a rolling shutter were put where they belong, R:
+  /// J^T W R and L^T W R, R^T W R, R^T W r. readout_sigma_m: its standard deviation; 0: it is exact.
+  Eigen::Matrix<double, 7 + kCalibrationModes, 2> by_readout = Eigen::Matrix<double, 7 + kCalibrationModes, 2>::Zero();
+  Eigen::Matrix2d readout_information = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d readout_gradient = Eigen::Vector2d::Zero();
+  double readout_sigma_m = 0.0;
 };
 
 struct MountingEstimate {
@@ -38,12 +44,12 @@ struct MountingEstimate {
 /// One Gauss-Newton step, the mounting regularized by its loosest prior.
 MountingVector MountingStep(const MountingProblem& problem, const MountingVector& unknowns);
 
-/// Posterior of the unknowns, marginalized over the calibration's errors: a lens that bends the image a little looks
-/// like a tilted camera, so the tilt is only as certain as the calibration. The levels of vibration and of the
-/// calibration's errors are unknown: the posteriors of several levels are averaged, weighted by their evidence
-/// (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is indistinguishable from a turn of
-/// the robot; its uncertainty follows the level. calibration_sigma_px: standard deviation of the calibration at the
-/// corners of the region of interest, uncertain by a factor of two; 0: exact.
+/// Posterior of the unknowns, marginalized over the motion of rows, and over the calibration's errors: a lens that
+/// bends the image a little looks like a tilted camera, so the tilt is only as certain as the calibration. The levels
+/// of vibration and of the calibration's errors are unknown: the posteriors of several levels are averaged, weighted by
+/// their evidence (Bayesian model averaging, Hoeting et al. 1999). A rotation about the plumb line is indistinguishable
+/// from a turn of the robot; its uncertainty follows the level. calibration_sigma_px: standard deviation of the
+/// calibration at the corners of the region of interest, uncertain by a factor of two; 0: exact.
 MountingEstimate MarginalizeMounting(const MountingProblem& problem, const MountingVector& unknowns,
                                      double calibration_sigma_px = 0.0);
 

@@ -233,8 +233,9 @@ class Fit {
     return frame_.calibration_sigma_px() > 0.0 ? frame_.calibration_sigma_px() : options_.calibration_sigma_px;
   }
 
-  // Adds the calibration's modes to the problem.
-  MountingProblem WithCalibration(MountingProblem problem) const {
+  // Adds the calibration's modes and the rows' motion to the problem.
+  MountingProblem WithCamera(MountingProblem problem) const {
+    problem.readout_sigma_m = frame_.readout_sigma_m();
     const Eigen::Matrix2d rotation = Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)).rotation();
     for (int c = 0; c < frame_.cells(); ++c) {
       const CellSums& cell = sums_[static_cast<std::size_t>(c)];
@@ -244,9 +245,17 @@ class Fit {
       }
       const CellDisplacement<kCalibrationModes> modes = Turned<kCalibrationModes>(rotation, frame_.cell_modes(c));
       const CellMatrix information = InformationOf(cell, weight);
-      problem.by_calibration += MotionOf(c).transpose() * information * modes;
+      const CellDisplacement<7> motion = MotionOf(c);
+      problem.by_calibration += motion.transpose() * information * modes;
       problem.calibration_information += modes.transpose() * information * modes;
       problem.calibration_gradient += modes.transpose() * PullOf(cell, weight);
+      if (problem.readout_sigma_m > 0.0) {
+        const CellDisplacement<2> rows = Turned<2>(rotation, frame_.cell_rows(c));
+        problem.by_readout.topRows<7>() += motion.transpose() * information * rows;
+        problem.by_readout.bottomRows<kCalibrationModes>() += modes.transpose() * information * rows;
+        problem.readout_information += rows.transpose() * information * rows;
+        problem.readout_gradient += rows.transpose() * PullOf(cell, weight);
+      }
     }
     return problem;
   }
@@ -260,7 +269,7 @@ class Fit {
     }
     const Eigen::Vector2d bent = MountingJacobian(frame_.camera_center(), frame_.center()) * unknowns_.tail<4>();
     fit.moved_m = (unknowns_.head<2>() + Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)) * bent).norm();
-    const MountingProblem problem = WithCalibration(problem_);
+    const MountingProblem problem = WithCamera(problem_);
     const MountingEstimate estimate = frame_.camera_prior()
                                           ? MarginalizeMounting(problem, unknowns_, *frame_.camera_prior())
                                           : MarginalizeMounting(problem, unknowns_, CalibrationSigmaPx());
@@ -307,6 +316,7 @@ void PhotometricOptions::Check() const {
   RequireOption(max_blur_level >= 0 && max_blur_level <= MosaicRaster::kMaxBlurLevel, "max_blur_level must be 0 to 3");
   RequireOption(sure_inliers >= 0, "sure_inliers must not be negative");
   RequireOption(mosaic_sigma_px > 0, "mosaic_sigma_px must be positive");
+  RequireOption(readout_motion_share >= 0.0 && readout_motion_share <= 1.0, "readout_motion_share must be 0 to 1");
   RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
 
@@ -352,6 +362,16 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
                                 : Expand<kCalibrationModes>(cell_centers_.back(), [&](const Eigen::Vector2d& p) {
                                     return rectifier.calibration_modes().At(p);
                                   }));
+  }
+}
+
+void FrameSamples::SetReadout(const FloorCamera& camera, double sigma_m) {
+  readout_sigma_m_ = sigma_m;
+  cell_rows_.clear();
+  for (const Eigen::Vector2d& center : cell_centers_) {
+    cell_rows_.push_back(Expand<2>(center, [&](const Eigen::Vector2d& p) -> Eigen::Matrix2d {
+      return ReadoutShare(camera.camera, camera.RawPixelFromFloor(p)) * Eigen::Matrix2d::Identity();
+    }));
   }
 }
 

@@ -40,6 +40,10 @@ struct PhotometricOptions {
   /// than this. Neighbouring frames of good maps agree to 0.05 mm, and systematic errors are thrice as large
   /// (LocalizerOptions::systematic_m): 0.2 px of 0.7 mm.
   double mosaic_sigma_px = 0.2;
+  /// Standard deviation of the motion by which the rows of a rolling shutter were put where they belong, as a share of
+  /// it: wheels tell it with noise and late, at 1 m/s with 50 increments per second 1 to 4 % off in curves. The image
+  /// itself then tells how its rows moved, and this is what is known before. 0: the motion is exact.
+  double readout_motion_share = 0.03;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
@@ -100,6 +104,12 @@ class FrameSamples {
   const CellDisplacement<kCalibrationModes>& cell_modes(int c) const {
     return cell_modes_[static_cast<std::size_t>(c)];
   }
+  /// Of an image whose rows were put where they belong: sigma_m is the standard deviation of the motion during the
+  /// read-out by which that was done.
+  void SetReadout(const FloorCamera& camera, double sigma_m);
+  double readout_sigma_m() const { return readout_sigma_m_; }
+  /// How an error of that motion (x, y: base frame) displaces a cell; only where readout_sigma_m is not 0.
+  const CellDisplacement<2>& cell_rows(int c) const { return cell_rows_[static_cast<std::size_t>(c)]; }
   /// CameraModel::sigma_px of the camera; 0: unknown.
   double calibration_sigma_px() const { return calibration_sigma_px_; }
   /// What is known of the camera's errors; empty, or of another calibration: nothing but calibration_sigma_px.
@@ -134,6 +144,8 @@ class FrameSamples {
   std::vector<int> sparse_end_;
   std::vector<Eigen::Vector2d> cell_centers_;
   std::vector<CellDisplacement<kCalibrationModes>> cell_modes_;
+  std::vector<CellDisplacement<2>> cell_rows_;
+  double readout_sigma_m_ = 0.0;
   Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();
   double calibration_sigma_px_ = 0.0;
   std::size_t camera_key_ = 0;
