@@ -2,6 +2,7 @@
 #include "core/tracking/camera_estimator.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "core/geometry/option_check.h"
@@ -12,6 +13,8 @@ namespace {
 // All modes together displace a corner by this many times the standard deviation of one: their squares add up to 5.9 at
 // a corner of a 4:3 image.
 constexpr double kCornerPerMode = 2.43;
+
+constexpr int kTilts = 2;  // the first errors
 
 CameraErrorMatrix PriorInformation(const CameraEstimatorOptions& options) {
   CameraErrors sigma;
@@ -31,6 +34,29 @@ void AddTo(LearntCamera::Sums* sums, const CameraEvidence& evidence, double memo
   sums->pull = kept * sums->pull + evidence.pull;
 }
 
+struct Posterior {
+  CameraErrors mean;
+  CameraErrorMatrix covariance;
+  double significance = 0.0;  // squared Mahalanobis distance of the mean from zero
+};
+
+Posterior PosteriorOf(const LearntCamera::Sums& sums, const CameraErrorMatrix& prior) {
+  const CameraErrorMatrix information = prior + sums.information;
+  const Eigen::LLT<CameraErrorMatrix> factor(information);
+  const CameraErrors mean = factor.solve(sums.pull);
+  return {mean, factor.solve(CameraErrorMatrix::Identity()), mean.dot(information * mean)};
+}
+
+// As if the tilt was known to be zero.
+Posterior PosteriorWithoutTilt(LearntCamera::Sums sums, const CameraErrorMatrix& prior) {
+  sums.information.topRows<kTilts>().setZero();
+  sums.information.leftCols<kTilts>().setZero();
+  sums.pull.head<kTilts>().setZero();
+  Posterior posterior = PosteriorOf(sums, prior);
+  posterior.covariance.topLeftCorner<kTilts, kTilts>().setZero();
+  return posterior;
+}
+
 }  // namespace
 
 void CameraEstimatorOptions::Check() const {
@@ -42,7 +68,9 @@ void CameraEstimatorOptions::Check() const {
   RequireOption(min_turn_rad > 0.0, "min_turn_rad must be positive");
   RequireOption(max_p_wrong > 0.0 && max_p_wrong <= 1.0, "max_p_wrong must be above 0 and at most 1");
   RequireOption(min_fixes >= 1, "min_fixes must be at least 1");
+  RequireOption(independent_fixes > 0.0, "independent_fixes must be positive");
   RequireOption(min_significance > 0.0, "min_significance must be positive");
+  RequireOption(min_tilt_significance >= 0.0, "min_tilt_significance must not be negative");
   RequireOption(recent_fixes >= 1.0, "recent_fixes must be at least 1");
   RequireOption(bump_significance > 0.0, "bump_significance must be positive");
   RequireOption(max_rotation_rad > 0.0, "max_rotation_rad must be positive");
@@ -75,12 +103,17 @@ bool CameraEstimator::HasMoved(const Pose2& map_from_base, double view_radius_m)
          std::abs(motion.yaw()) >= options_.min_turn_rad;
 }
 
+LearntCamera::Sums CameraEstimator::Tempered(const LearntCamera::Sums& sums, double fixes) const {
+  const double share = options_.independent_fixes / (options_.independent_fixes + fixes);
+  return {share * sums.information, share * sums.pull};
+}
+
 // The residual of the newest fixes has the covariance information + information * P * information.
 bool CameraEstimator::WasBumped() const {
   const CameraPrior now = Estimate().errors;
-  const CameraErrors residual = learnt_.recent.pull - learnt_.recent.information * now.mean;
-  const CameraErrorMatrix covariance =
-      learnt_.recent.information + learnt_.recent.information * now.covariance * learnt_.recent.information;
+  const LearntCamera::Sums recent = Tempered(learnt_.recent, std::min<double>(learnt_.fixes, options_.recent_fixes));
+  const CameraErrors residual = recent.pull - recent.information * now.mean;
+  const CameraErrorMatrix covariance = recent.information + recent.information * now.covariance * recent.information;
   return residual.dot(covariance.ldlt().solve(residual)) > options_.bump_significance;
 }
 
@@ -103,20 +136,23 @@ void CameraEstimator::Add(const CameraEvidence& evidence, const Pose2& map_from_
 }
 
 CameraEstimate CameraEstimator::Estimate() const {
-  const Eigen::LLT<CameraErrorMatrix> information(PriorInformation(options_) + learnt_.all.information);
+  const LearntCamera::Sums sums = Tempered(learnt_.all, std::min<double>(learnt_.fixes, options_.memory_fixes));
+  const CameraErrorMatrix prior = PriorInformation(options_);
+  Posterior posterior = PosteriorOf(sums, prior);
+  const Posterior without_tilt = PosteriorWithoutTilt(sums, prior);
+  if (posterior.significance - without_tilt.significance < options_.min_tilt_significance) {
+    posterior = without_tilt;
+  }
   CameraEstimate estimate;
   estimate.fixes = learnt_.fixes;
-  estimate.errors = {information.solve(learnt_.all.pull), information.solve(CameraErrorMatrix::Identity()),
-                     learnt_.camera};
-  const CameraErrors& errors = estimate.errors.mean;
+  estimate.errors = {posterior.mean, posterior.covariance, learnt_.camera};
   if (learnt_.fixes < options_.min_fixes) {
     estimate.status = CameraStatus::kLearning;
-  } else if (!IsPlausible(errors, options_)) {
+  } else if (!IsPlausible(posterior.mean, options_)) {
     estimate.status = CameraStatus::kImplausible;
   } else {
-    const double significance = errors.dot((PriorInformation(options_) + learnt_.all.information) * errors);
     estimate.status =
-        significance >= options_.min_significance ? CameraStatus::kCorrected : CameraStatus::kAsCalibrated;
+        posterior.significance >= options_.min_significance ? CameraStatus::kCorrected : CameraStatus::kAsCalibrated;
   }
   return estimate;
 }
