@@ -52,8 +52,13 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
                                                    : CreateDescriptorIndex(map.keypoints.upright, options.index)),
       guided_(map.keypoints.keypoints, map.keypoints.descriptors, kGridCellPx * map.info.camera().floor.resolution_m,
               map.keypoints.upright),
-      verifier_(map, guided_, options.registration, options.verification),
-      floor_repeats_(IsSelfSimilar(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {}
+      verifier_(map, guided_, options.registration, options.verification,
+                upright_index_ == nullptr ? VerifiedBy::kOwnAngles : VerifiedBy::kUpright),
+      floor_repeats_(IsSelfSimilar(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {
+  if (floor_repeats_ && upright_index_ != nullptr) {
+    own_angle_verifier_.emplace(map, guided_, options.registration, options.verification, VerifiedBy::kOwnAngles);
+  }
+}
 
 FrameMatches CandidateSearch::FindMatches(const FrameObservation& frame, const SearchScope& scope) const {
   if (!scope.headings.empty()) {
@@ -116,7 +121,18 @@ std::vector<VerifiedPose> CandidateSearch::FindPoses(const FrameObservation& fra
   if (scope.prior && floor_repeats_ && !poses.empty()) {
     AddPosesOutsidePrior(frame, global, &poses);
   }
+  CountOwnAngleInliers(frame, &poses);
   return poses;
+}
+
+void CandidateSearch::CountOwnAngleInliers(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
+  if (!own_angle_verifier_) {
+    return;
+  }
+  for (VerifiedPose& pose : *poses) {
+    const VerifiedPose again = own_angle_verifier_->Verify(frame.features, pose.candidate.target_from_source);
+    pose.own_angle_inliers = static_cast<int>(again.candidate.inliers.size());
+  }
 }
 
 // Candidates that converge to the same pose are kept once.

@@ -58,6 +58,7 @@ class CandidateSearch {
   std::vector<VerifiedPose> VerifyCandidates(const FrameObservation& frame, const SearchScope& scope,
                                              const FrameMatches& matches) const;
   VerifiedPose Verify(const FrameObservation& frame, const Pose2& map_from_base) const;
+  void CountOwnAngleInliers(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const;
   bool IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const;
   bool ContainsPose(const std::vector<VerifiedPose>& poses, const Pose2& pose) const;
   void AddPosesOutsidePrior(const FrameObservation& frame, GlobalSearchCache* global,
@@ -72,6 +73,7 @@ class CandidateSearch {
   GuidedMatcher guided_;
   PoseVerifier verifier_;
   bool floor_repeats_;
+  std::optional<PoseVerifier> own_angle_verifier_;  // of a self-similar map that has upright descriptors
 };
 
 }  // namespace floorloc

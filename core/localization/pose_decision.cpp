@@ -157,9 +157,12 @@ double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const
 }
 
 // On a self-similar floor: probability that the right pose was not among the candidates and a similar place is
-// accepted. A pose becomes a candidate by at least three distinctive matches, whose number is Poisson distributed.
-double ChanceOfMissingTheRightPose(std::size_t inliers, const DecisionOptions& options) {
-  const double expected = options.distinctive_share * static_cast<double>(inliers);
+// accepted. A pose becomes a candidate by at least three distinctive matches, whose number is Poisson distributed. The
+// whole map is searched by keypoints at their own angles, so those inliers say how many to expect: in hard frames a
+// similar place has many more by upright descriptors.
+double ChanceOfMissingTheRightPose(const VerifiedPose& pose, const DecisionOptions& options) {
+  const int inliers = pose.own_angle_inliers.value_or(static_cast<int>(pose.candidate.inliers.size()));
+  const double expected = options.distinctive_share * inliers;
   const double at_most_two = std::exp(-expected) * (1.0 + expected + 0.5 * expected * expected);
   return options.look_alike_taken * at_most_two;
 }
@@ -219,7 +222,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
   contest.p_chance = std::min(1.0, std::pow(10.0, Log10Chance(best, evidence, options)));
   contest.p_local = best.view ? best.view->LocalProbability() : 0.0;
   if (evidence.floor_repeats) {
-    contest.p_missed = ChanceOfMissingTheRightPose(best.candidate.inliers.size(), options);
+    contest.p_missed = ChanceOfMissingTheRightPose(best, options);
   }
   return ChoosePose(contest, registration);
 }

@@ -47,9 +47,9 @@ void VerificationOptions::Check() const {
 }
 
 PoseVerifier::PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, const RegistrationOptions& registration,
-                           const VerificationOptions& options)
+                           const VerificationOptions& options, VerifiedBy by)
     : map_(map.keypoints),
-      upright_(!map_.upright.empty()),
+      upright_(by == VerifiedBy::kUpright),
       descriptors_(upright_ ? map_.upright : map_.descriptors),
       matcher_(matcher),
       registration_(registration),

@@ -20,11 +20,13 @@ struct VerifiedPose {
   std::vector<OrientedMatch> matches;     ///< one per keypoint that matches a map point near its predicted position
   std::vector<int> supporting_keypoints;  ///< whose distinctive match of the first pass agrees with the pose
   double support_log10_nfa = 0.0;         ///< log10 of the number of false alarms, by the supporting keypoints
-  std::vector<float> distance;            ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
-  std::optional<PhotometricFit> photo;    ///< where the frame was aligned to the mosaic
-  std::optional<ViewSupport> view;        ///< where the mosaic shows floor under the frame
-  bool outside_prior = false;             ///< outside the prior: a rival only
-  double prior_weight = 1.0;              ///< prior probability of the pose, relative to the others
+  /// Inliers by the keypoints' own angles, by which the whole map is searched; only on self-similar floors.
+  std::optional<int> own_angle_inliers;
+  std::vector<float> distance;          ///< per keypoint of the frame: descriptor distance of its inlier, or infinity
+  std::optional<PhotometricFit> photo;  ///< where the frame was aligned to the mosaic
+  std::optional<ViewSupport> view;      ///< where the mosaic shows floor under the frame
+  bool outside_prior = false;           ///< outside the prior: a rival only
+  double prior_weight = 1.0;            ///< prior probability of the pose, relative to the others
 };
 
 /// When a keypoint counts as matched under a pose. Each number names the commit that chose it; `./run bench honesty`
@@ -51,15 +53,20 @@ struct VerificationOptions {
   void Check() const;
 };
 
+/// Which descriptors of the map poses are verified by.
+enum class VerifiedBy {
+  kOwnAngles,  ///< of keypoints at their own angles
+  kUpright,    ///< at the map's heading (MapKeypoints::upright), which the map must have
+};
+
 /// Verifies poses against a map: the probability of a match under a wrong pose is measured on the map itself.
 class PoseVerifier {
  public:
-  /// Refers to the map's keypoints and their matcher, which must outlive it. Where the map has upright descriptors they
-  /// are what poses are verified by.
+  /// Refers to the map's keypoints and their matcher, which must outlive it.
   PoseVerifier(const FloorMap& map, const GuidedMatcher& matcher, const RegistrationOptions& registration,
-               const VerificationOptions& options);
+               const VerificationOptions& options, VerifiedBy by);
 
-  /// features: of the frame; described at the pose's heading (DescribeUpright) where the map has upright descriptors.
+  /// features: of the frame; kUpright: described at the pose's heading (DescribeUpright).
   VerifiedPose Verify(const Features& features, const Pose2& map_from_base) const;
 
   /// Largest descriptor distance at which two keypoints count as similar; few pairs of different floor points do.

@@ -287,6 +287,18 @@ TEST_F(PoseDecisionTest, OnARepetitiveFloorFewInliersMayBeAliased) {
   EXPECT_GT(Decide({few}, true).p_wrong, 1e-4);
 }
 
+// Upright descriptors give a similar place many inliers; whether the right one would have been found is told by those at
+// the keypoints' own angles.
+TEST_F(PoseDecisionTest, OnARepetitiveFloorFewOwnAngleInliersMayBeAliased) {
+  VerifiedPose pose = MakePose(0.0);
+  ExpectAccepted(Decide({pose}), 0);
+  pose.own_angle_inliers = 30;
+  const PoseDecision decision = Decide({pose});
+  EXPECT_NE(decision.status, RegistrationStatus::kRegistered);
+  EXPECT_GT(decision.p_wrong, 1e-4);
+  ExpectAccepted(Decide({pose}, false), 0);
+}
+
 TEST_F(PoseDecisionTest, FloorOutsideTheMapIsExcluded) {
   const VerifiedPose inside = WithImage(MakePose(0.0), 0.5F);
   VerifiedPose at_edge = WithImage(MakePose(1.0), 0.5F);

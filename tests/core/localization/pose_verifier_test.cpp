@@ -45,7 +45,8 @@ class TiledFloor {
   const FloorMap& map() const { return map_; }
   float MaxDistance() const {
     const GuidedMatcher matcher(map_.keypoints.keypoints, map_.keypoints.descriptors, 0.05);
-    return PoseVerifier(map_, matcher, RegistrationOptions(), VerificationOptions()).max_distance();
+    return PoseVerifier(map_, matcher, RegistrationOptions(), VerificationOptions(), VerifiedBy::kOwnAngles)
+        .max_distance();
   }
 
  private:
@@ -82,7 +83,8 @@ TEST(PoseVerifierTest, AViewOfATileFindsItsKeypoints) {
   const TiledFloor floor(45);
   const MapKeypoints& map = floor.map().keypoints;
   const GuidedMatcher matcher(map.keypoints, map.descriptors, 0.05);
-  const PoseVerifier verifier(floor.map(), matcher, RegistrationOptions(), VerificationOptions());
+  const PoseVerifier verifier(floor.map(), matcher, RegistrationOptions(), VerificationOptions(),
+                              VerifiedBy::kOwnAngles);
   Features view;
   std::mt19937 random(7);
   for (int i = 0; i < 500; ++i) {
