@@ -4,6 +4,7 @@
 #include "server/api/admission.h"
 #include "server/api/diagnosis_json.h"
 #include "server/api/image_call.h"
+#include "server/api/ros_json.h"
 #include "server/api/routes.h"
 #include "server/api/vehicle_json.h"
 #include "server/serving/vehicle_moves.h"
@@ -45,8 +46,14 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
 }
 
 HttpResponse HandleVehicle(const AppState& state, const HttpRequest& request) {
+  const std::string format = request.QueryValue("format").value_or("json");
+  if (format != "json" && format != "ros") {
+    throw Problem(400, "invalid_parameter", "format is json or ros.");
+  }
   const VehicleState vehicle = RequireVehicle(state, request.path_parameters.at("id"));
-  return JsonResponse(200, ToText(FormatVehicle(vehicle, state.config.limits.stale_after_s)));
+  const double stale_after_s = state.config.limits.stale_after_s;
+  return JsonResponse(
+      200, ToText(format == "ros" ? FormatRosVehicle(vehicle, stale_after_s) : FormatVehicle(vehicle, stale_after_s)));
 }
 
 HttpResponse HandleDiagnosis(const AppState& state, const HttpRequest& request) {
