@@ -2,114 +2,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """Localizes every frame of a folder over HTTP and compares the answers with the ground truth.
 
-Also an example of a client: Python's standard library is enough. Start it while a server runs:
+Also an example of clients/python, whose client it uses. Start it while a server runs:
 
     maps/drive.py --server http://127.0.0.1:8080 --map sample --frames maps/sample/drive
 """
 
 import argparse
-import base64
 import bisect
 import cmath
 import csv
-import http.client
-import json
 import math
 import pathlib
-import re
 import statistics
 import sys
 import time
-import urllib.parse
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients/python"))
+import floorloc  # noqa: E402
 
 MAX_ERROR_M = 0.010
 MAX_ERROR_RAD = math.radians(1.0)
 REQUIRED_SUCCESS = 0.90
 
 
-class Client:
-    """HTTP client of one server with one persistent connection."""
-
-    def __init__(self, server):
-        address = urllib.parse.urlsplit(server)
-        self.connection = http.client.HTTPConnection(address.hostname, address.port or 80, timeout=30)
-
-    def call(self, method, path, body=None, content_type="application/json"):
-        """Returns the response as a dictionary. Exits with the server's message on an error."""
-        headers = {"Content-Type": content_type} if body else {}
-        try:
-            response, content = self.send(method, path, body, headers)
-        except http.client.RemoteDisconnected:  # the server had closed the idle connection
-            response, content = self.send(method, path, body, headers)
-        if response.status >= 400:
-            sys.exit(f"drive.py: {method} {path}: {response.status} {content.decode(errors='replace')}")
-        return json.loads(content or b"{}")
-
-    def send(self, method, path, body=None, headers=None):
-        self.connection.request(method, path, body, headers or {})
-        response = self.connection.getresponse()
-        return response, response.read()
-
-    def wait_until_ready(self, timeout_s=30.0):
-        deadline = time.monotonic() + timeout_s
-        while True:
-            try:
-                if self.send("GET", "/readyz")[0].status == 200:
-                    return
-            except OSError:
-                self.connection.close()
-            if time.monotonic() > deadline:
-                sys.exit(f"drive.py: the server was not ready within {timeout_s:.0f} s; look at its log")
-            time.sleep(0.1)
-
-    def register(self, vehicle, map_name, folder):
-        self.call("PUT", f"/v1/vehicles/{vehicle}", json.dumps(registration(map_name, folder)))
-
-    def localize(self, vehicle, map_name, stamp, image):
-        content_type = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
-        path = f"/v1/maps/{map_name}/localize?vehicle={vehicle}&stamp={stamp}"
-        return self.call("POST", path, image, content_type)
-
-
 def registration(map_name, folder):
     """What a vehicle tells the server of itself: its camera, and where its own body is in the images."""
-    body = {
-        "map": map_name,
-        "camera": read_yaml(folder / "camera.yaml"),
-        "floor": read_yaml(folder / "floor.yaml"),
-    }
-    if (folder / "mask.png").exists():
-        body["mask"] = base64.b64encode((folder / "mask.png").read_bytes()).decode()
-    return body
-
-
-def read_yaml(file):
-    """Parses the subset of YAML that camera.yaml and floor.yaml use: nested keys, [lists], {maps}, comments."""
-    text = re.sub(r"(^|\s)#.*", "", file.read_text())
-    text = re.sub(r"\[[^\]]*\]", lambda brackets: " ".join(brackets[0].split()), text)
-    root = {}
-    parents = [(-1, root)]  # (indentation, mapping)
-    for line in text.splitlines():
-        key, colon, value = line.strip().partition(":")
-        if not colon:
-            continue
-        indentation = len(line) - len(line.lstrip())
-        while indentation <= parents[-1][0]:
-            parents.pop()
-        parent = parents[-1][1]
-        if value.strip():
-            parent[key] = parse_scalar(value.strip())
-        else:
-            parent[key] = {}
-            parents.append((indentation, parent[key]))
-    return root
-
-
-def parse_scalar(text):
-    try:
-        return json.loads(re.sub(r"([A-Za-z_]\w*)\s*:", r'"\1":', text))
-    except ValueError:
-        return text.strip("'\"")
+    return {"map": map_name, **floorloc.read_calibration(folder)}
 
 
 def read_frames(folder):
@@ -187,11 +105,11 @@ def drive(client, map_name, folder):
     """Sends every frame. Returns the pairs of estimated and true poses, and all latencies in ms."""
     frames, truth = read_frames(folder), read_truth(folder / "groundtruth.tum")
     poses, latencies_ms = [], []
-    client.register("demo", map_name, folder)
+    client.put_vehicle("demo", registration(map_name, folder))
     for number, (stamp, image_file) in enumerate(frames, start=1):
         image = image_file.read_bytes()
         start = time.perf_counter()
-        answer = client.localize("demo", map_name, stamp, image)
+        answer = client.localize(map_name, image, vehicle="demo", stamp=stamp)
         latencies_ms.append(1000 * (time.perf_counter() - start))
         true_pose = truth_at(truth, float(stamp))
         if answer["status"] == "localized" and true_pose:
@@ -228,11 +146,11 @@ def main():
     parser.add_argument("--map", required=True, help="name of the map on the server")
     parser.add_argument("--frames", required=True, type=pathlib.Path, help="folder in the survey format")
     arguments = parser.parse_args()
-    client = Client(arguments.server)
-    client.wait_until_ready()
     try:
-        success = report(*drive(client, arguments.map, arguments.frames))
-    except (http.client.HTTPException, OSError) as error:
+        with floorloc.Client(arguments.server, timeout_s=30.0) as client:
+            client.wait_until_ready()
+            success = report(*drive(client, arguments.map, arguments.frames))
+    except (floorloc.FloorlocError, OSError, ValueError) as error:
         sys.exit(f"drive.py: {error}")
     if success < REQUIRED_SUCCESS:
         sys.exit(f"drive.py: only {100 * success:.1f} % of the frames were localized rightly,"

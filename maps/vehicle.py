@@ -12,8 +12,6 @@ import argparse
 import cmath
 import csv
 import dataclasses
-import http.client
-import json
 import math
 import pathlib
 import statistics
@@ -21,6 +19,7 @@ import sys
 import time
 
 import drive
+import floorloc  # found by drive
 
 WRONG_M = 0.050
 WRONG_RAD = math.radians(3.0)
@@ -85,28 +84,18 @@ def read_kidnaps(folder):
         return [float(row["timestamp"]) for row in csv.DictReader(rows) if row["event"] == "kidnap"]
 
 
-class Vehicle:
-    """One registered vehicle and the server's answers to it."""
-
-    def __init__(self, client, name):
-        self.client = client
-        self.path = f"/v1/vehicles/{name}"
-
-    def send(self, message):
-        if message.image_file:
-            image = message.image_file.read_bytes()
-            content_type = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
-            call = ("POST", f"{self.path}/frames?stamp={message.stamp}", image, content_type)
-        else:
-            dx, dy, dyaw = message.motion
-            body = json.dumps({"stamp": message.stamp, "dx": dx, "dy": dy, "dyaw": dyaw})
-            call = ("POST", f"{self.path}/odometry", body)
-        start = time.perf_counter()
-        said = self.client.call(*call)
-        latency_ms = 1000 * (time.perf_counter() - start)
-        pose = said.get("pose")
-        pose = (complex(pose["x"], pose["y"]), pose["yaw"]) if pose else None
-        return Answer(message.time_s, said["status"], pose, latency_ms, said.get("fix") if message.image_file else None)
+def send(client, vehicle, message):
+    """Sends one message and returns the server's answer."""
+    start = time.perf_counter()
+    if message.image_file:
+        said = client.post_frame(vehicle, message.image_file.read_bytes(), message.stamp)
+    else:
+        dx, dy, dyaw = message.motion
+        said = client.post_odometry(vehicle, [{"stamp": message.stamp, "dx": dx, "dy": dy, "dyaw": dyaw}])
+    latency_ms = 1000 * (time.perf_counter() - start)
+    pose = said.get("pose")
+    pose = (complex(pose["x"], pose["y"]), pose["yaw"]) if pose else None
+    return Answer(message.time_s, said["status"], pose, latency_ms, said.get("fix"))
 
 
 def narrate(answer, previous, start_s, kidnaps):
@@ -128,15 +117,14 @@ def run(client, arguments):
     """Sends the whole drive. Returns all answers."""
     messages = read_messages(arguments.frames)
     kidnaps = read_kidnaps(arguments.frames)
-    client.send("DELETE", f"/v1/vehicles/{arguments.vehicle}")  # left by an earlier drive, if any
-    client.register(arguments.vehicle, arguments.map, arguments.frames)
-    vehicle = Vehicle(client, arguments.vehicle)
+    client.delete_vehicle(arguments.vehicle)  # left by an earlier drive, if any
+    client.put_vehicle(arguments.vehicle, drive.registration(arguments.map, arguments.frames))
     answers = []
     start_s, start = messages[0].time_s, time.monotonic()
     for message in messages:
         if arguments.pace > 0:
             time.sleep(max(0.0, start + (message.time_s - start_s) / arguments.pace - time.monotonic()))
-        answer = vehicle.send(message)
+        answer = send(client, arguments.vehicle, message)
         narrate(answer, answers[-1] if answers else None, start_s, kidnaps)
         answers.append(answer)
     return answers
@@ -240,11 +228,11 @@ def main():
     parser.add_argument("--vehicle", default="demo-vehicle", help="name of the vehicle on the server")
     parser.add_argument("--pace", type=float, default=0.0, help="1: as fast as it was driven; 0: as fast as possible")
     arguments = parser.parse_args()
-    client = drive.Client(arguments.server)
-    client.wait_until_ready()
     try:
-        answers = run(client, arguments)
-    except (http.client.HTTPException, OSError) as error:
+        with floorloc.Client(arguments.server, timeout_s=30.0) as client:
+            client.wait_until_ready()
+            answers = run(client, arguments)
+    except (floorloc.FloorlocError, OSError, ValueError) as error:
         sys.exit(f"vehicle.py: {error}")
     dense = arguments.frames / "groundtruth_dense.tum"
     truth = drive.read_truth(dense if dense.exists() else arguments.frames / "groundtruth.tum")

@@ -154,7 +154,8 @@ def check_layout(tree):
     """Checks that every folder with sources of the product is in the layout of the architecture page."""
     page = tree.root / "docs/architecture.md"
     layout = page.read_text(encoding="utf-8") if page.exists() else ""
-    folders = {file.parent for part in ("core", "mapbuilder", "server") for file in (tree.root / part).rglob("*.h")}
+    folders = {file.parent for part in ("core", "mapbuilder", "server", "clients")
+               for file in (tree.root / part).rglob("*.h")}
     return [Problem("docs/architecture.md", 1, f"{folder.relative_to(tree.root)}/ is missing in the layout")
             for folder in sorted(folders) if not re.search(rf"(?<![\w]){folder.name}/", layout)]
 

@@ -7,7 +7,8 @@ import re
 import subprocess
 
 # Checked pages; the changelog is not, as its names and paths may no longer exist.
-PAGES = ("README.md", "CONTRIBUTING.md", "docs/**/*.md", "tests/README.md", "schema/README.md", "maps/README.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "docs/**/*.md", "tests/README.md", "schema/README.md", "maps/README.md",
+         "clients/python/README.md")
 LINKS_ONLY = ("CHANGELOG.md",)
 
 FENCE = re.compile(r"^[ \t]*```[^\n]*\n(.*?)^[ \t]*```[ \t]*$", re.M | re.S)
@@ -83,9 +84,10 @@ class Tree:
     def words(self):
         """All identifiers of the sources."""
         words = set()
-        for folder in ("core", "mapbuilder", "server", "web", "tests"):
+        for folder in ("core", "mapbuilder", "server", "web", "clients", "tests"):
+            suffixes = {".py"} if folder == "clients" else set()
             for file in (self.root / folder).rglob("*"):
-                if file.suffix in {".h", ".cpp", ".js"} and "node_modules" not in file.parts:
+                if file.suffix in {".h", ".cpp", ".js", *suffixes} and "node_modules" not in file.parts:
                     words.update(re.findall(r"\w+", file.read_text(encoding="utf-8")))
         return words
 

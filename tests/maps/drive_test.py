@@ -7,7 +7,6 @@ import math
 import pathlib
 import random
 import sys
-import tempfile
 import unittest
 
 sys.dont_write_bytecode = True
@@ -15,44 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "maps"))
 import drive  # noqa: E402
 
 
-def write_temporary(text):
-    with tempfile.NamedTemporaryFile("w", delete=False) as file:
-        file.write(text)
-    return pathlib.Path(file.name)
-
-
 class DriveTest(unittest.TestCase):
-    def test_yaml_of_a_camera_becomes_a_dictionary(self):
-        file = write_temporary("""# a comment
-image_width: 640
-camera_name: front  # another
-camera_matrix:
-  rows: 3
-  data: [598.5, 0.0,
-         1e-3]
-roi: {x_min: -0.1, x_max: 0.2}
-nested:
-  flat: "text"
-""")
-        self.addCleanup(file.unlink)
-        self.assertEqual(drive.read_yaml(file), {
-            "image_width": 640,
-            "camera_name": "front",
-            "camera_matrix": {"rows": 3, "data": [598.5, 0.0, 0.001]},
-            "roi": {"x_min": -0.1, "x_max": 0.2},
-            "nested": {"flat": "text"},
-        })
-
-    def test_a_vehicle_registers_its_mask_where_there_is_one(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            (folder / "camera.yaml").write_text("image_width: 640\n")
-            (folder / "floor.yaml").write_text("resolution: 0.0007\n")
-            body = drive.registration("hall", folder)
-            self.assertEqual(body, {"map": "hall", "camera": {"image_width": 640}, "floor": {"resolution": 0.0007}})
-            (folder / "mask.png").write_bytes(b"PNG")
-            self.assertEqual(drive.registration("hall", folder)["mask"], "UE5H")
-
     def test_alignment_recovers_a_motion_despite_wrong_answers(self):
         seeded = random.Random(1)
         rotation, translation = cmath.exp(2.5j), complex(3, -2)

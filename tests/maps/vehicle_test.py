@@ -5,7 +5,6 @@
 import argparse
 import contextlib
 import io
-import json
 import math
 import pathlib
 import sys
@@ -53,34 +52,37 @@ class StubClient:
         self.calls = []
         self.x = 0.0
 
-    def send(self, method, path):
-        self.calls.append((method, path))
+    def delete_vehicle(self, vehicle_name):
+        self.calls.append(("DELETE", vehicle_name))
 
-    def register(self, vehicle_name, map_name, folder):
-        self.calls.append(("PUT", vehicle_name, map_name))
+    def put_vehicle(self, vehicle_name, registration):
+        self.calls.append(("PUT", vehicle_name, registration["map"]))
 
-    def call(self, method, path, body=None, content_type="application/json"):
-        self.calls.append((method, path, body))
-        if content_type == "application/json":
-            self.x += json.loads(body)["dx"]
-        said = {"status": "localized", "pose": {"x": self.x, "y": 0.0, "yaw": 0.0}}
-        return {**said, "fix": {"accepted": True}} if content_type == "image/jpeg" else said
+    def post_odometry(self, vehicle_name, increments):
+        self.calls.append(("odometry", vehicle_name, [increment["stamp"] for increment in increments]))
+        self.x += sum(increment["dx"] for increment in increments)
+        return {"status": "localized", "pose": {"x": self.x, "y": 0.0, "yaw": 0.0}}
+
+    def post_frame(self, vehicle_name, image, stamp):
+        self.calls.append(("frame", vehicle_name, stamp, image))
+        return {"status": "localized", "pose": {"x": self.x, "y": 0.0, "yaw": 0.0}, "fix": {"accepted": True}}
 
 
 class RunTest(unittest.TestCase):
     def test_everything_is_sent_to_the_vehicle_and_answered(self):
         folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         (folder / "a.jpg").write_bytes(b"\xff\xd8picture")
+        (folder / "camera.yaml").write_text("image_width: 640\n")
+        (folder / "floor.yaml").write_text("resolution: 0.0007\n")
         (folder / "frames.csv").write_text("timestamp,filename\n10.02,a.jpg\n")
         (folder / "odometry.tum").write_text("".join(f"{10 + 0.02 * i:.2f} {3 * i} 0 0 0 0 0 1\n" for i in range(3)))
         client = StubClient()
         arguments = argparse.Namespace(frames=folder, vehicle="v", map="hall", pace=0.0)
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             answers = vehicle.run(client, arguments)
-        self.assertEqual(client.calls[:2], [("DELETE", "/v1/vehicles/v"), ("PUT", "v", "hall")])
-        self.assertEqual([call[1] for call in client.calls[2:]],
-                         ["/v1/vehicles/v/odometry", "/v1/vehicles/v/frames?stamp=10.02", "/v1/vehicles/v/odometry"])
-        self.assertEqual(client.calls[3][2], b"\xff\xd8picture")
+        self.assertEqual(client.calls, [
+            ("DELETE", "v"), ("PUT", "v", "hall"), ("odometry", "v", ["10.020000"]),
+            ("frame", "v", "10.02", b"\xff\xd8picture"), ("odometry", "v", ["10.040000"])])
         self.assertEqual([answer.pose[0].real for answer in answers], [3, 3, 6])
         self.assertEqual([answer.fix is None for answer in answers], [True, False, True])
         self.assertIn("localized", printed.getvalue())
