@@ -160,6 +160,11 @@ void AddFloorOptions(CLI::App& command, Arguments& a) {
                   "Photograph of a floor that tiles seamlessly, or concrete, wood, tiles, carpet")
       ->required();
   command.add_option("--size", a.size, "Floor, WIDTHxHEIGHT in metres")->capture_default_str();
+  CLI::Option* stripes = command.add_option("--stripes", a.options.floor.stripes,
+                                            "Another texture, in stripes that alternate with the first along x");
+  command.add_option("--stripe-width", a.options.floor.stripe_m, "Width of the stripes and of the gaps, metres")
+      ->needs(stripes)
+      ->capture_default_str();
   command.add_option("--texture-width", a.options.floor.image_width_m, "Width of the photographed piece, metres")
       ->capture_default_str();
   command.add_flag("--keep-direction", a.keep_direction, "Don't rotate pieces of the photograph (wood, bricks)");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <opencv2/core.hpp>
 #include <stdexcept>
 
 #include "core/io/image.h"
@@ -40,6 +41,22 @@ cv::Mat ReadImage(const std::string& source) {
   return DecodeColor(bytes, header->width_px, header->height_px, file);
 }
 
+// Share of the stripes at a distance from the floor's left edge: 0 in the gaps, 1 in the stripes, over a soft edge.
+double StripeShare(double x_m, double stripe_m) {
+  constexpr double kEdgeM = 0.02;
+  const double from_middle_m = std::abs(std::fmod(x_m + 0.5 * stripe_m, 2.0 * stripe_m) - 2.0 * stripe_m);
+  const double into_m = 0.5 * stripe_m - std::min(from_middle_m, 2.0 * stripe_m - from_middle_m);
+  return std::clamp(into_m / kEdgeM + 0.5, 0.0, 1.0);
+}
+
+void LayStripes(const cv::Mat& stripes, double resolution_m, double stripe_m, cv::Mat* floor) {
+  for (int u = 0; u < floor->cols; ++u) {
+    const double share = StripeShare(u * resolution_m, stripe_m);
+    cv::Mat column = floor->col(u);
+    cv::addWeighted(column, 1.0 - share, stripes.col(u), share, 0.0, column);
+  }
+}
+
 }  // namespace
 
 void FloorTextureOptions::Check() const {
@@ -50,6 +67,7 @@ void FloorTextureOptions::Check() const {
   Require(width_m / resolution_m * height_m / resolution_m <= kMaxPixels,
           "the floor's image would have more than 400 million pixels: make it smaller or its resolution coarser");
   Require(std::isfinite(image_width_m) && image_width_m >= 0.02, "the photograph must show at least 0.02 m");
+  Require(std::isfinite(stripe_m) && stripe_m >= 0.05, "stripes must be at least 0.05 m wide");
 }
 
 std::vector<std::string> ProceduralFloorNames() { return {"concrete", "wood", "tiles", "carpet"}; }
@@ -69,6 +87,12 @@ FloorTexture MakeFloorTexture(const FloorTextureOptions& options) {
     quilt.seed = options.seed;
     quilt.run = options.run;
     texture.bgr = QuiltFloor(ReadImage(options.source), grid, quilt);
+  }
+  if (!options.stripes.empty()) {
+    FloorTextureOptions other = options;
+    other.source = options.stripes;
+    other.stripes.clear();
+    LayStripes(MakeFloorTexture(other).bgr, options.resolution_m, options.stripe_m, &texture.bgr);
   }
   return texture;
 }

@@ -30,6 +30,8 @@ struct FloorTextureOptions {
   double resolution_m = 0.0005;
   double image_width_m = 0.8;  ///< photograph: width of the floor in it
   bool rotate_patches = true;  ///< photograph: false for floors with a direction, such as wood
+  std::string stripes;         ///< another source, which alternates with the first along x; empty: none
+  double stripe_m = 0.8;       ///< width of the stripes, and of the gaps between them
   std::uint64_t seed = 1;
   RunOptions run;  ///< does not change the result
 
