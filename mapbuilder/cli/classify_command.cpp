@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,14 +10,17 @@
 #include <system_error>
 #include <vector>
 
+#include "core/io/floor_picture.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "core/surface/classes/model_file.h"
 #include "mapbuilder/batch/parallel.h"
 #include "mapbuilder/batch/progress.h"
+#include "mapbuilder/cli/classify_texture.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/surface/labelled_picture.h"
 #include "mapbuilder/surface/picture_folder.h"
+#include "mapbuilder/surface/texture_training.h"
 
 namespace floorloc {
 namespace {
@@ -69,9 +73,41 @@ void WriteLabelled(const std::filesystem::path& file, const cv::Mat& picture) {
   WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
+// Writes the tinted picture if it is wanted, and returns the line of JSON.
+using ClassifyPicture = std::function<std::string(const std::filesystem::path& picture)>;
+
+ClassifyPicture ByTexture(const Arguments& a) {
+  std::vector<std::string> names;
+  for (const TextureClass texture : kTextureClasses) {
+    names.emplace_back(ToString(texture));
+  }
+  return [&a, names, classifier = ReadTextureModel(a.model)](const std::filesystem::path& picture) {
+    const cv::Mat image = ReadPictureOfAnySize(picture);
+    const TextureResult result = ClassifyTexture(image, picture.filename().string(), classifier);
+    if (!a.out.empty()) {
+      WriteLabelled(a.out / LabelledName(picture), TintByClass(image, result.class_of_block, names));
+    }
+    return result.line;
+  };
+}
+
+ClassifyPicture BySurface(const Arguments& a, const PictureFolder& folder) {
+  const auto classifier = std::make_shared<SurfaceClassifier>(ReadSurfaceModel(a.model));
+  return [&a, &folder, classifier](const std::filesystem::path& picture) {
+    const SurfaceImage image = ReadPicture(folder, picture);
+    const SurfaceResult result = classifier->Classify(image);
+    if (!a.out.empty()) {
+      WriteLabelled(a.out / LabelledName(picture),
+                    TintByClass(image.color, ClassOfPixel(result), classifier->model().classes));
+    }
+    return ToLine(picture.filename().string(), classifier->model(), result);
+  };
+}
+
 void Run(const Arguments& a) {
-  const SurfaceClassifier classifier(ReadSurfaceModel(a.model));
-  const PictureFolder folder = ListPictures(a.images);
+  PictureFolder folder;
+  const ClassifyPicture classify = IsTextureModel(a.model) ? ByTexture(a) : BySurface(a, folder);
+  folder = ListPictures(a.images);
   if (!a.results.empty()) {
     CheckWritable(a.results);
   }
@@ -81,14 +117,7 @@ void Run(const Arguments& a) {
   std::vector<std::string> lines(folder.pictures.size());
   ProgressBar progress("classifying", static_cast<std::int64_t>(lines.size()), ProgressOutput::Stderr());
   ParallelFor(static_cast<int>(lines.size()), a.threads, [&](int i) {
-    const std::filesystem::path& picture = folder.pictures[static_cast<std::size_t>(i)];
-    const SurfaceImage image = ReadPicture(folder, picture);
-    const SurfaceResult result = classifier.Classify(image);
-    lines[static_cast<std::size_t>(i)] = ToLine(picture.filename().string(), classifier.model(), result);
-    if (!a.out.empty()) {
-      WriteLabelled(a.out / LabelledName(picture),
-                    TintByClass(image.color, ClassOfPixel(result), classifier.model().classes));
-    }
+    lines[static_cast<std::size_t>(i)] = classify(folder.pictures[static_cast<std::size_t>(i)]);
     progress.Advance();
   });
   std::string text;
@@ -107,7 +136,7 @@ void Run(const Arguments& a) {
 void AddClassifyCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("classify", "Says what floor pictures show, as a whole and in parts");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("--model", a->model, "Made by 'train-surface --classes'")->required();
+  command->add_option("--model", a->model, "Made by 'train-surface'")->required();
   command
       ->add_option("--images", a->images,
                    "Folder of pictures, or with images/; depth/ and intensity/ beside them if there is a range sensor")

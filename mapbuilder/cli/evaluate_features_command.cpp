@@ -8,6 +8,7 @@
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/laboratory/adaptive_evaluation.h"
 #include "mapbuilder/laboratory/feature_evaluation.h"
 #include "mapbuilder/laboratory/html_report.h"
 
@@ -22,10 +23,16 @@ struct Arguments {
   bool json = false;
   std::filesystem::path out;
   FeatureEvaluationOptions options;
+  AdaptiveEvaluationOptions adaptive;
+  std::vector<std::filesystem::path> drives;
 };
 
 FeatureEvaluationOptions Translate(const Arguments& a) {
   FeatureEvaluationOptions options = a.options;
+  if (a.drives.size() > 1) {
+    throw std::invalid_argument("one --drive is evaluated at a time; several are for --adaptive");
+  }
+  options.drive = a.drives.empty() ? "" : a.drives.front();
   for (const std::string& text : a.images) {
     options.sets.push_back(ParseImageSet(text, a.images_per_set));
   }
@@ -57,14 +64,27 @@ std::string ToJsonText(const LaboratoryReport& report) {
   return json.dump(2) + "\n";
 }
 
+LaboratoryReport Evaluate(const Arguments& a) {
+  if (a.adaptive.classifier.empty()) {
+    return EvaluateFeatures(Translate(a));
+  }
+  if (a.drives.empty()) {
+    throw std::invalid_argument("--adaptive needs at least one --drive");
+  }
+  AdaptiveEvaluationOptions options = a.adaptive;
+  options.drives = a.drives;
+  options.samples.seed = options.training.seed = a.options.seed;
+  options.drive.progress = ProgressOutput::Stderr();
+  return EvaluateAdaptive(options);
+}
+
 void Run(const Arguments& a) {
-  const FeatureEvaluationOptions options = Translate(a);
   if (!a.out.empty()) {
     std::error_code error;
     std::filesystem::create_directories(a.out, error);
     CheckWritable(a.out / "index.html");
   }
-  const LaboratoryReport report = EvaluateFeatures(options);
+  const LaboratoryReport report = Evaluate(a);
   if (!a.out.empty()) {
     WriteFileAtomically(a.out / "index.html", ToHtml(report));
     WriteFileAtomically(a.out / "tables.json", ToJsonText(report));
@@ -86,7 +106,17 @@ void AddEvaluateFeaturesCommand(CLI::App& app) {
                       "Sets of images, each NAME=PATH[,PATH...]: images, folders of images, or a folder of such "
                       "folders, of which the first images are taken");
   command->add_option("--sequence", o.sequences, "Folder(s) of images in a row, or in the survey format");
-  command->add_option("--drive", o.drive, "Folder in the survey format with groundtruth.tum, for the paths");
+  command->add_option("--drive", a->drives, "Folder(s) in the survey format with groundtruth.tum, for the paths");
+  CLI::Option* adaptive = command->add_option(
+      "--adaptive", a->adaptive.classifier,
+      "Instead: detectors chosen by the floor's texture, on the --drive folders; a model of 'train-surface --texture', "
+      "or a folder to train one on as there");
+  command
+      ->add_option("--fast-threshold", a->adaptive.drive.detectors.fast_threshold,
+                   "With --adaptive: of FAST, grey levels")
+      ->needs(adaptive)
+      ->check(CLI::Range(1, 254))
+      ->capture_default_str();
   command->add_option("--features", a->features, "orb, akaze, brisk, sift, surf; default: all")->delimiter(',');
   command->add_option("--count", o.features_per_image, "Features wanted in the images of --images")
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "core/io/text_file.h"
 #include "core/surface/classes/model_file.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/cli/train_texture.h"
 #include "mapbuilder/surface/class_training.h"
 
 namespace floorloc {
@@ -25,6 +26,7 @@ struct Arguments {
   std::vector<std::string> groups;
   bool json = false;
   ClassTrainingOptions options;
+  TextureArguments texture;
 };
 
 // Names of groups, or of sets of them.
@@ -120,7 +122,7 @@ std::string ToText(const TrainedClasses& trained) {
   return text.str();
 }
 
-void Run(const Arguments& a) {
+void TrainClassModel(const Arguments& a) {
   ClassTrainingOptions options = a.options;
   if (!a.groups.empty()) {
     options.groups = ParseGroups(a.groups);
@@ -134,33 +136,57 @@ void Run(const Arguments& a) {
   std::cout << (a.json ? ToJson(trained).dump(2) + "\n" : ToText(trained));
 }
 
+void Run(const Arguments& a) {
+  if (!a.classes.empty()) {
+    TrainClassModel(a);
+    return;
+  }
+  TextureArguments texture = a.texture;
+  texture.out = a.out;
+  texture.json = a.json;
+  texture.samples.seed = texture.training.seed = static_cast<std::uint32_t>(a.options.seed);
+  TrainTextureModel(texture);
+}
+
+// What is learnt: exactly one of them.
+CLI::Option* AddSources(CLI::App* command, Arguments* a) {
+  CLI::Option_group* sources = command->add_option_group("What to learn");
+  CLI::Option* classes = sources->add_option(
+      "--classes", a->classes,
+      "Classes of floors: folder with a folder of pictures per class; depth/ and intensity/ in each "
+      "of them if there is a range sensor");
+  AddTextureOptions(command, sources, &a->texture);
+  sources->require_option(1);
+  return classes;
+}
+
 }  // namespace
 
 void AddTrainSurfaceCommand(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("train-surface", "Learns classes of floors from labelled pictures: a model for 'classify'");
+  CLI::App* command = app.add_subcommand(
+      "train-surface", "Learns classes of floors, or rough from smooth floor, from pictures: a model for 'classify'");
   const auto a = std::make_shared<Arguments>();
   ClassTrainingOptions& o = a->options;
-  command
-      ->add_option("--classes", a->classes,
-                   "Folder with a folder of pictures per class; depth/ and intensity/ in each of them if there is a "
-                   "range sensor")
-      ->required();
+  CLI::Option* classes = AddSources(command, a.get());
   command->add_option("--out", a->out, "The model to write")->required();
   command
       ->add_option("--groups", a->groups,
                    "Features: paper (hue-saturation, value, color, depth-intensity, intensity), texture (pattern, "
                    "gradient), shape, or single ones. Default: paper,texture")
+      ->needs(classes)
       ->delimiter(',')
       ->check(CheckGroup);
   command->add_option("--rounds", o.boosting.rounds, "Of boosting")
+      ->needs(classes)
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
   command->add_option("--folds", o.folds.folds, "Of the cross-validation")
+      ->needs(classes)
       ->check(CLI::Range(2, 100))
       ->capture_default_str();
   command->add_flag("--json", a->json, "Print JSON");
-  command->add_option("--seed", o.seed, "Of the draws of segments")->capture_default_str();
+  command->add_option("--seed", o.seed, "Of the draws of segments, or of the images kept for testing")
+      ->capture_default_str();
   command->add_option("--threads", o.run.threads, "Number of threads; 0: one per core")->capture_default_str();
   command->callback([a] { Run(*a); });
 }
