@@ -85,6 +85,7 @@ void SearchTally::Add(const LocalizationResult& result, const Pose2& true_map_fr
   const bool accepted = result.status == LocalizationStatus::kLocalized;
   ++frames;
   inliers.push_back(near ? result.inliers : 0.0);
+  found.push_back(accepted && near);
   if (accepted && near) {
     ++right;
     errors_m.push_back(error_m);

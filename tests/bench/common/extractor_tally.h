@@ -18,6 +18,7 @@ struct SearchTally {
   int right = 0;                   ///< accepted, within the Tolerance
   int wrong = 0;                   ///< accepted, beyond the Tolerance
   std::vector<double> inliers;     ///< per frame; 0 when the right pose was not found
+  std::vector<bool> found;         ///< per frame: accepted, within the Tolerance
   std::vector<double> errors_m;    ///< of the right ones
   std::vector<double> errors_rad;  ///< of the right ones
 
@@ -28,6 +29,7 @@ struct SearchTally {
 struct GroupTally {
   std::vector<double> keypoints;   ///< per frame
   std::vector<double> extract_ms;  ///< per frame, one thread: contrast normalisation and extraction
+  std::vector<double> search_ms;   ///< per frame, one thread: from the raw image to the answer of the whole map
   SearchTally global;
   SearchTally with_prior;
 };

@@ -6,9 +6,12 @@
 #include <functional>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
+#include <optional>
 
 #include "mapbuilder/batch/progress.h"
+#include "mapbuilder/surface/texture_training.h"
 #include "tests/bench/common/state_folder.h"
+#include "tests/bench/extractors/chosen_extractor.h"
 #include "tests/bench/extractors/extractor_trial.h"
 
 namespace floorloc {
@@ -21,6 +24,8 @@ struct Arguments {
   std::string photograph;
   int frames = 40;
   std::vector<std::string> only;
+  fs::path texture_model;
+  std::vector<std::string> stripes;
   std::vector<fs::path> folders;
 };
 
@@ -40,6 +45,20 @@ std::vector<ExtractorVariant> SelectVariants(const std::vector<std::string>& onl
   return variants;
 }
 
+std::vector<FloorCase> FloorsOf(const Arguments& arguments) {
+  std::vector<FloorCase> floors = SceneFloors(arguments.photograph);
+  if (arguments.stripes.empty()) {
+    return floors;
+  }
+  constexpr double kStripeM = 0.5;  // an image shows 0.4 m
+  FloorCase striped = floors.front();
+  striped.name = "stripes";
+  striped.texture.source = arguments.stripes[0];
+  striped.texture.stripes = arguments.stripes[1];
+  striped.texture.stripe_m = kStripeM;
+  return {striped};
+}
+
 // Scenes are made one after the other to save memory.
 using SceneMakers = std::vector<std::function<Scene()>>;
 
@@ -49,7 +68,7 @@ SceneMakers MakeSceneMakers(const Arguments& arguments) {
     return {[survey = arguments.folders.front(), frames] { return ReadScene(survey, frames); }};
   }
   SceneMakers makers;
-  for (const FloorCase& floor : SceneFloors(arguments.photograph)) {
+  for (const FloorCase& floor : FloorsOf(arguments)) {
     makers.emplace_back([=] { return SimulateScene(fs::path(arguments.state) / floor.name, floor, arguments.frames); });
   }
   return makers;
@@ -71,6 +90,11 @@ void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   const std::vector<ExtractorVariant> variants = SelectVariants(arguments.only);
   const SceneMakers makers = MakeSceneMakers(arguments);
+  std::optional<TextureClassifier> classifier;
+  if (!arguments.texture_model.empty()) {
+    classifier = ReadTextureModel(arguments.texture_model);
+  }
+  TexturesByGroup textures;
   ClearStateFolder(arguments.state, "extractor_benchmark");
   std::vector<ExtractorTally> tallies(variants.size());
   std::vector<std::string> groups;
@@ -82,6 +106,9 @@ void Run(const Arguments& arguments) {
     for (const FrameGroup& group : scene.groups) {
       groups.push_back(group.name);
     }
+    if (classifier) {
+      AssessFrames(scene, *classifier, &textures);
+    }
     for (std::size_t i = 0; i < variants.size(); ++i) {
       tallies[i].name = variants[i].name;
       TryExtractor(variants[i], scene, fs::path(arguments.state) / "bench.floormap", &tallies[i]);
@@ -90,6 +117,9 @@ void Run(const Arguments& arguments) {
   }
   PrintExplanation(arguments);
   PrintTable(std::cout, tallies, groups);
+  if (classifier) {
+    PrintChoices(std::cout, tallies, textures);
+  }
 }
 
 }  // namespace
@@ -108,6 +138,12 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(floorloc::NamesOfThisBuild()));
+  app.add_option("--texture-model", arguments.texture_model,
+                 "Of train-surface --texture: also pairs of extractors of which it chooses one for each frame");
+  app.add_option("--stripes", arguments.stripes, "One simulated floor instead of five: stripes of two textures")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->expected(2);
   app.add_option("folders", arguments.folders, "SURVEY FRAMES...: recorded ones instead of simulated floors");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -19,6 +19,7 @@ constexpr std::size_t kPlaceBytes = 5 * sizeof(float) + sizeof(std::uint16_t);
 struct FrameOutcome {
   std::size_t keypoints = 0;
   double extract_ms = 0.0;
+  double search_ms = 0.0;
   LocalizationResult global;
   LocalizationResult with_prior;
 };
@@ -36,7 +37,9 @@ FrameOutcome TryFrame(const MapUnderTest& map, const Rectifier& rectifier, const
   const double start_ms = ThreadMilliseconds();
   outcome.keypoints = map.extractor.Extract(image).keypoints.size();
   outcome.extract_ms = ThreadMilliseconds() - start_ms;
+  const double search_start_ms = ThreadMilliseconds();
   outcome.global = map.localizer.Localize(rectifier, frame.raw, std::nullopt);
+  outcome.search_ms = ThreadMilliseconds() - search_start_ms;
   PosePrior prior = frame.prior;
   prior.map_from_base = map.map_from_truth * prior.map_from_base;
   outcome.with_prior = map.localizer.Localize(rectifier, frame.raw, prior);
@@ -55,6 +58,7 @@ void TryGroup(const MapUnderTest& map, const FrameGroup& group, GroupTally* tall
     const Pose2 truth = map.map_from_truth * group.frames[i].truth_from_base;
     tally->keypoints.push_back(static_cast<double>(outcomes[i].keypoints));
     tally->extract_ms.push_back(outcomes[i].extract_ms);
+    tally->search_ms.push_back(outcomes[i].search_ms);
     tally->global.Add(outcomes[i].global, truth);
     tally->with_prior.Add(outcomes[i].with_prior, truth);
   }
