@@ -11,6 +11,16 @@ install(FILES schema/openapi.yaml schema/map.sql ${ops}/alerts.yml ${ops}/grafan
   DESTINATION ${CMAKE_INSTALL_DATADIR}/floorloc COMPONENT floorloc)
 install(FILES ${ops}/server.example.json DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT floorloc)
 
+# The clients, for programs of others: not part of the package of the programs.
+install(TARGETS floorloc_client ARCHIVE COMPONENT client)
+file(GLOB client_headers CONFIGURE_DEPENDS clients/cpp/*.h)
+install(FILES ${client_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/floorloc/clients/cpp COMPONENT client)
+file(RELATIVE_PATH prefix_from_pkgconfig /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+configure_file(clients/cpp/floorloc-client.pc.in ${CMAKE_BINARY_DIR}/floorloc-client.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/floorloc-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT client)
+install(DIRECTORY clients/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/floorloc/python COMPONENT client
+  PATTERN __pycache__ EXCLUDE)
+
 # What belongs to the system, for the package only: a prefix has no place for it.
 install(FILES ${ops}/floorloc-server.service DESTINATION /lib/systemd/system COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${ops}/floorloc-server.default DESTINATION /etc/default RENAME floorloc-server COMPONENT system

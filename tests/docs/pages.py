@@ -8,7 +8,7 @@ import subprocess
 
 # Checked pages; the changelog is not, as its names and paths may no longer exist.
 PAGES = ("README.md", "CONTRIBUTING.md", "docs/**/*.md", "tests/README.md", "schema/README.md", "maps/README.md",
-         "clients/python/README.md")
+         "examples/README.md", "clients/python/README.md")
 LINKS_ONLY = ("CHANGELOG.md",)
 
 FENCE = re.compile(r"^[ \t]*```[^\n]*\n(.*?)^[ \t]*```[ \t]*$", re.M | re.S)

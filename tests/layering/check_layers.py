@@ -72,14 +72,15 @@ ARROWS = {
                "server/daemon"],
     "schema": [],
     "web": [],
+    "clients/cpp": [],
 }
 
 # Header of an external library -> the only places in the product that may include it.
 LIBRARIES = {
-    "httplib.h": ["server/http/"],
+    "httplib.h": ["server/http/", "clients/cpp/client.cpp"],
     "sqlite3.h": ["core/map/"],
     "CLI/": ["mapbuilder/cli/", "server/daemon/main.cpp"],
-    "nlohmann/": ["core/map/", "mapbuilder/", "server/"],
+    "nlohmann/": ["core/map/", "mapbuilder/", "server/", "clients/cpp/"],
     "yaml-cpp/": ["core/io/"],
     "ceres/": ["mapbuilder/"],
     "spdlog/": ["mapbuilder/", "server/"],
@@ -87,7 +88,7 @@ LIBRARIES = {
                  "core/evaluation/", "mapbuilder/", "server/"],
 }
 
-PRODUCT = ["core", "mapbuilder", "server", "schema", "web"]
+PRODUCT = ["core", "mapbuilder", "server", "schema", "web", "clients"]
 FORBIDDEN_FOLDERS = {"util", "utils"}
 NOT_OURS = {"build", ".git", "node_modules"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')

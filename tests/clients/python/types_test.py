@@ -73,6 +73,14 @@ class TypesTest(unittest.TestCase):
         self.assertEqual(calls - documented, {"get_ros_vehicle"})
         self.assertGreater(len(calls), 10)
 
+    def test_what_the_cpp_client_reads_is_documented(self):
+        source = (pathlib.Path(__file__).parents[3] / "clients/cpp/answers.cpp").read_text(encoding="utf-8")
+        read = set(re.findall(r'(?:at\(|value\(|Optional\(object, )"(\w+)"', source))
+        answers = ("LocalizeAnswer", "FrameAnswer", "OdometryAnswer", "VehicleFix", "Pose", "Alternative", "Timing",
+                   "Next", "SinceFix", "OdometryTrust")
+        self.assertEqual(read - {field for name in answers for field in schema_of(name)["properties"]}, set())
+        self.assertGreater(len(read), 30)
+
     def test_misfits_are_found(self):
         self.assertEqual(openapi.misfits(openapi.SCHEMAS["Next"], {"seconds": 1, "metres": 0.5}), [])
         for value in ({"seconds": 1}, {"seconds": 1, "metres": "x"}, {"seconds": 1, "metres": 1, "more": 1}, None, []):

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "clients/cpp/client.h"
+
+namespace floorloc::client {
+
+// Paths with queries. What is not allowed in a name is percent-encoded (RFC 3986, 2.1), for the server to refuse.
+std::string VehicleTarget(const std::string& id);
+std::string FrameTarget(const std::string& vehicle, const FrameRequest& request);
+std::string LocalizeTarget(const LocalizeRequest& request);
+
+}  // namespace floorloc::client
