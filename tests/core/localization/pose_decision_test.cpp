@@ -287,8 +287,8 @@ TEST_F(PoseDecisionTest, OnARepetitiveFloorFewInliersMayBeAliased) {
   EXPECT_GT(Decide({few}, true).p_wrong, 1e-4);
 }
 
-// Upright descriptors give a similar place many inliers; whether the right one would have been found is told by those at
-// the keypoints' own angles.
+// Upright descriptors give a similar place many inliers; whether the right one would have been found is told by those
+// at the keypoints' own angles.
 TEST_F(PoseDecisionTest, OnARepetitiveFloorFewOwnAngleInliersMayBeAliased) {
   VerifiedPose pose = MakePose(0.0);
   ExpectAccepted(Decide({pose}), 0);
