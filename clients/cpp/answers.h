@@ -116,9 +116,9 @@ struct FrameAnswer : TrackingAnswer {
 };
 
 // All throw nlohmann::json::exception for what is no such answer.
-LocalizeAnswer ParseLocalizeAnswer(const nlohmann::json& json);
-TrackingAnswer ParseTrackingAnswer(const nlohmann::json& json);
-OdometryAnswer ParseOdometryAnswer(const nlohmann::json& json);
-FrameAnswer ParseFrameAnswer(const nlohmann::json& json);
+LocalizeAnswer ParseLocalizeAnswer(const nlohmann::json& object);
+TrackingAnswer ParseTrackingAnswer(const nlohmann::json& object);
+OdometryAnswer ParseOdometryAnswer(const nlohmann::json& object);
+FrameAnswer ParseFrameAnswer(const nlohmann::json& object);
 
 }  // namespace floorloc::client

@@ -108,7 +108,7 @@ class Client {
   class Connection;
   struct Request;
 
-  nlohmann::json Call(const Request& request, CallTime deadline = {});
+  nlohmann::json Call(const Request& request, CallTime time = {});
   nlohmann::json Attempt(const Request& request, const class Deadline& deadline);
 
   ClientOptions options_;
