@@ -75,11 +75,11 @@ std::optional<OdometryAnswer> VehicleClient::Flush(CallTime deadline) {
   return answer;
 }
 
-FrameAnswer VehicleClient::Frame(const std::string& image, double stamp_s, CallTime time) {
-  const Deadline deadline(time.value_or(std::chrono::milliseconds(0)));
-  Flush(time);
+FrameAnswer VehicleClient::Frame(const std::string& image, double stamp_s, CallTime deadline) {
+  const Deadline end(deadline.value_or(std::chrono::milliseconds(0)));
+  Flush(deadline);
   const FrameRequest request = {image, StampText(stamp_s), std::nullopt};
-  FrameAnswer answer = Registered([&] { return client_.PostFrame(id_, request, Left(time, deadline)); });
+  FrameAnswer answer = Registered([&] { return client_.PostFrame(id_, request, Left(deadline, end)); });
   NoteNext(answer, stamp_s);
   return answer;
 }
