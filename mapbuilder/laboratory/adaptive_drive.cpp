@@ -146,7 +146,7 @@ std::vector<AdaptiveFrame> MeasureAdaptiveDrive(const std::filesystem::path& dri
     for (std::size_t i = 0; i < runs.size(); ++i) {
       frame.detectors[i] = runs[i].Add(image, mask, before_from_now);
     }
-    frames.push_back(std::move(frame));
+    frames.push_back(frame);
   }
   return frames;
 }
