@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "server/api/vehicle_json.h"
 
@@ -33,15 +34,10 @@ json FormatQuaternion(const Pose2& pose) {
 
 // 6x6, row-major, of the 3x3 of (x, y, yaw).
 json FormatCovariance(const Eigen::Matrix3d& covariance) {
-  constexpr std::array<int, 3> kPlace = {0, 1, 5};
-  std::array<double, 36> rows{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      rows.at(static_cast<std::size_t>(6 * kPlace.at(static_cast<std::size_t>(row)) +
-                                       kPlace.at(static_cast<std::size_t>(column)))) = covariance(row, column);
-    }
-  }
-  return rows;
+  constexpr std::array<Eigen::Index, 3> kPlace = {0, 1, 5};
+  Eigen::Matrix<double, 6, 6, Eigen::RowMajor> all = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>::Zero();
+  all(kPlace, kPlace) = covariance;
+  return std::vector<double>(all.data(), all.data() + all.size());
 }
 
 json FormatTransformStamped(const json& header, const std::string& child, const Pose2& transform) {
