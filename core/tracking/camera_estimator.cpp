@@ -140,9 +140,10 @@ CameraEstimate CameraEstimator::Estimate() const {
   const CameraErrorMatrix prior = PriorInformation(options_);
   Posterior posterior = PosteriorOf(sums, prior);
   const Posterior without_tilt = PosteriorWithoutTilt(sums, prior);
-  if (posterior.significance - without_tilt.significance < options_.min_tilt_significance) {
-    posterior = without_tilt;
-  }
+  const bool tilted = posterior.significance - without_tilt.significance >= options_.min_tilt_significance;
+  posterior = tilted ? posterior : without_tilt;
+  // What the fixes share makes the errors uncertain; their mean is still by all of them.
+  posterior.mean = tilted ? PosteriorOf(learnt_.all, prior).mean : PosteriorWithoutTilt(learnt_.all, prior).mean;
   CameraEstimate estimate;
   estimate.fixes = learnt_.fixes;
   estimate.errors = {posterior.mean, posterior.covariance, learnt_.camera};

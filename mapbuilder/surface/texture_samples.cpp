@@ -109,7 +109,8 @@ TextureSamples SplitRuns(const std::vector<LabelledTextures>& pairs, double test
   const std::size_t runs = std::min<std::size_t>(10, pairs.size());
   TextureSamples samples;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto run = static_cast<double>(i * runs / pairs.size());
+    const std::size_t index = i * runs / pairs.size();
+    const auto run = static_cast<double>(index);
     const bool testing = static_cast<int>((run + 1.0) * test_share) > static_cast<int>(run * test_share);
     Append(pairs[i], testing ? &samples.testing : &samples.training);
   }
