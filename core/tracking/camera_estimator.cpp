@@ -24,7 +24,7 @@ CameraErrorMatrix PriorInformation(const CameraEstimatorOptions& options) {
 }
 
 bool IsPlausible(const CameraErrors& errors, const CameraEstimatorOptions& options) {
-  return errors.head<2>().norm() <= options.max_rotation_rad && std::abs(errors(2)) <= options.max_height_share &&
+  return errors.head<kTilts>().norm() <= options.max_rotation_rad && std::abs(errors(2)) <= options.max_height_share &&
          errors.tail<kCalibrationModes>().norm() <= options.max_calibration_px;
 }
 
@@ -32,6 +32,12 @@ void AddTo(LearntCamera::Sums* sums, const CameraEvidence& evidence, double memo
   const double kept = 1.0 - 1.0 / memory_fixes;
   sums->information = kept * sums->information + evidence.information;
   sums->pull = kept * sums->pull + evidence.pull;
+}
+
+// The evidence of so many fixes, worth no more than CameraEstimatorOptions::independent_fixes.
+LearntCamera::Sums Tempered(const LearntCamera::Sums& sums, double fixes, const CameraEstimatorOptions& options) {
+  const double share = options.independent_fixes / (options.independent_fixes + fixes);
+  return {share * sums.information, share * sums.pull};
 }
 
 struct Posterior {
@@ -103,15 +109,11 @@ bool CameraEstimator::HasMoved(const Pose2& map_from_base, double view_radius_m)
          std::abs(motion.yaw()) >= options_.min_turn_rad;
 }
 
-LearntCamera::Sums CameraEstimator::Tempered(const LearntCamera::Sums& sums, double fixes) const {
-  const double share = options_.independent_fixes / (options_.independent_fixes + fixes);
-  return {share * sums.information, share * sums.pull};
-}
-
 // The residual of the newest fixes has the covariance information + information * P * information.
 bool CameraEstimator::WasBumped() const {
   const CameraPrior now = Estimate().errors;
-  const LearntCamera::Sums recent = Tempered(learnt_.recent, std::min<double>(learnt_.fixes, options_.recent_fixes));
+  const LearntCamera::Sums recent =
+      Tempered(learnt_.recent, std::min<double>(learnt_.fixes, options_.recent_fixes), options_);
   const CameraErrors residual = recent.pull - recent.information * now.mean;
   const CameraErrorMatrix covariance = recent.information + recent.information * now.covariance * recent.information;
   return residual.dot(covariance.ldlt().solve(residual)) > options_.bump_significance;
@@ -136,7 +138,8 @@ void CameraEstimator::Add(const CameraEvidence& evidence, const Pose2& map_from_
 }
 
 CameraEstimate CameraEstimator::Estimate() const {
-  const LearntCamera::Sums sums = Tempered(learnt_.all, std::min<double>(learnt_.fixes, options_.memory_fixes));
+  const LearntCamera::Sums sums =
+      Tempered(learnt_.all, std::min<double>(learnt_.fixes, options_.memory_fixes), options_);
   const CameraErrorMatrix prior = PriorInformation(options_);
   Posterior posterior = PosteriorOf(sums, prior);
   const Posterior without_tilt = PosteriorWithoutTilt(sums, prior);

@@ -96,8 +96,6 @@ class CameraEstimator {
 
  private:
   bool WasBumped() const;
-  // Of the newest so many fixes.
-  LearntCamera::Sums Tempered(const LearntCamera::Sums& sums, double fixes) const;
   bool HasMoved(const Pose2& map_from_base, double view_radius_m) const;
 
   CameraEstimatorOptions options_;
