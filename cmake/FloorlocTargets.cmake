@@ -18,10 +18,10 @@ if(FLOORLOC_SANITIZE)
   target_compile_options(floorloc_options INTERFACE -fsanitize=${FLOORLOC_SANITIZE} -fno-omit-frame-pointer
                                                     -fno-sanitize-recover=all)
   target_link_options(floorloc_options INTERFACE -fsanitize=${FLOORLOC_SANITIZE})
-  # These three check every dereference, a third of all that GCC compiles then. What they find here, the address
-  # sanitizer finds too, except for misaligned reads: the fuzz targets (clang) check those, where outside bytes are read.
-  if(FLOORLOC_SANITIZE MATCHES "undefined" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    target_compile_options(floorloc_options INTERFACE -fno-sanitize=null,alignment,object-size)
+  # These check every dereference, a third of all that is compiled then. What they find here, the address sanitizer
+  # finds too, except for misaligned reads: the fuzz targets check those, where outside bytes are read.
+  if(FLOORLOC_SANITIZE MATCHES "undefined" AND NOT FLOORLOC_SANITIZE MATCHES "fuzzer")
+    target_compile_options(floorloc_options INTERFACE -fno-sanitize=null,alignment,object-size,vptr)
   endif()
   if(FLOORLOC_SANITIZE MATCHES "thread")  # the same bug, seen by another warning
     target_compile_options(floorloc_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
@@ -90,11 +90,13 @@ endfunction()
 add_custom_target(unit_tests)
 add_custom_target(thread_tests)
 
-# floorloc_test(NAME SOURCES... LIBS... [SHARDS n] [THREADS filter]): one GoogleTest binary. ctest starts it once, not
-# once for each case (each start of a binary with OpenCV takes 0.1 to 0.2 s), or in n parts at once, for long ones.
-# Labels: unit, and threads for those whose cases start threads; preset tsan runs those of them that match the filter.
+# floorloc_test(NAME SOURCES... LIBS... [SHARDS n] [THREADS filter] [LONG patterns...]): one GoogleTest binary. ctest
+# starts it once, not once for each case (each start of a binary with OpenCV takes 0.1 to 0.2 s), or in n parts at once,
+# for long ones. Labels: unit, and threads for those whose cases start threads; preset tsan runs those of them that match
+# the filter. The cases that match LONG are parts of their own with the label long: './run test asan' leaves them out.
 function(floorloc_test name)
-  cmake_parse_arguments(ARG "" "SHARDS;THREADS" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "SHARDS;THREADS" "SOURCES;LIBS;LONG" ${ARGN})
+  list(JOIN ARG_LONG ":" long)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE floorloc_quick_options ${ARG_LIBS} GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
@@ -102,30 +104,37 @@ function(floorloc_test name)
   if(FLOORLOC_SANITIZE)
     floorloc_long_sentences(${name})  # what sanitizers insert makes GCC warn falsely
   endif()
-  set(labels unit)
   add_dependencies(unit_tests ${name})
-  set(filter "*")
+  set(labels unit)
   if(ARG_THREADS)
     list(APPEND labels threads)
     add_dependencies(thread_tests ${name})
-    if(FLOORLOC_SANITIZE MATCHES "thread")
-      set(filter "${ARG_THREADS}")
-    endif()
   endif()
-  set(shards 1)
-  if(ARG_SHARDS)
-    set(shards ${ARG_SHARDS})
+  if(ARG_THREADS AND FLOORLOC_SANITIZE MATCHES "thread")
+    floorloc_test_parts(${name} ${name} "${ARG_THREADS}" 1 "${labels}")
+  elseif(ARG_LONG)
+    floorloc_test_parts(${name} ${name} "*-${long}" "${ARG_SHARDS}" "${labels}")
+    floorloc_test_parts(${name} ${name}.long "${long}" "${ARG_SHARDS}" "${labels};long")
+  else()
+    floorloc_test_parts(${name} ${name} "*" "${ARG_SHARDS}" "${labels}")
+  endif()
+endfunction()
+
+# floorloc_test_parts(BINARY PART FILTER SHARDS LABELS): the cases that match, in so many tests of ctest.
+function(floorloc_test_parts binary part filter shards labels)
+  if(NOT shards)
+    set(shards 1)
   endif()
   math(EXPR last "${shards} - 1")
   foreach(shard RANGE ${last})
-    set(part ${name})
+    set(name ${part})
     if(shards GREATER 1)
-      string(APPEND part ".${shard}")
+      string(APPEND name ".${shard}")
     endif()
-    add_test(NAME ${part} COMMAND ${name} --gtest_brief=1 --gtest_filter=${filter})
+    add_test(NAME ${name} COMMAND ${binary} --gtest_brief=1 --gtest_filter=${filter})
     # tests/runner/count_cases.py counts the cases in the reports.
-    set(environment GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/reports/${part}.xml
+    set(environment GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/reports/${name}.xml
                     GTEST_TOTAL_SHARDS=${shards} GTEST_SHARD_INDEX=${shard})
-    set_tests_properties(${part} PROPERTIES LABELS "${labels}" COST ${shards} ENVIRONMENT "${environment}")
+    set_tests_properties(${name} PROPERTIES LABELS "${labels}" COST ${shards} ENVIRONMENT "${environment}")
   endforeach()
 endfunction()

@@ -160,9 +160,9 @@ TEST(PlanarOdometryTest, CovariancesAreHonest) {
       }
     }
   }
-  EXPECT_GT(alone / count, 1.5);
+  EXPECT_GT(alone / count, 1.2);
   EXPECT_LT(alone / count, 4.5);
-  EXPECT_GT(summed / count, 1.5);
+  EXPECT_GT(summed / count, 1.2);
   EXPECT_LT(summed / count, 4.5);
 }
 

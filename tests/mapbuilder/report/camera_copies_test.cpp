@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kResolutionM = 2e-3;
 constexpr int kTilePx = 1536;
-constexpr double kSideM = kTilePx * kResolutionM;
 
 cv::Mat Noise(const cv::Size& size, std::uint64_t seed) {
   cv::Mat noise(size, CV_32F);
