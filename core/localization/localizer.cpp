@@ -106,7 +106,7 @@ struct Localizer::Impl {
   PoseDecision Decide(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
     const PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
     PoseDecision decision = DecidePose(*poses, evidence, options.registration, options.decision);
-    if (!raster || decision.best < 0) {
+    if (!raster || decision.best < 0 || !IsComparable(frame.samples)) {
       return decision;
     }
     const PhotometricAligner aligner(*raster, options.photometric);
@@ -127,14 +127,19 @@ struct Localizer::Impl {
     return DecidePose(*poses, evidence, options.registration, options.decision);
   }
 
+  // Fine structure is lost in a mosaic much coarser than the frame: it agrees by chance, and the keypoints, which are
+  // from survey frames, tell the pose better.
+  bool IsComparable(const FrameSamples& samples) const {
+    return raster->resolution_m() <= options.decision.max_mosaic_coarseness * samples.resolution_m();
+  }
+
   void Align(const PhotometricAligner& aligner, const FrameSamples& samples, VerifiedPose* pose) const {
     const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
     const bool rough = static_cast<int>(pose->candidate.inliers.size()) < options.photometric.sure_inliers;
     pose->photo = aligner.Align(samples, map_from_origin * pose->candidate.target_from_source, rough);
     pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
     std::vector<float> cells = pose->photo->ComparedCells();
-    const bool comparable = raster->resolution_m() <= options.decision.max_mosaic_coarseness * samples.resolution_m();
-    if (comparable && !cells.empty()) {
+    if (!cells.empty()) {
       pose->view = MeasureViewSupport(std::move(cells), {options.decision.cell_sigma, options.decision.local_share});
     }
   }
