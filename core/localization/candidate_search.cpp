@@ -55,6 +55,9 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
       verifier_(map, guided_, options.registration, options.verification,
                 upright_index_ == nullptr ? VerifiedBy::kOwnAngles : VerifiedBy::kUpright),
       floor_repeats_(IsSelfSimilar(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {
+  if (floor_repeats_) {
+    lattice_ = FindFloorLattice(map.keypoints, *index_, options.lattice, options.registration.seed);
+  }
   if (floor_repeats_ && upright_index_ != nullptr) {
     own_angle_verifier_.emplace(map, guided_, options.registration, options.verification, VerifiedBy::kOwnAngles);
   }

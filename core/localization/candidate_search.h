@@ -5,7 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/localization/floor_lattice.h"
 #include "core/localization/frame_observation.h"
+#include "core/localization/lattice_comparison.h"
 #include "core/localization/localizer_options.h"
 #include "core/localization/pose_verifier.h"
 #include "core/localization/search_scope.h"
@@ -22,11 +24,12 @@ struct FrameMatches {
   std::vector<OrientedMatch> oriented;
 };
 
-/// Global search of one frame, run at most once: on a self-similar map, to compare the poses near the prior with
-/// others.
+/// What one frame says of the whole map, found out at most once: on a self-similar map, to compare the poses near the
+/// prior with others.
 struct GlobalSearchCache {
   std::optional<FrameMatches> matches;
   std::vector<VerifiedPose> poses;
+  std::optional<LatticeComparison> places;  ///< relative to the keypoints' origin
 };
 
 /// Query keypoints with a match whose residual under the pose is at most radius_m; sorted, without duplicates.
@@ -49,6 +52,10 @@ class CandidateSearch {
                                       const FrameMatches& matches, GlobalSearchCache* global) const;
 
   bool floor_repeats() const { return floor_repeats_; }
+  /// Of a self-similar floor that has one.
+  const std::optional<FloorLattice>& lattice() const { return lattice_; }
+  /// Matches all keypoints where a pose predicts them.
+  VerifiedPose Verify(const FrameObservation& frame, const Pose2& map_from_base) const;
   SearchableMap searchable() const { return {floor_repeats_, upright_index_ != nullptr}; }
   /// Largest descriptor distance at which two keypoints count as similar.
   float max_distance() const { return verifier_.max_distance(); }
@@ -57,7 +64,6 @@ class CandidateSearch {
   FrameMatches MatchAtHeadings(const FrameObservation& frame, const SearchScope& scope) const;
   std::vector<VerifiedPose> VerifyCandidates(const FrameObservation& frame, const SearchScope& scope,
                                              const FrameMatches& matches) const;
-  VerifiedPose Verify(const FrameObservation& frame, const Pose2& map_from_base) const;
   void CountOwnAngleInliers(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const;
   bool IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const;
   bool ContainsPose(const std::vector<VerifiedPose>& poses, const Pose2& pose) const;
@@ -73,6 +79,7 @@ class CandidateSearch {
   GuidedMatcher guided_;
   PoseVerifier verifier_;
   bool floor_repeats_;
+  std::optional<FloorLattice> lattice_;
   std::optional<PoseVerifier> own_angle_verifier_;  // of a self-similar map that has upright descriptors
 };
 

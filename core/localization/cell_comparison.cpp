@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace floorloc {
 namespace {
@@ -77,6 +78,16 @@ constexpr std::array<std::array<std::size_t, 3>, 3> kProduct{{{0, 1, 2}, {1, 3, 
 
 }  // namespace
 
+CellWarp MakeCellWarp(const FrameSamples& frame, const FramePlacement& placement, const RasterPatch& patch) {
+  const Eigen::Matrix<float, 14, 1> n =
+      (Eigen::Matrix<double, 14, 1>() << std::cos(placement.yaw_rad), std::sin(placement.yaw_rad),
+       frame.camera_center(), frame.center(), patch.PixelFromMap(placement.middle_in_map), 1.0 / patch.resolution_m,
+       placement.mounting)
+          .finished()
+          .cast<float>();
+  return {n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), n(11), n(12), n(13)};
+}
+
 float CellCorrelation::Correlation() const {
   const float variance_f = ff - f * f / n;
   const float variance_m = mm - m * m / n;
@@ -149,6 +160,14 @@ void AddCell(std::span<const FrameSamples::Sample> samples, const Eigen::Vector2
   AddTo(yy, &sums->slopes[2]);
   AddTo(pull_x, &sums->pulls[0]);
   AddTo(pull_y, &sums->pulls[1]);
+}
+
+void SampleMosaic(std::span<const FrameSamples::Sample> samples, const CellWarp& warp, const cv::Mat& gray,
+                  std::span<float> values) {
+  Surrounding around;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    values[i] = Look(gray, warp.At(samples[i]), &around) ? around.Value() : std::numeric_limits<float>::quiet_NaN();
+  }
 }
 
 CellCorrelation CorrelateCell(std::span<const FrameSamples::Sample> samples, const CellWarp& warp,

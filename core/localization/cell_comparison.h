@@ -38,6 +38,15 @@ struct CellWarp {
   }
 };
 
+/// Where a frame lies in a patch of the mosaic.
+struct FramePlacement {
+  double yaw_rad = 0.0;
+  Eigen::Vector2d middle_in_map = Eigen::Vector2d::Zero();  ///< of FrameSamples::center, metres
+  Eigen::Vector4d mounting = Eigen::Vector4d::Zero();       ///< MountingError: rotation, height share
+};
+
+CellWarp MakeCellWarp(const FrameSamples& frame, const FramePlacement& placement, const RasterPatch& patch);
+
 /// Sums over pixels of a cell that lie on surveyed floor: how well frame and mosaic correlate there.
 struct CellCorrelation {
   float n = 0.0F, f = 0.0F, m = 0.0F, ff = 0.0F, mm = 0.0F, fm = 0.0F;
@@ -75,6 +84,11 @@ struct CellSums : CellCorrelation {
 /// Adds samples of a cell, but for those beside floor that was not surveyed. center: of the cell.
 void AddCell(std::span<const FrameSamples::Sample> samples, const Eigen::Vector2f& center, const CellWarp& warp,
              const RasterPatch& patch, CellSums* sums);
+
+/// Grey levels of the mosaic under the samples, mean 0; not a number beyond the surveyed floor. gray:
+/// RasterPatch::gray.
+void SampleMosaic(std::span<const FrameSamples::Sample> samples, const CellWarp& warp, const cv::Mat& gray,
+                  std::span<float> values);
 
 /// Only how well they correlate, all of them. gray: RasterPatch::gray.
 CellCorrelation CorrelateCell(std::span<const FrameSamples::Sample> samples, const CellWarp& warp, const cv::Mat& gray);

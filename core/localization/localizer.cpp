@@ -80,6 +80,9 @@ struct Localizer::Impl {
     if (tiles) {
       raster.emplace(std::move(tiles), map.mosaic, ContrastOfMosaic(map.info.extractor), o.mosaic_memory_bytes);
     }
+    if (raster && search.lattice()) {
+      lattice.emplace(*raster, *search.lattice(), map.info.extent, options.lattice_comparison);
+    }
   }
 
   LocalizerOptions options;
@@ -87,6 +90,7 @@ struct Localizer::Impl {
   std::unique_ptr<FeatureExtractor> extractor;
   CandidateSearch search;
   std::optional<MosaicRaster> raster;
+  std::optional<LatticeComparer> lattice;
   FloorRecognizer recognizer;
 
   // Searches, decides and reports; adds its times to the result's. All poses are relative to the keypoints' origin.
@@ -96,15 +100,16 @@ struct Localizer::Impl {
     const FrameMatches matches = search.FindMatches(frame, scope);
     result->timing.match_ms += stage.LapMs();
     std::vector<VerifiedPose> poses = search.FindPoses(frame, scope, matches, global);
-    const PoseDecision decision = Decide(frame, &poses);
+    const PoseDecision decision = Decide(frame, scope, global, &poses);
     FillResult(frame, poses, decision, result);
     result->timing.register_ms += stage.LapMs();
   }
 
   // The best pose is aligned to the mosaic; so are its rivals when the keypoints alone do not decide or the view does
-  // not agree.
-  PoseDecision Decide(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const {
-    const PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
+  // not agree. On a lattice its other places are compared then.
+  PoseDecision Decide(const FrameObservation& frame, const SearchScope& scope, GlobalSearchCache* global,
+                      std::vector<VerifiedPose>* poses) const {
+    PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
     PoseDecision decision = DecidePose(*poses, evidence, options.registration, options.decision);
     if (!raster || decision.best < 0 || !IsComparable(frame.samples)) {
       return decision;
@@ -124,6 +129,17 @@ struct Localizer::Impl {
         Align(aligner, frame.samples, &pose);
       }
     });
+    decision = DecidePose(*poses, evidence, options.registration, options.decision);
+    if (!lattice || decision.best < 0 || decision.p_wrong <= options.decision.clear_p_wrong) {
+      return decision;
+    }
+    const LatticeComparison* places =
+        ComparePlaces(frame, scope, (*poses)[static_cast<std::size_t>(decision.best)], &global->places);
+    if (places == nullptr) {
+      return decision;
+    }
+    AddLikelyPlaces(frame, *places, poses);
+    evidence.lattice = places;
     return DecidePose(*poses, evidence, options.registration, options.decision);
   }
 
@@ -131,6 +147,55 @@ struct Localizer::Impl {
   // from survey frames, tell the pose better.
   bool IsComparable(const FrameSamples& samples) const {
     return raster->resolution_m() <= options.decision.max_mosaic_coarseness * samples.resolution_m();
+  }
+
+  // At every place of the lattice where the frame may be if it is at this pose or at another place like it; nullptr:
+  // too few can be compared. compared: of an earlier scope, used again where it has the pose.
+  const LatticeComparison* ComparePlaces(const FrameObservation& frame, const SearchScope& scope,
+                                         const VerifiedPose& pose, std::optional<LatticeComparison>* compared) const {
+    if (!Agrees(*pose.photo)) {
+      return nullptr;
+    }
+    const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
+    if (!*compared || (*compared)->Find(pose.photo->map_from_base) == nullptr) {
+      PhotometricFit fit = *pose.photo;
+      fit.map_from_base = map_from_origin * fit.map_from_base;
+      *compared = lattice->Compare(frame.samples, fit);
+      if (!*compared) {
+        return nullptr;
+      }
+      for (LatticePlace& place : (*compared)->places) {
+        place.map_from_base = map_from_origin.Inverse() * place.map_from_base;
+      }
+    }
+    for (LatticePlace& place : (*compared)->places) {
+      place.prior_weight = scope.Contains(place.map_from_base) ? 1.0 : options.search.prior_failure_rate;
+    }
+    (*compared)->prior_weight_elsewhere = scope.prior ? options.search.prior_failure_rate : 1.0;
+    return &**compared;
+  }
+
+  // Makes the likely places that the search did not find poses.
+  void AddLikelyPlaces(const FrameObservation& frame, const LatticeComparison& compared,
+                       std::vector<VerifiedPose>* poses) const {
+    const PhotometricAligner aligner(*raster, options.photometric);
+    const double least = compared.places.front().log_likelihood + std::log(options.registration.max_p_wrong);
+    for (const LatticePlace& place : compared.places) {
+      const bool known = std::any_of(poses->begin(), poses->end(), [&](const VerifiedPose& pose) {
+        return compared.Find(pose.candidate.target_from_source) == &place;
+      });
+      if (known || place.log_likelihood < least) {
+        continue;
+      }
+      if (static_cast<int>(poses->size()) >= options.lattice_comparison.max_poses) {
+        return;
+      }
+      VerifiedPose pose = search.Verify(frame, place.map_from_base);
+      Align(aligner, frame.samples, &pose);
+      pose.outside_prior = place.prior_weight < 1.0;
+      pose.prior_weight = place.prior_weight;
+      poses->push_back(std::move(pose));
+    }
   }
 
   void Align(const PhotometricAligner& aligner, const FrameSamples& samples, VerifiedPose* pose) const {

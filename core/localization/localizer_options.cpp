@@ -14,6 +14,8 @@ void LocalizerOptions::Check() const {
   RequireOption(systematic_lever_m > 0.0, "systematic_lever_m must be positive");
   search.Check();
   self_similarity.Check();
+  lattice.Check();
+  lattice_comparison.Check();
   registration.Check();
   verification.Check();
   photometric.Check();

@@ -4,6 +4,8 @@
 #include <cstddef>
 
 #include "core/geometry/readout.h"
+#include "core/localization/floor_lattice.h"
+#include "core/localization/lattice_comparison.h"
 #include "core/localization/partial_view.h"
 #include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
@@ -24,6 +26,8 @@ struct LocalizerOptions {
   float max_ratio_binary = 0.90F;  ///< ratio test, binary descriptors
   SearchOptions search;
   SelfSimilarityOptions self_similarity;
+  FloorLatticeOptions lattice;
+  LatticeComparisonOptions lattice_comparison;
   RegistrationOptions registration;
   VerificationOptions verification;
   PhotometricOptions photometric;

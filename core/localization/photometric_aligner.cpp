@@ -129,14 +129,9 @@ class Fit {
   }
 
   CellWarp MakeWarp(const RasterPatch& patch) const {
-    const double yaw = start_.yaw() + unknowns_(2);
-    const Eigen::Vector2d middle = patch.PixelFromMap(start_ * frame_.center() + unknowns_.head<2>());
-    const Eigen::Matrix<float, 14, 1> n =
-        (Eigen::Matrix<double, 14, 1>() << std::cos(yaw), std::sin(yaw), frame_.camera_center(), frame_.center(),
-         middle, 1.0 / patch.resolution_m, unknowns_.tail<4>())
-            .finished()
-            .cast<float>();
-    return {n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10), n(11), n(12), n(13)};
+    return MakeCellWarp(
+        frame_, {start_.yaw() + unknowns_(2), start_ * frame_.center() + unknowns_.head<2>(), unknowns_.tail<4>()},
+        patch);
   }
 
   // Of the cells with the mosaic under the present unknowns, by their sparse samples.

@@ -118,10 +118,24 @@ double OddsByView(const VerifiedPose& first, const VerifiedPose& second, const D
   return std::pow(10.0, evidence(*second.view) - evidence(*first.view));
 }
 
+// Where both poses are places of the lattice, all that discriminates them is in the pixels.
+std::optional<double> OddsByLattice(const VerifiedPose& first, const VerifiedPose& second,
+                                    const LatticeComparison* lattice) {
+  const LatticePlace* a = lattice == nullptr ? nullptr : lattice->Find(first.candidate.target_from_source);
+  const LatticePlace* b = lattice == nullptr ? nullptr : lattice->Find(second.candidate.target_from_source);
+  if (a == nullptr || b == nullptr) {
+    return std::nullopt;
+  }
+  return std::exp(b->log_likelihood - a->log_likelihood) * second.prior_weight / first.prior_weight;
+}
+
 // Odds that the second of two poses is right rather than the first. An inconclusive test does not weaken a conclusive
 // one; a contradicting one does.
 double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
                     const DecisionOptions& options) {
+  if (const std::optional<double> odds = OddsByLattice(first, second, evidence.lattice)) {
+    return *odds * OddsByView(first, second, options);
+  }
   const CommonFloor common(first, second, evidence.cell_of_keypoint);
   std::vector<double> leads{LeadByKeypoints(first, second, common, evidence.max_distance),
                             LeadByVotes(first, second, common)};
@@ -149,6 +163,9 @@ double Log10ChanceOfPhoto(const PhotometricFit& photo, const DecisionOptions& op
 // log10 of the probability of such a pose by chance: the weaker of the evidence of all keypoints and the distinctive
 // evidence.
 double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const DecisionOptions& options) {
+  if (evidence.lattice != nullptr && evidence.lattice->Find(pose.candidate.target_from_source) != nullptr) {
+    return pose.candidate.log10_nfa;  // of the pose but for the place, of which the comparison of places tells
+  }
   double distinctive = pose.support_log10_nfa;
   if (pose.photo && !evidence.floor_repeats) {
     distinctive = std::min(distinctive, Log10ChanceOfPhoto(*pose.photo, options));
@@ -165,6 +182,23 @@ double ChanceOfMissingTheRightPose(const VerifiedPose& pose, const DecisionOptio
   const double expected = options.distinctive_share * inliers;
   const double at_most_two = std::exp(-expected) * (1.0 + expected + 0.5 * expected * expected);
   return options.look_alike_taken * at_most_two;
+}
+
+// On a lattice: odds of the places that are not among the poses, against that of the best.
+double ChanceOfOtherPlaces(const LatticePlace& best, const std::vector<VerifiedPose>& poses,
+                           const LatticeComparison& lattice) {
+  std::vector<const LatticePlace*> among;
+  for (const VerifiedPose& pose : poses) {
+    among.push_back(lattice.Find(pose.candidate.target_from_source));
+  }
+  double odds =
+      lattice.not_compared * lattice.prior_weight_elsewhere / best.prior_weight * std::exp(-best.log_likelihood);
+  for (const LatticePlace& place : lattice.places) {
+    if (std::find(among.begin(), among.end(), &place) == among.end()) {
+      odds += place.prior_weight / best.prior_weight * std::exp(place.log_likelihood - best.log_likelihood);
+    }
+  }
+  return std::min(1.0, odds);
 }
 
 // odds[i][k]: odds of pose k against pose i.
@@ -222,7 +256,10 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
   contest.p_chance = std::min(1.0, std::pow(10.0, Log10Chance(best, evidence, options)));
   contest.p_local = best.view ? best.view->LocalProbability() : 0.0;
   if (evidence.floor_repeats) {
-    contest.p_missed = ChanceOfMissingTheRightPose(best, options);
+    const LatticePlace* place =
+        evidence.lattice == nullptr ? nullptr : evidence.lattice->Find(best.candidate.target_from_source);
+    contest.p_missed = place == nullptr ? ChanceOfMissingTheRightPose(best, options)
+                                        : ChanceOfOtherPlaces(*place, poses, *evidence.lattice);
   }
   return ChoosePose(contest, registration);
 }

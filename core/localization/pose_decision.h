@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/localization/lattice_comparison.h"
 #include "core/localization/pose_verifier.h"
 #include "core/registration/pose_choice.h"
 #include "core/registration/registration.h"
@@ -46,6 +47,8 @@ struct PoseEvidence {
   float max_distance = 0.0F;          ///< at which descriptors still count as similar
   std::vector<int> cell_of_keypoint;  ///< cell of the frame in which a keypoint of the frame lies; -1: none
   bool floor_repeats = false;         ///< the floor is self-similar
+  /// The frame at every place of the floor's lattice, where that was compared; poses as those to decide among.
+  const LatticeComparison* lattice = nullptr;
 };
 
 /// Chooses the pose of a frame. It must be significant by all its keypoints and by the distinctive matches that support

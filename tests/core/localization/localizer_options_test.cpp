@@ -32,6 +32,23 @@ std::vector<BadValue> BadSearchValues() {
           {"min_duplicate_share", [](auto* o) { o->self_similarity.min_duplicate_share = 0.0; }}};
 }
 
+std::vector<BadValue> BadLatticeValues() {
+  return {{"copies", [](auto* o) { o->lattice.copies = 0; }},
+          {"max_angle_rad", [](auto* o) { o->lattice.max_angle_rad = kNan; }},
+          {"max_period_m", [](auto* o) { o->lattice.max_period_m = 0.01; }},
+          {"bin_m", [](auto* o) { o->lattice.bin_m = 0.0; }},
+          {"reach_m", [](auto* o) { o->lattice.reach_m = 1.0; }},
+          {"min_peak_share", [](auto* o) { o->lattice.min_peak_share = 1.5; }},
+          {"tolerance_m", [](auto* o) { o->lattice.tolerance_m = 0.0; }},
+          {"min_share", [](auto* o) { o->lattice.min_share = 0.0; }},
+          {"max_places", [](auto* o) { o->lattice_comparison.max_places = 5; }},
+          {"max_poses", [](auto* o) { o->lattice_comparison.max_poses = 0; }},
+          {"min_known_share", [](auto* o) { o->lattice_comparison.min_known_share = 0.0; }},
+          {"min_places", [](auto* o) { o->lattice_comparison.min_places = 1; }},
+          {"temper", [](auto* o) { o->lattice_comparison.temper = 2.0; }},
+          {"max_sigma", [](auto* o) { o->lattice_comparison.max_sigma = kNan; }}};
+}
+
 std::vector<BadValue> BadVerificationValues() {
   return {{"search_radii", [](auto* o) { o->verification.search_radii = 0.5; }},
           {"yaw_radius_rad", [](auto* o) { o->verification.yaw_radius_rad = kNan; }},
@@ -65,7 +82,7 @@ std::vector<BadValue> BadDecisionValues() {
 TEST(LocalizerOptionsTest, TheDefaultsAreValid) { EXPECT_NO_THROW(LocalizerOptions().Check()); }
 
 TEST(LocalizerOptionsTest, ABadValueIsNamed) {
-  for (const auto& values : {BadSearchValues(), BadVerificationValues(), BadDecisionValues()}) {
+  for (const auto& values : {BadSearchValues(), BadLatticeValues(), BadVerificationValues(), BadDecisionValues()}) {
     for (const BadValue& bad : values) {
       LocalizerOptions options;
       bad.set(&options);

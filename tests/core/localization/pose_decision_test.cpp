@@ -81,14 +81,28 @@ class PoseDecisionTest : public ::testing::Test {
     }
   }
   static PoseDecision Decide(const std::vector<VerifiedPose>& poses, bool floor_repeats = true) {
-    PoseEvidence evidence{kMaxDistance, {}, floor_repeats};
+    return Decide(poses, PoseEvidence{kMaxDistance, {}, floor_repeats});
+  }
+  static PoseDecision DecideOnLattice(const std::vector<VerifiedPose>& poses, const LatticeComparison& lattice) {
+    return Decide(poses, PoseEvidence{kMaxDistance, {}, true, &lattice});
+  }
+  // Of equal likelihood, at different x.
+  static LatticeComparison PlacesAt(const std::vector<double>& x) {
+    LatticeComparison lattice;
+    lattice.tolerance_m = 0.1;
+    for (const double each : x) {
+      lattice.places.push_back({Eigen::Vector2i::Zero(), Pose2(each, 0.0, 0.0)});
+    }
+    return lattice;
+  }
+
+ private:
+  static PoseDecision Decide(const std::vector<VerifiedPose>& poses, PoseEvidence evidence) {
     for (int i = 0; i < kKeypoints; ++i) {
       evidence.cell_of_keypoint.push_back(i / 2);
     }
     return DecidePose(poses, evidence, RegistrationOptions(), DecisionOptions());
   }
-
- private:
   float Uniform(float low, float high) { return std::uniform_real_distribution<float>(low, high)(rng_); }
   std::mt19937 rng_{13};
 };
@@ -297,6 +311,50 @@ TEST_F(PoseDecisionTest, OnARepetitiveFloorFewOwnAngleInliersMayBeAliased) {
   EXPECT_NE(decision.status, RegistrationStatus::kRegistered);
   EXPECT_GT(decision.p_wrong, 1e-4);
   ExpectAccepted(Decide({pose}, false), 0);
+}
+
+// All places of the lattice were compared: no other was missed, and what the pixels say of them decides.
+TEST_F(PoseDecisionTest, OnALatticeThePlacesDecide) {
+  VerifiedPose right = WithoutVotes(MakePose(0.0));
+  right.own_angle_inliers = 30;
+  VerifiedPose other = MakePose(1.0);
+  LatticeComparison lattice = PlacesAt({0.0, 1.0, 2.0});
+  EXPECT_NE(DecideOnLattice({right, other}, lattice).status, RegistrationStatus::kRegistered);
+  lattice.places[0].log_likelihood = 30.0;
+  ExpectAccepted(DecideOnLattice({other, right}, lattice), 1);
+  lattice.places[1].log_likelihood = 27.0;
+  ExpectAmbiguous(DecideOnLattice({right, other}, lattice), 2);
+}
+
+TEST_F(PoseDecisionTest, ALikelyPlaceThatIsNoPoseMakesTheBestAmbiguous) {
+  const VerifiedPose pose = MakePose(0.0);
+  LatticeComparison lattice = PlacesAt({0.0, 1.0});
+  lattice.places[0].log_likelihood = 30.0;
+  ExpectAccepted(DecideOnLattice({pose}, lattice), 0);
+  lattice.places[1].log_likelihood = 25.0;
+  EXPECT_EQ(DecideOnLattice({pose}, lattice).status, RegistrationStatus::kAmbiguous);
+  lattice.places[1].prior_weight = 1e-4;  // outside the prior
+  ExpectAccepted(DecideOnLattice({pose}, lattice), 0);
+}
+
+TEST_F(PoseDecisionTest, PlacesThatWereNotComparedCount) {
+  const VerifiedPose pose = MakePose(0.0);
+  LatticeComparison lattice = PlacesAt({0.0, 1.0});
+  lattice.places[0].log_likelihood = 12.0;
+  ExpectAccepted(DecideOnLattice({pose}, lattice), 0);
+  lattice.not_compared = 1000.0;
+  EXPECT_EQ(DecideOnLattice({pose}, lattice).status, RegistrationStatus::kAmbiguous);
+  lattice.prior_weight_elsewhere = 1e-4;
+  ExpectAccepted(DecideOnLattice({pose}, lattice), 0);
+}
+
+TEST_F(PoseDecisionTest, APoseOffTheLatticeIsDecidedAsWithoutOne) {
+  VerifiedPose pose = MakePose(0.5);
+  LatticeComparison lattice = PlacesAt({0.0, 1.0});
+  lattice.places[0].log_likelihood = 30.0;
+  ExpectAccepted(DecideOnLattice({pose}, lattice), 0);
+  pose.own_angle_inliers = 30;
+  EXPECT_NE(DecideOnLattice({pose}, lattice).status, RegistrationStatus::kRegistered);
 }
 
 TEST_F(PoseDecisionTest, FloorOutsideTheMapIsExcluded) {

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/localization/cell_comparison.h"
+#include "core/localization/photometric_aligner.h"
+#include "core/map/mosaic_raster.h"
+
+namespace floorloc {
+
+/// A frame moved to where it agrees best with the mosaic near a place that is some millimetres off, as the tiles of a
+/// floor are off their lattice; heading and mounting stay. Gauss-Newton in two unknowns, first with a blurred mosaic.
+class FrameAtPlace {
+ public:
+  /// Pixels of the sparse samples that a cell must have on surveyed floor.
+  static constexpr int kMinCellSamples = 16;
+
+  /// Refers to the frame, which must outlive it. start: near the place.
+  FrameAtPlace(const MosaicRaster& raster, const FrameSamples& frame, const FramePlacement& start);
+
+  const FramePlacement& placement() const { return placement_; }
+  /// Grey levels of the mosaic under all samples of the frame, cell by cell, mean 0; not a number: not surveyed.
+  std::vector<float> Mosaic() const { return Sample(placement_); }
+  /// Their slopes along the frame's axes, grey levels per pixel of the mosaic.
+  std::vector<Eigen::Vector2f> Slopes() const;
+
+ private:
+  void Step(const RasterPatch& patch);
+  std::vector<float> Shifted(const Eigen::Vector2d& shift_px) const;
+  std::vector<float> Sample(const FramePlacement& placement) const;
+
+  const FrameSamples& frame_;
+  FramePlacement placement_;
+  RasterPatch sharp_;
+};
+
+}  // namespace floorloc
