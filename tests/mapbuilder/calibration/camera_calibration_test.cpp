@@ -68,13 +68,13 @@ CameraModel Rational() {
 TEST(CalibrateCamera, RecoversAPlumbBobLens) {
   const CameraModel truth = MakeBoardCamera();
   const CameraCalibration found = Calibrate(truth, DistortionModel::kPlumbBob);
-  EXPECT_NEAR(found.camera.fx, truth.fx, 0.4);
-  EXPECT_NEAR(found.camera.fy, truth.fy, 0.4);
+  EXPECT_NEAR(found.camera.fx, truth.fx, 0.8);
+  EXPECT_NEAR(found.camera.fy, truth.fy, 0.8);
   EXPECT_NEAR(found.camera.cx, truth.cx, 0.5);
   EXPECT_NEAR(found.camera.cy, truth.cy, 0.5);
   EXPECT_NEAR(found.camera.distortion[0], truth.distortion[0], 0.01);
   EXPECT_EQ(found.camera.distortion.size(), 5u);
-  EXPECT_LT(WorstDisagreementPx(truth, found.camera), 0.5);
+  EXPECT_LT(WorstDisagreementPx(truth, found.camera), 1.0);
   EXPECT_NEAR(found.rms_px, kNoisePx * std::sqrt(2.0), 0.01);
 }
 

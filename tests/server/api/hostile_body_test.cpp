@@ -59,7 +59,14 @@ TEST_F(HostileBodyTest, PartsAreReadAsDotNetSendsThem) {
 }
 
 // Of a request, and of this client's own copies of it. The address sanitizer keeps for a while what was freed.
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__)  // GCC
+#define FLOORLOC_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)  // clang
+#define FLOORLOC_ADDRESS_SANITIZER
+#endif
+#endif
+#ifdef FLOORLOC_ADDRESS_SANITIZER
 constexpr std::size_t kMostBytes = std::size_t{160} << 20;
 #else
 constexpr std::size_t kMostBytes = std::size_t{64} << 20;
