@@ -55,12 +55,14 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
       verifier_(map, guided_, options.registration, options.verification,
                 upright_index_ == nullptr ? VerifiedBy::kOwnAngles : VerifiedBy::kUpright),
       floor_repeats_(IsSelfSimilar(map.keypoints, *index_, options.self_similarity, options.registration.seed)) {
-  if (floor_repeats_) {
-    lattice_ = FindFloorLattice(map.keypoints, *index_, options.lattice, options.registration.seed);
-  }
   if (floor_repeats_ && upright_index_ != nullptr) {
     own_angle_verifier_.emplace(map, guided_, options.registration, options.verification, VerifiedBy::kOwnAngles);
   }
+}
+
+std::optional<FloorLattice> CandidateSearch::FindLattice() const {
+  return floor_repeats_ ? FindFloorLattice(map_.keypoints, *index_, options_.lattice, options_.registration.seed)
+                        : std::nullopt;
 }
 
 FrameMatches CandidateSearch::FindMatches(const FrameObservation& frame, const SearchScope& scope) const {

@@ -52,8 +52,8 @@ class CandidateSearch {
                                       const FrameMatches& matches, GlobalSearchCache* global) const;
 
   bool floor_repeats() const { return floor_repeats_; }
-  /// Of a self-similar floor that has one.
-  const std::optional<FloorLattice>& lattice() const { return lattice_; }
+  /// The lattice of a self-similar floor that has one.
+  std::optional<FloorLattice> FindLattice() const;
   /// Matches all keypoints where a pose predicts them.
   VerifiedPose Verify(const FrameObservation& frame, const Pose2& map_from_base) const;
   SearchableMap searchable() const { return {floor_repeats_, upright_index_ != nullptr}; }
@@ -79,7 +79,6 @@ class CandidateSearch {
   GuidedMatcher guided_;
   PoseVerifier verifier_;
   bool floor_repeats_;
-  std::optional<FloorLattice> lattice_;
   std::optional<PoseVerifier> own_angle_verifier_;  // of a self-similar map that has upright descriptors
 };
 

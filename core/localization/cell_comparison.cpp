@@ -89,9 +89,9 @@ CellWarp MakeCellWarp(const FrameSamples& frame, const FramePlacement& placement
 }
 
 float CellCorrelation::Correlation() const {
-  const float variance_f = ff - f * f / n;
-  const float variance_m = mm - m * m / n;
-  return variance_f > 0.0F && variance_m > 0.0F ? (fm - f * m / n) / std::sqrt(variance_f * variance_m) : 0.0F;
+  const float variance_f = VarianceOfFrame();
+  const float variance_m = VarianceOfMosaic();
+  return variance_f > 0.0F && variance_m > 0.0F ? Covariance() / std::sqrt(variance_f * variance_m) : 0.0F;
 }
 
 void CellCorrelation::AddCounts(const CellCorrelation& other) {

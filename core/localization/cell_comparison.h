@@ -38,7 +38,7 @@ struct CellWarp {
   }
 };
 
-/// Where a frame lies in a patch of the mosaic.
+/// Where a frame lies in the map.
 struct FramePlacement {
   double yaw_rad = 0.0;
   Eigen::Vector2d middle_in_map = Eigen::Vector2d::Zero();  ///< of FrameSamples::center, metres
@@ -60,6 +60,9 @@ struct CellCorrelation {
     fm += frame * mosaic;
   }
   void AddCounts(const CellCorrelation& other);
+  float VarianceOfFrame() const { return ff - f * f / n; }  ///< times n, as the next two
+  float VarianceOfMosaic() const { return mm - m * m / n; }
+  float Covariance() const { return fm - f * m / n; }
   float Correlation() const;
 };
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/floor_lattice.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <utility>
 
 #include "core/geometry/option_check.h"
 #include "core/geometry/pose2.h"
+#include "core/localization/self_similarity.h"
 
 namespace floorloc {
 namespace {
@@ -18,19 +18,11 @@ using Translations = std::vector<Eigen::Vector2d>;
 // Between keypoints with like descriptors and angles, metres.
 Translations FindTranslations(const MapKeypoints& map, const DescriptorIndex& index, const FloorLatticeOptions& options,
                               std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::vector<std::size_t> sampled;
-  cv::Mat descriptors;
-  for (int i = 0; i < options.sample; ++i) {
-    sampled.push_back(random() % map.size());
-    descriptors.push_back(map.descriptors.row(static_cast<int>(sampled.back())));
-  }
-  const auto max_distance = static_cast<float>(options.max_bit_share * 8.0 * map.descriptors.cols);
-  const auto found = index.Search(descriptors, {.count = options.copies, .max_distance = max_distance});
   Translations translations;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const Keypoint& from = map.keypoints[sampled[i]];
-    for (const Neighbour& neighbour : found[i]) {
+  for (const SimilarKeypoints& one :
+       FindSimilarKeypoints(map, index, {options.sample, options.copies, options.max_bit_share, seed})) {
+    const Keypoint& from = map.keypoints[one.keypoint];
+    for (const Neighbour& neighbour : one.similar) {
       const Keypoint& to = map.keypoints[static_cast<std::size_t>(neighbour.index)];
       const Eigen::Vector2d moved = to.Position() - from.Position();
       if (moved.norm() >= options.min_period_m && moved.norm() <= options.reach_m &&

@@ -12,8 +12,9 @@ constexpr double kMarginPx = 8.0;  // by which a place may be off, and more
 
 }  // namespace
 
-FrameAtPlace::FrameAtPlace(const MosaicRaster& raster, const FrameSamples& frame, const FramePlacement& start)
-    : frame_(frame), placement_(start) {
+FrameAtPlace::FrameAtPlace(const MosaicRaster& raster, const FrameSamples& frame, const FramePlacement& start,
+                           int min_cell_samples)
+    : frame_(frame), min_cell_samples_(min_cell_samples), placement_(start) {
   const Eigen::Vector2d& middle = start.middle_in_map;
   const double reach = frame.radius_m() + kMarginPx * raster.resolution_m();
   const RectM rect{middle.x() - reach, middle.x() + reach, middle.y() - reach, middle.y() + reach};
@@ -63,7 +64,7 @@ void FrameAtPlace::Step(const RasterPatch& patch) {
     CellSums sums;
     AddCell(frame_.sparse_cell(c), frame_.cell_center(c).cast<float>(), warp, patch, &sums);
     const double correlation = static_cast<double>(sums.Correlation());
-    if (sums.n >= static_cast<float>(kMinCellSamples) && correlation > 0.0) {
+    if (sums.n >= static_cast<float>(min_cell_samples_) && correlation > 0.0) {
       covariance += correlation * static_cast<double>(sums.fm);
       variance += correlation * static_cast<double>(sums.mm);
       weighted.emplace_back(correlation, sums);

@@ -14,11 +14,10 @@ namespace floorloc {
 /// floor are off their lattice; heading and mounting stay. Gauss-Newton in two unknowns, first with a blurred mosaic.
 class FrameAtPlace {
  public:
-  /// Pixels of the sparse samples that a cell must have on surveyed floor.
-  static constexpr int kMinCellSamples = 16;
-
-  /// Refers to the frame, which must outlive it. start: near the place.
-  FrameAtPlace(const MosaicRaster& raster, const FrameSamples& frame, const FramePlacement& start);
+  /// Refers to the frame, which must outlive it. start: near the place. min_cell_samples:
+  /// PhotometricOptions::min_cell_samples.
+  FrameAtPlace(const MosaicRaster& raster, const FrameSamples& frame, const FramePlacement& start,
+               int min_cell_samples);
 
   const FramePlacement& placement() const { return placement_; }
   /// Grey levels of the mosaic under all samples of the frame, cell by cell, mean 0; not a number: not surveyed.
@@ -32,6 +31,7 @@ class FrameAtPlace {
   std::vector<float> Sample(const FramePlacement& placement) const;
 
   const FrameSamples& frame_;
+  int min_cell_samples_;
   FramePlacement placement_;
   RasterPatch sharp_;
 };

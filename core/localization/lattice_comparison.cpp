@@ -70,7 +70,7 @@ struct Rest {
 };
 
 // A sample of a cell that does not agree with the floor (another object, a reflection) says little.
-Rest RestOf(const FrameSamples& frame, const std::vector<float>& mean, double max_sigma) {
+Rest RestOf(const FrameSamples& frame, const std::vector<float>& mean, int min_samples, double max_sigma) {
   Rest rest{std::vector<float>(mean.size(), 0.0F), std::vector<float>(mean.size(), 0.0F)};
   const auto limit = static_cast<float>(max_sigma);
   std::size_t start = 0;
@@ -82,11 +82,10 @@ Rest RestOf(const FrameSamples& frame, const std::vector<float>& mean, double ma
         sums.Add(samples[i].value, mean[start + i]);
       }
     }
-    const float variance = sums.mm - sums.m * sums.m / sums.n;
-    const float gain = (sums.fm - sums.f * sums.m / sums.n) / variance;
-    if (sums.n >= static_cast<float>(FrameSamples::kSparseShare * FrameAtPlace::kMinCellSamples) && variance > 0.0F &&
-        gain > 0.0F) {
-      const float unexplained = (sums.ff - sums.f * sums.f / sums.n - gain * gain * variance) / sums.n;
+    const float variance = sums.VarianceOfMosaic();
+    const float gain = sums.Covariance() / variance;
+    if (sums.n >= static_cast<float>(min_samples) && variance > 0.0F && gain > 0.0F) {
+      const float unexplained = (sums.VarianceOfFrame() - gain * gain * variance) / sums.n;
       const float sigma = std::sqrt(std::max(unexplained, 1.0F));
       for (std::size_t i = 0; i < samples.size(); ++i) {
         const float m = mean[start + i];
@@ -233,7 +232,8 @@ std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& fr
   std::vector<PlaceView> views;
   std::vector<Distortion> distortions;
   for (const Eigen::Vector2i& multiples : PlacesAround(fit.map_from_base * frame.center())) {
-    const FrameAtPlace place(raster_, frame, PlacementOf(frame, fit, lattice_.basis * multiples.cast<double>()));
+    const FrameAtPlace place(raster_, frame, PlacementOf(frame, fit, lattice_.basis * multiples.cast<double>()),
+                             min_cell_samples_);
     PlaceView view = ViewOf(place, frame, fit);
     if (view.known_share >= options_.min_known_share) {
       view.multiples = multiples;
@@ -247,7 +247,7 @@ std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& fr
     return std::nullopt;
   }
   std::vector<float> mean = MeanMosaic(views, options_.min_places);
-  Rest rest = RestOf(frame, mean, options_.max_sigma);
+  Rest rest = RestOf(frame, mean, FrameSamples::kSparseShare * min_cell_samples_, options_.max_sigma);
   const PlaceScorer scorer(std::move(mean), std::move(rest), std::move(distortions));
   LatticeComparison comparison;
   const double on_map = extent_.width_m() * extent_.height_m() / CellArea();

@@ -55,10 +55,14 @@ struct LatticeComparison {
 /// likelihood of place k is exp(max(0, s_k / sigma)^2 / 2). If the right place is not among them, none stands out.
 class LatticeComparer {
  public:
-  /// Refers to the raster, which must outlive it.
+  /// Refers to the raster, which must outlive it. min_cell_samples: PhotometricOptions::min_cell_samples.
   LatticeComparer(const MosaicRaster& raster, const FloorLattice& lattice, const RectM& map_extent,
-                  const LatticeComparisonOptions& options)
-      : raster_(raster), lattice_(lattice), extent_(map_extent), options_(options) {}
+                  const LatticeComparisonOptions& options, int min_cell_samples)
+      : raster_(raster),
+        lattice_(lattice),
+        extent_(map_extent),
+        options_(options),
+        min_cell_samples_(min_cell_samples) {}
 
   /// fit: of the frame, at one of the places, map frame. Nothing when too few places can be compared.
   std::optional<LatticeComparison> Compare(const FrameSamples& frame, const PhotometricFit& fit) const;
@@ -71,6 +75,7 @@ class LatticeComparer {
   FloorLattice lattice_;
   RectM extent_;
   LatticeComparisonOptions options_;
+  int min_cell_samples_;
 };
 
 }  // namespace floorloc

@@ -79,9 +79,10 @@ struct Localizer::Impl {
         recognizer(FloorsOf(map.info), options.floor) {
     if (tiles) {
       raster.emplace(std::move(tiles), map.mosaic, ContrastOfMosaic(map.info.extractor), o.mosaic_memory_bytes);
-    }
-    if (raster && search.lattice()) {
-      lattice.emplace(*raster, *search.lattice(), map.info.extent, options.lattice_comparison);
+      if (const std::optional<FloorLattice> found = search.FindLattice()) {
+        lattice.emplace(*raster, *found, map.info.extent, options.lattice_comparison,
+                        options.photometric.min_cell_samples);
+      }
     }
   }
 

@@ -152,9 +152,9 @@ class Fit {
     double variance_m = 0.0;
     for (const CellCorrelation& cell : CorrelateCells(blur_level)) {
       if (cell.n >= static_cast<float>(options_.min_cell_samples)) {
-        covariance += static_cast<double>(cell.fm - cell.f * cell.m / cell.n);
-        variance_f += static_cast<double>(cell.ff - cell.f * cell.f / cell.n);
-        variance_m += static_cast<double>(cell.mm - cell.m * cell.m / cell.n);
+        covariance += static_cast<double>(cell.Covariance());
+        variance_f += static_cast<double>(cell.VarianceOfFrame());
+        variance_m += static_cast<double>(cell.VarianceOfMosaic());
       }
     }
     return variance_f > 0.0 && variance_m > 0.0 ? covariance / std::sqrt(variance_f * variance_m) : 0.0;

@@ -118,23 +118,20 @@ double OddsByView(const VerifiedPose& first, const VerifiedPose& second, const D
   return std::pow(10.0, evidence(*second.view) - evidence(*first.view));
 }
 
-// Where both poses are places of the lattice, all that discriminates them is in the pixels.
-std::optional<double> OddsByLattice(const VerifiedPose& first, const VerifiedPose& second,
-                                    const LatticeComparison* lattice) {
-  const LatticePlace* a = lattice == nullptr ? nullptr : lattice->Find(first.candidate.target_from_source);
-  const LatticePlace* b = lattice == nullptr ? nullptr : lattice->Find(second.candidate.target_from_source);
-  if (a == nullptr || b == nullptr) {
-    return std::nullopt;
-  }
-  return std::exp(b->log_likelihood - a->log_likelihood) * second.prior_weight / first.prior_weight;
+// The place of the lattice where a pose is; nullptr: at none, or places were not compared.
+const LatticePlace* PlaceOf(const VerifiedPose& pose, const PoseEvidence& evidence) {
+  return evidence.lattice == nullptr ? nullptr : evidence.lattice->Find(pose.candidate.target_from_source);
 }
 
 // Odds that the second of two poses is right rather than the first. An inconclusive test does not weaken a conclusive
 // one; a contradicting one does.
 double OddsOfSecond(const VerifiedPose& first, const VerifiedPose& second, const PoseEvidence& evidence,
                     const DecisionOptions& options) {
-  if (const std::optional<double> odds = OddsByLattice(first, second, evidence.lattice)) {
-    return *odds * OddsByView(first, second, options);
+  const LatticePlace* first_place = PlaceOf(first, evidence);
+  const LatticePlace* second_place = PlaceOf(second, evidence);
+  if (first_place != nullptr && second_place != nullptr) {  // what discriminates them is in the pixels
+    return std::exp(second_place->log_likelihood - first_place->log_likelihood) * second.prior_weight /
+           first.prior_weight * OddsByView(first, second, options);
   }
   const CommonFloor common(first, second, evidence.cell_of_keypoint);
   std::vector<double> leads{LeadByKeypoints(first, second, common, evidence.max_distance),
@@ -163,7 +160,7 @@ double Log10ChanceOfPhoto(const PhotometricFit& photo, const DecisionOptions& op
 // log10 of the probability of such a pose by chance: the weaker of the evidence of all keypoints and the distinctive
 // evidence.
 double Log10Chance(const VerifiedPose& pose, const PoseEvidence& evidence, const DecisionOptions& options) {
-  if (evidence.lattice != nullptr && evidence.lattice->Find(pose.candidate.target_from_source) != nullptr) {
+  if (PlaceOf(pose, evidence) != nullptr) {
     return pose.candidate.log10_nfa;  // of the pose but for the place, of which the comparison of places tells
   }
   double distinctive = pose.support_log10_nfa;
@@ -256,8 +253,7 @@ PoseDecision DecidePose(const std::vector<VerifiedPose>& poses, const PoseEviden
   contest.p_chance = std::min(1.0, std::pow(10.0, Log10Chance(best, evidence, options)));
   contest.p_local = best.view ? best.view->LocalProbability() : 0.0;
   if (evidence.floor_repeats) {
-    const LatticePlace* place =
-        evidence.lattice == nullptr ? nullptr : evidence.lattice->Find(best.candidate.target_from_source);
+    const LatticePlace* place = PlaceOf(best, evidence);
     contest.p_missed = place == nullptr ? ChanceOfMissingTheRightPose(best, options)
                                         : ChanceOfOtherPlaces(*place, poses, *evidence.lattice);
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/map/floor_map.h"
 #include "core/vision/matching/descriptor_index.h"
@@ -21,6 +23,24 @@ struct SelfSimilarityOptions {
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
 };
+
+/// A keypoint of a map and those whose descriptors are like its own, itself among them.
+struct SimilarKeypoints {
+  std::size_t keypoint = 0;
+  std::vector<Neighbour> similar;
+};
+
+/// A search for similar keypoints.
+struct SimilaritySearch {
+  int sample = 0;              ///< keypoints, taken at random
+  int count = 0;               ///< nearest descriptors of each
+  double max_bit_share = 0.0;  ///< largest share of bits in which they differ
+  std::uint32_t seed = 0;
+};
+
+/// The map must have keypoints and binary descriptors.
+std::vector<SimilarKeypoints> FindSimilarKeypoints(const MapKeypoints& map, const DescriptorIndex& index,
+                                                   const SimilaritySearch& search);
 
 /// True when the floor repeats itself, as tiles do: more than min_duplicate_share of a sample of its keypoints have a
 /// duplicate, a keypoint at another place whose descriptor is as near as another view of the same point. False for

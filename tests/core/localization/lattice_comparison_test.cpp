@@ -14,6 +14,7 @@ namespace {
 constexpr double kResolutionM = 0.0007;
 constexpr double kTileM = 0.3;
 constexpr double kSideM = 2.1;
+const int kMinCellSamples = PhotometricOptions().min_cell_samples;
 
 FloorTexture Tiles() {
   FloorTextureOptions options = SyntheticFloor().SurveyOptions({}).floor;
@@ -65,7 +66,7 @@ class LatticeComparisonTest : public ::testing::Test {
     const Eigen::Vector2d moved = kTileM * multiples.cast<double>();
     const Pose2 start(truth.x() + moved.x(), truth.y() + moved.y(), truth.yaw());
     const PhotometricFit fit = PhotometricAligner(raster_).Align(frame, start);
-    return LatticeComparer(raster_, lattice, {0.0, kSideM, 0.0, kSideM}, options).Compare(frame, fit);
+    return LatticeComparer(raster_, lattice, {0.0, kSideM, 0.0, kSideM}, options, kMinCellSamples).Compare(frame, fit);
   }
   static RenderConditions Noisy() {
     RenderConditions conditions;
@@ -112,7 +113,7 @@ TEST_F(LatticeComparisonTest, NoneStandsOutIfTheRightPlaceIsNotCompared) {
   const Pose2 elsewhere(truth.x() + 3.0 * kTileM, truth.y() + 3.0 * kTileM, truth.yaw());
   const PhotometricFit fit = PhotometricAligner(raster_).Align(frame, elsewhere);
   const std::optional<LatticeComparison> compared =
-      LatticeComparer(raster_, lattice, {0.7, kSideM, 0.7, kSideM}, {}).Compare(frame, fit);
+      LatticeComparer(raster_, lattice, {0.7, kSideM, 0.7, kSideM}, {}, kMinCellSamples).Compare(frame, fit);
   ASSERT_TRUE(compared);
   EXPECT_LT(compared->places.front().sigma, 4.0);
 }
