@@ -5,8 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/lattice/self_similarity.h"
 #include "core/localization/oriented_matches.h"
-#include "core/localization/self_similarity.h"
 #include "core/registration/least_squares.h"
 
 namespace floorloc {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/localization/floor_lattice.h"
+#include "core/lattice/floor_lattice.h"
+#include "core/lattice/lattice_comparison.h"
 #include "core/localization/frame_observation.h"
-#include "core/localization/lattice_comparison.h"
 #include "core/localization/localizer_options.h"
 #include "core/localization/pose_verifier.h"
 #include "core/localization/search_scope.h"

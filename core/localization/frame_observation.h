@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/geometry/floor_plane.h"
-#include "core/localization/photometric_aligner.h"
+#include "core/photometry/photometric_aligner.h"
 #include "core/vision/extractors/upright_image.h"
 #include "core/vision/features/features.h"
 #include "core/vision/image/ground_image.h"

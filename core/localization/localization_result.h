@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "core/localization/camera_errors.h"
 #include "core/localization/readout_fit.h"
+#include "core/photometry/camera_errors.h"
 #include "core/registration/registration.h"
 
 namespace floorloc {

@@ -7,10 +7,10 @@
 
 #include "core/geometry/twist.h"
 #include "core/localization/candidate_search.h"
-#include "core/localization/photometric_aligner.h"
 #include "core/localization/pose_decision.h"
 #include "core/localization/search_scope.h"
 #include "core/localization/stopwatch.h"
+#include "core/photometry/photometric_aligner.h"
 #include "core/registration/least_squares.h"
 #include "core/registration/systematic_covariance.h"
 #include "core/surface/texture/floor_recognizer.h"

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/geometry/option_check.h"
-#include "core/localization/photometric_aligner.h"
+#include "core/photometry/photometric_aligner.h"
 
 namespace floorloc {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/localization/lattice_comparison.h"
+#include "core/lattice/lattice_comparison.h"
 #include "core/localization/pose_verifier.h"
 #include "core/registration/pose_choice.h"
 #include "core/registration/registration.h"

@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "core/localization/photometric_aligner.h"
-#include "core/localization/view_support.h"
 #include "core/map/floor_map.h"
+#include "core/photometry/photometric_aligner.h"
+#include "core/photometry/view_support.h"
 #include "core/registration/registration.h"
 #include "core/vision/features/features.h"
 #include "core/vision/matching/guided_matcher.h"

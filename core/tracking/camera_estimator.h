@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "core/geometry/pose2.h"
-#include "core/localization/camera_errors.h"
 #include "core/localization/readout_fit.h"
+#include "core/photometry/camera_errors.h"
 
 namespace floorloc {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/geometry/option_check.h"
-#include "core/localization/camera_errors.h"
+#include "core/photometry/camera_errors.h"
 #include "server/wire/problem.h"
 
 namespace floorloc {

@@ -24,7 +24,9 @@ ARROWS = {
     "core/surface/classes": ["core/io", "core/vision/image"],
     "core/surface": ["core/surface/texture", "core/surface/classes"],
     "core/map": ["core/vision", "core/geometry", "schema"],
-    "core/localization": ["core/map", "core/registration", "core/surface", "core/vision"],
+    "core/photometry": ["core/map", "core/vision"],
+    "core/lattice": ["core/photometry"],
+    "core/localization": ["core/lattice", "core/registration", "core/surface"],
     "core/odometry": ["core/registration", "core/vision"],
     "core/fusion": ["core/geometry"],
     "core/tracking": ["core/localization", "core/odometry", "core/fusion"],
@@ -84,8 +86,8 @@ LIBRARIES = {
     "yaml-cpp/": ["core/io/"],
     "ceres/": ["mapbuilder/"],
     "spdlog/": ["mapbuilder/", "server/"],
-    "opencv2/": ["core/io/", "core/vision/", "core/surface/", "core/map/", "core/localization/", "core/odometry/",
-                 "core/evaluation/", "mapbuilder/", "server/"],
+    "opencv2/": ["core/io/", "core/vision/", "core/surface/", "core/map/", "core/photometry/", "core/lattice/",
+                 "core/localization/", "core/odometry/", "core/evaluation/", "mapbuilder/", "server/"],
 }
 
 PRODUCT = ["core", "mapbuilder", "server", "schema", "web", "clients"]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/self_similarity.h"
+#include "core/lattice/self_similarity.h"
 
 #include <algorithm>
 #include <random>

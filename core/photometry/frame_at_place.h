@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/localization/cell_comparison.h"
-#include "core/localization/photometric_aligner.h"
 #include "core/map/mosaic_raster.h"
+#include "core/photometry/cell_comparison.h"
+#include "core/photometry/photometric_aligner.h"
 
 namespace floorloc {
 

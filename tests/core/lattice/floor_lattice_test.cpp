@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/floor_lattice.h"
+#include "core/lattice/floor_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/camera_errors.h"
+#include "core/photometry/camera_errors.h"
 
 #include <algorithm>
 #include <string>

@@ -11,8 +11,8 @@
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/mounting.h"
 #include "core/geometry/pose2.h"
-#include "core/localization/camera_errors.h"
 #include "core/map/mosaic_raster.h"
+#include "core/photometry/camera_errors.h"
 #include "core/vision/image/ground_image.h"
 #include "core/vision/image/rectifier.h"
 

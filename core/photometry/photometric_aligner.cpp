@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/photometric_aligner.h"
+#include "core/photometry/photometric_aligner.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "core/geometry/option_check.h"
-#include "core/localization/cell_comparison.h"
-#include "core/localization/mounting_average.h"
+#include "core/photometry/cell_comparison.h"
+#include "core/photometry/mounting_average.h"
 
 namespace floorloc {
 namespace {

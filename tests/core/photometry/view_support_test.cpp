@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/view_support.h"
+#include "core/photometry/view_support.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/photometric_aligner.h"
+#include "core/photometry/photometric_aligner.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/core/localization/photometric_test_support.h"
+#include "tests/core/photometry/photometric_test_support.h"
 
 namespace floorloc {
 namespace {

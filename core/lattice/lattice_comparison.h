@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/geometry/floor_plane.h"
-#include "core/localization/floor_lattice.h"
-#include "core/localization/photometric_aligner.h"
+#include "core/lattice/floor_lattice.h"
 #include "core/map/mosaic_raster.h"
+#include "core/photometry/photometric_aligner.h"
 
 namespace floorloc {
 

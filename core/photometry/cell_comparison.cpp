@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/cell_comparison.h"
+#include "core/photometry/cell_comparison.h"
 
 #include <algorithm>
 #include <cmath>

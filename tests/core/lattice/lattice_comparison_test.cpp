@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/lattice_comparison.h"
+#include "core/lattice/lattice_comparison.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "tests/core/localization/photometric_test_support.h"
+#include "tests/core/photometry/photometric_test_support.h"
 
 namespace floorloc {
 namespace {

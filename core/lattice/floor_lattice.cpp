@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/floor_lattice.h"
+#include "core/lattice/floor_lattice.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "core/geometry/option_check.h"
 #include "core/geometry/pose2.h"
-#include "core/localization/self_similarity.h"
+#include "core/lattice/self_similarity.h"
 
 namespace floorloc {
 namespace {

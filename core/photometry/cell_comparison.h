@@ -7,7 +7,7 @@
 #include <opencv2/core/mat.hpp>
 #include <span>
 
-#include "core/localization/photometric_aligner.h"
+#include "core/photometry/photometric_aligner.h"
 #include "core/vision/image/multiversion.h"
 
 namespace floorloc {

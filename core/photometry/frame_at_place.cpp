@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/frame_at_place.h"
+#include "core/photometry/frame_at_place.h"
 
 #include <Eigen/LU>
 #include <span>

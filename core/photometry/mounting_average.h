@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/calibration_modes.h"
-#include "core/localization/camera_errors.h"
+#include "core/photometry/camera_errors.h"
 
 namespace floorloc {
 

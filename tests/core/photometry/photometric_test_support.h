@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/geometry/mounting.h"
-#include "core/localization/photometric_aligner.h"
 #include "core/map/mosaic_raster.h"
+#include "core/photometry/photometric_aligner.h"
 #include "core/vision/image/rectifier.h"
 #include "mapbuilder/simulation/camera_renderer.h"
 #include "tests/synthetic/synthetic_floor.h"

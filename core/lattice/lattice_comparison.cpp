@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/lattice_comparison.h"
+#include "core/lattice/lattice_comparison.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "core/geometry/option_check.h"
-#include "core/localization/cell_comparison.h"
-#include "core/localization/frame_at_place.h"
+#include "core/photometry/cell_comparison.h"
+#include "core/photometry/frame_at_place.h"
 
 namespace floorloc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/mounting_average.h"
+#include "core/photometry/mounting_average.h"
 
 #include <gtest/gtest.h>
 
