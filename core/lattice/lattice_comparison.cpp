@@ -125,6 +125,11 @@ std::vector<Distortion> DistortionsOf(const FrameSamples& frame, const FrameAtPl
   return distortions;
 }
 
+struct PlaceScore {
+  double score = 0.0;
+  double expected = 0.0;  // at the right place
+};
+
 // Scores places of one frame.
 class PlaceScorer {
  public:
@@ -140,7 +145,7 @@ class PlaceScorer {
 
   // What distinguishes a place, but for distortions, in the frame's rest: a standard normal value at a wrong place if
   // the noise of samples is independent.
-  double ScoreOf(const PlaceView& view) const {
+  PlaceScore ScoreOf(const PlaceView& view) const {
     Normal normal = all_;
     Distortion with_difference = Distortion::Zero();
     double squares = 0.0;
@@ -157,7 +162,11 @@ class PlaceScorer {
     }
     const Distortion fitted = normal.of_distortions.selfadjointView<Eigen::Lower>().ldlt().solve(with_difference);
     squares -= fitted.dot(with_difference);
-    return squares > 0.0 ? (product - fitted.dot(normal.with_rest)) / std::sqrt(squares) : 0.0;
+    if (squares <= 0.0) {
+      return {};
+    }
+    const double size = std::sqrt(squares);
+    return {(product - fitted.dot(normal.with_rest)) / size, size};
   }
 
  private:
@@ -186,6 +195,7 @@ class PlaceScorer {
 
 void LatticeComparisonOptions::Check() const {
   RequireOption(max_places >= min_places && max_places <= 100000, "max_places must be min_places to 100000");
+  RequireOption(near_places >= min_places && near_places <= max_places, "near_places must be min_places to max_places");
   RequireOption(max_poses >= 1, "max_poses must be positive");
   RequireOption(min_known_share > 0 && min_known_share <= 1, "min_known_share must be above 0 and at most 1");
   RequireOption(min_places >= 4, "min_places must be at least 4");
@@ -203,10 +213,10 @@ const LatticePlace* LatticeComparison::Find(const Pose2& map_from_base) const {
 }
 
 // The nearest max_places whose views lie on the map; zero is the first of them.
-std::vector<Eigen::Vector2i> LatticeComparer::PlacesAround(const Eigen::Vector2d& middle_in_map) const {
+std::vector<Eigen::Vector2i> LatticeComparer::PlacesAround(const Eigen::Vector2d& middle_in_map, int max_places) const {
   // On a quarter of a circle, as in a corner of the map.
   const double reach = std::min(std::hypot(extent_.width_m(), extent_.height_m()),
-                                std::sqrt(4.0 * options_.max_places * CellArea() / std::numbers::pi));
+                                std::sqrt(4.0 * max_places * CellArea() / std::numbers::pi));
   const Eigen::Matrix2d inverse = lattice_.basis.inverse();
   const int across = static_cast<int>(std::ceil(reach * inverse.row(0).norm()));
   const int along = static_cast<int>(std::ceil(reach * inverse.row(1).norm()));
@@ -222,16 +232,17 @@ std::vector<Eigen::Vector2i> LatticeComparer::PlacesAround(const Eigen::Vector2d
   std::stable_sort(places.begin(), places.end(), [&](const Eigen::Vector2i& a, const Eigen::Vector2i& b) {
     return (lattice_.basis * a.cast<double>()).squaredNorm() < (lattice_.basis * b.cast<double>()).squaredNorm();
   });
-  places.resize(std::min(places.size(), static_cast<std::size_t>(options_.max_places)));
+  places.resize(std::min(places.size(), static_cast<std::size_t>(max_places)));
   return places;
 }
 
 double LatticeComparer::CellArea() const { return std::abs(lattice_.basis.determinant()); }
 
-std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& frame, const PhotometricFit& fit) const {
+std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& frame, const PhotometricFit& fit,
+                                                          int max_places) const {
   std::vector<PlaceView> views;
   std::vector<Distortion> distortions;
-  for (const Eigen::Vector2i& multiples : PlacesAround(fit.map_from_base * frame.center())) {
+  for (const Eigen::Vector2i& multiples : PlacesAround(fit.map_from_base * frame.center(), max_places)) {
     const FrameAtPlace place(raster_, frame, PlacementOf(frame, fit, lattice_.basis * multiples.cast<double>()),
                              min_cell_samples_);
     PlaceView view = ViewOf(place, frame, fit);
@@ -254,7 +265,8 @@ std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& fr
   comparison.not_compared = std::max(0.0, on_map - static_cast<double>(views.size()));
   comparison.tolerance_m = 0.25 * std::min(lattice_.basis.col(0).norm(), lattice_.basis.col(1).norm());
   for (const PlaceView& view : views) {
-    comparison.places.push_back({view.multiples, view.map_from_base, scorer.ScoreOf(view)});
+    const PlaceScore score = scorer.ScoreOf(view);
+    comparison.places.push_back({view.multiples, view.map_from_base, score.score, score.expected});
   }
   std::vector<LatticePlace>& places = comparison.places;
   std::stable_sort(places.begin(), places.end(),
@@ -267,6 +279,7 @@ std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& fr
   const double sigma = std::sqrt(squares / static_cast<double>(places.size() - 1));
   for (LatticePlace& place : places) {
     place.sigma = sigma > 0.0 ? place.sigma / sigma : 0.0;
+    place.expected_sigma = sigma > 0.0 ? place.expected_sigma / sigma : 0.0;
     const double above = std::max(0.0, place.sigma);
     place.log_likelihood = 0.5 * options_.temper * above * above;
   }

@@ -14,7 +14,8 @@ namespace floorloc {
 
 /// How the places of a lattice are compared, and what that is worth. `./run bench honesty --floors tiles,more-tiles`.
 struct LatticeComparisonOptions {
-  int max_places = 200;  ///< the nearest ones are compared, at about a millisecond each
+  int max_places = 400;  ///< the nearest ones are compared, at about a millisecond each
+  int near_places = 64;  ///< that many near a prior that is hardly wrong
   int max_poses = 16;    ///< poses are listed up to this number; what other places weigh counts against the best
   /// Share of the frame that must lie on surveyed floor at a place that is compared.
   double min_known_share = 0.4;
@@ -32,6 +33,8 @@ struct LatticePlace {
   Pose2 map_from_base;
   /// How well the frame shows what distinguishes the place from the mean one, in standard deviations among all places.
   double sigma = 0.0;
+  /// What `sigma` would be at the right place if the floor looked as in the mosaic, and pixels' noise were independent.
+  double expected_sigma = 0.0;
   double log_likelihood = 0.0;  ///< natural logarithm, that this is the right one; tempered
   double prior_weight = 1.0;    ///< prior probability of the place, relative to the others
 };
@@ -64,11 +67,15 @@ class LatticeComparer {
         options_(options),
         min_cell_samples_(min_cell_samples) {}
 
-  /// fit: of the frame, at one of the places, map frame. Nothing when too few places can be compared.
-  std::optional<LatticeComparison> Compare(const FrameSamples& frame, const PhotometricFit& fit) const;
+  /// fit: of the frame, at one of the places, map frame. max_places: the nearest ones. Nothing when too few places can
+  /// be compared.
+  std::optional<LatticeComparison> Compare(const FrameSamples& frame, const PhotometricFit& fit, int max_places) const;
+
+  const FloorLattice& lattice() const { return lattice_; }
+  const LatticeComparisonOptions& options() const { return options_; }
 
  private:
-  std::vector<Eigen::Vector2i> PlacesAround(const Eigen::Vector2d& middle_in_map) const;
+  std::vector<Eigen::Vector2i> PlacesAround(const Eigen::Vector2d& middle_in_map, int max_places) const;
   double CellArea() const;  // m^2
 
   const MosaicRaster& raster_;

@@ -2,6 +2,7 @@
 #include "core/localization/candidate_search.h"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -29,6 +30,36 @@ std::vector<int> ChooseKeypoints(const std::vector<Keypoint>& keypoints, const S
     chosen.resize(static_cast<std::size_t>(scope.strongest));
   }
   return chosen;
+}
+
+// Poses modulo the lattice, each at the place where most of its matches are.
+std::vector<PoseCandidate> FindModulo(const FloorLattice& lattice, const FrameMatches& found,
+                                      const LocalizerOptions& options) {
+  std::vector<OrientedMatch> folded = found.oriented;
+  std::vector<Eigen::Vector2i> places;
+  for (OrientedMatch& match : folded) {
+    const Eigen::Vector2d base = match.target_m - Pose2(0.0, 0.0, match.Yaw()) * match.source_m;
+    places.push_back(lattice.Nearest(base));
+    match.target_m -= lattice.basis * places.back().cast<double>();
+  }
+  RegistrationOptions registration = options.registration;
+  registration.candidates = options.search.modulo_candidates;
+  std::vector<PoseCandidate> candidates = FindPoseCandidates(folded, registration);
+  for (PoseCandidate& candidate : candidates) {
+    std::map<std::pair<int, int>, int> votes;
+    for (const int i : candidate.inliers) {
+      const Eigen::Vector2i& place = places[static_cast<std::size_t>(i)];
+      ++votes[{place.x(), place.y()}];
+    }
+    const auto most =
+        std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != votes.end()) {
+      const Pose2& pose = candidate.target_from_source;
+      const Eigen::Vector2d moved = lattice.basis * Eigen::Vector2d(most->first.first, most->first.second);
+      candidate.target_from_source = Pose2(pose.x() + moved.x(), pose.y() + moved.y(), pose.yaw());
+    }
+  }
+  return candidates;
 }
 
 }  // namespace
@@ -73,9 +104,13 @@ FrameMatches CandidateSearch::FindMatches(const FrameObservation& frame, const S
   FrameMatches found;
   if (scope.indistinct && binary_) {
     const SearchOptions& o = options_.search;
-    found.matches = FindAllNear(*index_, features.descriptors,
-                                {.count = scope.thorough ? o.thorough_votes : o.votes_per_keypoint,
-                                 .max_distance = scope.thorough ? o.thorough_vote_distance : o.max_vote_distance});
+    NeighbourSearch near{.count = o.votes_per_keypoint, .max_distance = o.max_vote_distance};
+    if (scope.modulo) {
+      near = {.count = o.modulo_votes, .max_distance = o.modulo_distance};
+    } else if (scope.thorough) {
+      near = {.count = o.thorough_votes, .max_distance = o.thorough_vote_distance};
+    }
+    found.matches = FindAllNear(*index_, features.descriptors, near);
   } else {
     const float max_ratio = binary_ ? options_.max_ratio_binary : options_.max_ratio_float;
     found.matches = FilterByRatio(scope.guide ? guided_.FindNearest(features, *scope.guide)
@@ -105,9 +140,13 @@ FrameMatches CandidateSearch::MatchAtHeadings(const FrameObservation& frame, con
       nearest = FilterByRatio(guided_.FindNearest(query, guide), scope.thorough ? 1.0F : options_.max_ratio_binary);
     } else {
       const SearchOptions& o = options_.search;
-      nearest = FindAllNear(*upright_index_, query.descriptors,
-                            {.count = scope.thorough ? o.thorough_heading_votes : o.votes_per_keypoint,
-                             .max_distance = scope.thorough ? o.thorough_heading_distance : o.max_vote_distance});
+      NeighbourSearch near{.count = o.votes_per_keypoint, .max_distance = o.max_vote_distance};
+      if (scope.modulo) {
+        near = {.count = o.modulo_votes, .max_distance = o.modulo_distance};
+      } else if (scope.thorough) {
+        near = {.count = o.thorough_heading_votes, .max_distance = o.thorough_heading_distance};
+      }
+      nearest = FindAllNear(*upright_index_, query.descriptors, near);
     }
     for (Match match : nearest) {
       const Keypoint& from = query.keypoints[static_cast<std::size_t>(match.query)];
@@ -123,8 +162,8 @@ FrameMatches CandidateSearch::MatchAtHeadings(const FrameObservation& frame, con
 std::vector<VerifiedPose> CandidateSearch::FindPoses(const FrameObservation& frame, const SearchScope& scope,
                                                      const FrameMatches& matches, GlobalSearchCache* global) const {
   std::vector<VerifiedPose> poses = VerifyCandidates(frame, scope, matches);
-  if (scope.prior && floor_repeats_ && !poses.empty()) {
-    AddPosesOutsidePrior(frame, global, &poses);
+  if (scope.prior && floor_repeats_ && !poses.empty() && !scope.IsUnquestioned(options_.search)) {
+    AddPosesOutsidePrior(frame, scope, global, &poses);
   }
   CountOwnAngleInliers(frame, &poses);
   return poses;
@@ -149,7 +188,9 @@ std::vector<VerifiedPose> CandidateSearch::VerifyCandidates(const FrameObservati
   if (scope.thorough) {
     registration.candidates = options_.search.thorough_candidates;
   }
-  for (const PoseCandidate& candidate : FindPoseCandidates(matches.oriented, registration)) {
+  const std::vector<PoseCandidate> candidates =
+      scope.modulo ? FindModulo(*scope.modulo, matches, options_) : FindPoseCandidates(matches.oriented, registration);
+  for (const PoseCandidate& candidate : candidates) {
     if (IsDominated(candidate, verified)) {
       continue;
     }
@@ -189,8 +230,8 @@ bool CandidateSearch::ContainsPose(const std::vector<VerifiedPose>& poses, const
 
 // On a self-similar floor a similar place would confirm a wrong prior: poses outside it compete, and all are compared
 // by the matches that are distinctive on the whole map.
-void CandidateSearch::AddPosesOutsidePrior(const FrameObservation& frame, GlobalSearchCache* global,
-                                           std::vector<VerifiedPose>* poses) const {
+void CandidateSearch::AddPosesOutsidePrior(const FrameObservation& frame, const SearchScope& scope,
+                                           GlobalSearchCache* global, std::vector<VerifiedPose>* poses) const {
   if (!global->matches) {
     const SearchScope whole;
     global->matches = FindMatches(frame, whole);
@@ -203,8 +244,8 @@ void CandidateSearch::AddPosesOutsidePrior(const FrameObservation& frame, Global
   for (const VerifiedPose& pose : global->poses) {
     if (!ContainsPose(*poses, pose.candidate.target_from_source)) {
       poses->push_back(pose);
-      poses->back().outside_prior = true;
-      poses->back().prior_weight = options_.search.prior_failure_rate;
+      poses->back().prior_weight = scope.WeightOutside(options_.search);
+      poses->back().outside_prior = poses->back().prior_weight < 1.0;
     }
   }
 }

@@ -67,7 +67,7 @@ class CandidateSearch {
   void CountOwnAngleInliers(const FrameObservation& frame, std::vector<VerifiedPose>* poses) const;
   bool IsDominated(const PoseCandidate& candidate, const std::vector<VerifiedPose>& verified) const;
   bool ContainsPose(const std::vector<VerifiedPose>& poses, const Pose2& pose) const;
-  void AddPosesOutsidePrior(const FrameObservation& frame, GlobalSearchCache* global,
+  void AddPosesOutsidePrior(const FrameObservation& frame, const SearchScope& scope, GlobalSearchCache* global,
                             std::vector<VerifiedPose>* poses) const;
   SearchRegion RegionOf(const std::optional<MatchGuide>& guide) const;
 

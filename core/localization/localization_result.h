@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "core/lattice/lattice_observation.h"
 #include "core/localization/readout_fit.h"
 #include "core/photometry/camera_errors.h"
 #include "core/registration/registration.h"
@@ -68,6 +69,8 @@ struct LocalizationResult {
   std::optional<CameraEvidence> camera;       ///< where the frame was aligned to the mosaic
   std::optional<ReadoutMeasurement> readout;  ///< where the image was used to measure its camera's read-out
   std::vector<PoseHypothesis> alternatives;   ///< as in PoseDecision
+  /// On a floor that repeats itself: the pose modulo the lattice, whether or not the frame tells its place.
+  std::optional<LatticeObservation> lattice;
   LocalizationTiming timing;
 };
 

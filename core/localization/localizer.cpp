@@ -7,12 +7,10 @@
 
 #include "core/geometry/twist.h"
 #include "core/localization/candidate_search.h"
-#include "core/localization/pose_decision.h"
+#include "core/localization/frame_decider.h"
+#include "core/localization/frame_report.h"
 #include "core/localization/search_scope.h"
 #include "core/localization/stopwatch.h"
-#include "core/photometry/photometric_aligner.h"
-#include "core/registration/least_squares.h"
-#include "core/registration/systematic_covariance.h"
 #include "core/surface/texture/floor_recognizer.h"
 #include "core/vision/extractors/feature_extractor.h"
 #include "core/vision/matching/guided_matcher.h"
@@ -23,34 +21,6 @@ namespace {
 LocalizerOptions ScaledTo(LocalizerOptions options, double resolution_m) {
   options.registration = options.registration.ScaledTo(resolution_m);
   return options;
-}
-
-NotLocalizedReason ReasonOf(RegistrationStatus status) {
-  switch (status) {
-    case RegistrationStatus::kTooFewMatches:
-      return NotLocalizedReason::kTooFewMatches;
-    case RegistrationStatus::kTooFewInliers:
-      return NotLocalizedReason::kTooFewInliers;
-    case RegistrationStatus::kNotSignificant:
-      return NotLocalizedReason::kNotSignificant;
-    case RegistrationStatus::kViewDisagrees:
-      return NotLocalizedReason::kViewDisagrees;
-    case RegistrationStatus::kRegistered:
-    case RegistrationStatus::kAmbiguous:
-      return NotLocalizedReason::kNone;
-  }
-  return NotLocalizedReason::kNone;
-}
-
-LocalizationStatus StatusOf(RegistrationStatus status) {
-  switch (status) {
-    case RegistrationStatus::kRegistered:
-      return LocalizationStatus::kLocalized;
-    case RegistrationStatus::kAmbiguous:
-      return LocalizationStatus::kAmbiguous;
-    default:
-      return LocalizationStatus::kNotLocalized;
-  }
 }
 
 NotLocalizedReason ReasonOf(StrangeView view) {
@@ -84,6 +54,7 @@ struct Localizer::Impl {
                         options.photometric.min_cell_samples);
       }
     }
+    decider.emplace(DecisionSources{map, search, raster ? &*raster : nullptr, lattice ? &*lattice : nullptr}, options);
   }
 
   LocalizerOptions options;
@@ -93,6 +64,7 @@ struct Localizer::Impl {
   std::optional<MosaicRaster> raster;
   std::optional<LatticeComparer> lattice;
   FloorRecognizer recognizer;
+  std::optional<FrameDecider> decider;
 
   // Searches, decides and reports; adds its times to the result's. All poses are relative to the keypoints' origin.
   void LocalizeIn(const SearchScope& scope, const FrameObservation& frame, GlobalSearchCache* global,
@@ -101,113 +73,18 @@ struct Localizer::Impl {
     const FrameMatches matches = search.FindMatches(frame, scope);
     result->timing.match_ms += stage.LapMs();
     std::vector<VerifiedPose> poses = search.FindPoses(frame, scope, matches, global);
-    const PoseDecision decision = Decide(frame, scope, global, &poses);
-    FillResult(frame, poses, decision, result);
+    PoseDecision decision = decider->Decide(frame, scope, global, &poses);
+    if (scope.IsUnquestioned(options.search)) {
+      decision.p_wrong = std::max(decision.p_wrong, *scope.prior->p_elsewhere);
+    }
+    const DecidedSearch decided{scope, poses, decision};
+    FillResult(frame, decided, options, result);
+    result->lattice = lattice ? ObserveLattice(frame, decided, global->places, options) : std::nullopt;
+    if (result->lattice) {
+      result->lattice->lattice = lattice->lattice();
+      result->lattice->map_extent = map.info.extent;
+    }
     result->timing.register_ms += stage.LapMs();
-  }
-
-  // The best pose is aligned to the mosaic; so are its rivals when the keypoints alone do not decide or the view does
-  // not agree. On a lattice its other places are compared then.
-  PoseDecision Decide(const FrameObservation& frame, const SearchScope& scope, GlobalSearchCache* global,
-                      std::vector<VerifiedPose>* poses) const {
-    PoseEvidence evidence{search.max_distance(), CellsOf(frame), search.floor_repeats()};
-    PoseDecision decision = DecidePose(*poses, evidence, options.registration, options.decision);
-    if (!raster || decision.best < 0 || !IsComparable(frame.samples)) {
-      return decision;
-    }
-    const PhotometricAligner aligner(*raster, options.photometric);
-    if (decision.p_wrong <= options.decision.clear_p_wrong) {
-      VerifiedPose& best = (*poses)[static_cast<std::size_t>(decision.best)];
-      Align(aligner, frame.samples, &best);
-      const double p_local = best.view ? best.view->LocalProbability() : 0.0;
-      if (p_local <= options.decision.clear_p_wrong) {
-        decision.p_wrong = std::max(decision.p_wrong, p_local);
-        return decision;
-      }
-    }
-    std::for_each(poses->begin(), poses->end(), [&](VerifiedPose& pose) {
-      if (!pose.photo) {
-        Align(aligner, frame.samples, &pose);
-      }
-    });
-    decision = DecidePose(*poses, evidence, options.registration, options.decision);
-    if (!lattice || decision.best < 0 || decision.p_wrong <= options.decision.clear_p_wrong) {
-      return decision;
-    }
-    const LatticeComparison* places =
-        ComparePlaces(frame, scope, (*poses)[static_cast<std::size_t>(decision.best)], &global->places);
-    if (places == nullptr) {
-      return decision;
-    }
-    AddLikelyPlaces(frame, *places, poses);
-    evidence.lattice = places;
-    return DecidePose(*poses, evidence, options.registration, options.decision);
-  }
-
-  // Fine structure is lost in a mosaic much coarser than the frame: it agrees by chance, and the keypoints, which are
-  // from survey frames, tell the pose better.
-  bool IsComparable(const FrameSamples& samples) const {
-    return raster->resolution_m() <= options.decision.max_mosaic_coarseness * samples.resolution_m();
-  }
-
-  // At every place of the lattice where the frame may be if it is at this pose or at another place like it; nullptr:
-  // too few can be compared. compared: of an earlier scope, used again where it has the pose.
-  const LatticeComparison* ComparePlaces(const FrameObservation& frame, const SearchScope& scope,
-                                         const VerifiedPose& pose, std::optional<LatticeComparison>* compared) const {
-    if (!Agrees(*pose.photo)) {
-      return nullptr;
-    }
-    const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
-    if (!*compared || (*compared)->Find(pose.photo->map_from_base) == nullptr) {
-      PhotometricFit fit = *pose.photo;
-      fit.map_from_base = map_from_origin * fit.map_from_base;
-      *compared = lattice->Compare(frame.samples, fit);
-      if (!*compared) {
-        return nullptr;
-      }
-      for (LatticePlace& place : (*compared)->places) {
-        place.map_from_base = map_from_origin.Inverse() * place.map_from_base;
-      }
-    }
-    for (LatticePlace& place : (*compared)->places) {
-      place.prior_weight = scope.Contains(place.map_from_base) ? 1.0 : options.search.prior_failure_rate;
-    }
-    (*compared)->prior_weight_elsewhere = scope.prior ? options.search.prior_failure_rate : 1.0;
-    return &**compared;
-  }
-
-  // Makes the likely places that the search did not find poses.
-  void AddLikelyPlaces(const FrameObservation& frame, const LatticeComparison& compared,
-                       std::vector<VerifiedPose>* poses) const {
-    const PhotometricAligner aligner(*raster, options.photometric);
-    const double least = compared.places.front().log_likelihood + std::log(options.registration.max_p_wrong);
-    for (const LatticePlace& place : compared.places) {
-      const bool known = std::any_of(poses->begin(), poses->end(), [&](const VerifiedPose& pose) {
-        return compared.Find(pose.candidate.target_from_source) == &place;
-      });
-      if (known || place.log_likelihood < least) {
-        continue;
-      }
-      if (static_cast<int>(poses->size()) >= options.lattice_comparison.max_poses) {
-        return;
-      }
-      VerifiedPose pose = search.Verify(frame, place.map_from_base);
-      Align(aligner, frame.samples, &pose);
-      pose.outside_prior = place.prior_weight < 1.0;
-      pose.prior_weight = place.prior_weight;
-      poses->push_back(std::move(pose));
-    }
-  }
-
-  void Align(const PhotometricAligner& aligner, const FrameSamples& samples, VerifiedPose* pose) const {
-    const Pose2 map_from_origin = map.keypoints.MapFromOrigin();
-    const bool rough = static_cast<int>(pose->candidate.inliers.size()) < options.photometric.sure_inliers;
-    pose->photo = aligner.Align(samples, map_from_origin * pose->candidate.target_from_source, rough);
-    pose->photo->map_from_base = map_from_origin.Inverse() * pose->photo->map_from_base;
-    std::vector<float> cells = pose->photo->ComparedCells();
-    if (!cells.empty()) {
-      pose->view = MeasureViewSupport(std::move(cells), {options.decision.cell_sigma, options.decision.local_share});
-    }
   }
 
   FrameObservation ObserveParts(const Rectifier& rectifier, const cv::Mat& raw, const ViewParts& parts,
@@ -257,67 +134,10 @@ struct Localizer::Impl {
     if (IsPoor(frame) && !search.floor_repeats()) {
       scopes.push_back(ThoroughScope(prior, frame.roi, search.searchable(), options.search));
     }
+    if (lattice && !prior) {
+      scopes.push_back(ModuloScope(lattice->lattice(), search.searchable(), options.search));
+    }
     return scopes;
-  }
-
-  static std::vector<int> CellsOf(const FrameObservation& frame) {
-    std::vector<int> cells;
-    cells.reserve(frame.features.keypoints.size());
-    for (const Keypoint& k : frame.features.keypoints) {
-      cells.push_back(frame.samples.CellAt(k.Position()));
-    }
-    return cells;
-  }
-
-  void FillResult(const FrameObservation& frame, const std::vector<VerifiedPose>& poses, const PoseDecision& decision,
-                  LocalizationResult* result) const {
-    result->status = StatusOf(decision.status);
-    result->reason = ReasonOf(decision.status);
-    result->p_wrong = decision.p_wrong;
-    result->alternatives = decision.alternatives;
-    if (decision.best < 0) {
-      return;
-    }
-    const VerifiedPose& best = poses[static_cast<std::size_t>(decision.best)];
-    if (best.outside_prior) {
-      result->status = LocalizationStatus::kNotLocalized;
-      result->reason = NotLocalizedReason::kContradictsPrior;
-      result->p_wrong = 1.0;
-      return;
-    }
-    FillPose(best, frame.samples.center(), result);
-    if (best.view) {
-      result->support_area = best.view->area;
-    }
-    // The camera's place in the robot: no image shows its error, which is the same in all frames.
-    result->covariance.topLeftCorner<2, 2>().diagonal().array() += frame.offset_sigma_m * frame.offset_sigma_m;
-  }
-
-  // center_in_base: centre of the visible floor, metres.
-  void FillPose(const VerifiedPose& best, const Eigen::Vector2d& center_in_base, LocalizationResult* result) const {
-    const Pose2& pose = best.candidate.target_from_source;
-    result->map_from_base = pose;
-    result->matches = static_cast<int>(best.matches.size());
-    result->inliers = static_cast<int>(best.candidate.inliers.size());
-    result->rms_m = RmsResidual(best.matches, best.candidate.inliers, pose);
-    const double noise_m = KeypointNoise(result->rms_m, result->inliers, options.registration);
-    result->covariance = PoseCovariance(best.matches, best.candidate.inliers, pose, noise_m);
-    double systematic_m = std::hypot(options.systematic_m, options.systematic_share * result->rms_m);
-    if (best.photo && Agrees(*best.photo)) {
-      result->map_from_base = best.photo->map_from_base;
-      result->covariance = best.photo->covariance;
-      result->camera = best.photo->camera;
-      systematic_m = options.systematic_m;
-    }
-    // Errors that residuals do not show: those of the map shift and rotate the visible floor as a whole.
-    result->covariance += SystematicCovariance(result->map_from_base, result->map_from_base * center_in_base,
-                                               {systematic_m, systematic_m / options.systematic_lever_m});
-  }
-
-  // True when the frame correlates with the mosaic near the pose by keypoints: a fit can diverge.
-  bool Agrees(const PhotometricFit& photo) const {
-    return photo.MeanCorrelation() >= options.photometric.min_correlation &&
-           photo.moved_m <= options.photometric.max_correction_radii * options.registration.inlier_radius_m;
   }
 };
 
@@ -418,6 +238,9 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
     }
     GlobalSearchCache global;
     for (const SearchScope& scope : impl_->ScopesOf(frame, near)) {
+      if (scope.modulo && result.status == LocalizationStatus::kAmbiguous) {
+        break;  // its places were compared
+      }
       impl_->LocalizeIn(scope, frame, &global, &result);
       if (result.status == LocalizationStatus::kLocalized || result.reason == NotLocalizedReason::kContradictsPrior) {
         break;
@@ -426,6 +249,12 @@ LocalizationResult Localizer::Localize(const FrameObservation& frame, const std:
     result.map_from_base = map_from_origin * result.map_from_base;
     for (PoseHypothesis& other : result.alternatives) {
       other.target_from_source = map_from_origin * other.target_from_source;
+    }
+    if (result.lattice) {
+      result.lattice->map_from_base = map_from_origin * result.lattice->map_from_base;
+      for (LatticePlace& place : result.lattice->places) {
+        place.map_from_base = map_from_origin * place.map_from_base;
+      }
     }
   }
   if (result.status == LocalizationStatus::kNotLocalized && result.reason != NotLocalizedReason::kContradictsPrior) {

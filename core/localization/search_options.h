@@ -12,6 +12,9 @@ struct SearchOptions {
   float max_vote_distance = 64.0F;
   /// Prior weight of a pose outside the prior relative to one inside: how often a prior is wrong (2407dfd).
   double prior_failure_rate = 1e-3;
+  /// On a self-similar floor a prior that states a smaller risk (PosePrior::p_elsewhere) is not questioned: poses
+  /// outside it do not compete.
+  double unquestioned_p_elsewhere = 2e-6;
   /// On a floor that is not self-similar, a candidate with fewer inliers than this share of the first one's supporting
   /// keypoints is no rival (2407dfd) ...
   double min_rival_share = 0.25;
@@ -38,6 +41,11 @@ struct SearchOptions {
   int thorough_heading_keypoints = 300;
   int thorough_heading_votes = 6;
   float thorough_heading_distance = 80.0F;
+  /// The same in the search modulo a lattice (SearchScope::modulo), where a keypoint has a copy at every place.
+  int modulo_keypoints = 200;
+  int modulo_votes = 10;
+  float modulo_distance = 72.0F;
+  int modulo_candidates = 3;  ///< poses that are verified and aligned to the mosaic
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;

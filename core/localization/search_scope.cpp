@@ -67,6 +67,14 @@ bool SearchScope::Contains(const Pose2& map_from_base) const {
   return off.translation().norm() <= prior->radius_m && std::abs(off.yaw()) <= prior->yaw_radius_rad;
 }
 
+bool SearchScope::IsUnquestioned(const SearchOptions& options) const {
+  return prior && prior->p_elsewhere && *prior->p_elsewhere <= options.unquestioned_p_elsewhere;
+}
+
+double SearchScope::WeightOutside(const SearchOptions& options) const {
+  return prior && !prior->p_elsewhere ? options.prior_failure_rate : 1.0;
+}
+
 std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, const RectM& roi, const SearchableMap& map,
                                       const SearchOptions& options) {
   if (prior) {
@@ -89,6 +97,16 @@ std::vector<SearchScope> SearchScopes(const std::optional<PosePrior>& prior, con
     return {few, SearchScope(), indistinct};
   }
   return {few, SearchScope(), AllHeadings(options.heading_step_rad, options.heading_keypoints), indistinct};
+}
+
+SearchScope ModuloScope(const FloorLattice& lattice, const SearchableMap& map, const SearchOptions& options) {
+  SearchScope scope;
+  scope.indistinct = true;
+  if (map.upright) {
+    scope = AllHeadings(options.heading_step_rad, options.modulo_keypoints);
+  }
+  scope.modulo = lattice;
+  return scope;
 }
 
 SearchScope ThoroughScope(const std::optional<PosePrior>& prior, const RectM& roi, const SearchableMap& map,

@@ -66,7 +66,8 @@ class LatticeComparisonTest : public ::testing::Test {
     const Eigen::Vector2d moved = kTileM * multiples.cast<double>();
     const Pose2 start(truth.x() + moved.x(), truth.y() + moved.y(), truth.yaw());
     const PhotometricFit fit = PhotometricAligner(raster_).Align(frame, start);
-    return LatticeComparer(raster_, lattice, {0.0, kSideM, 0.0, kSideM}, options, kMinCellSamples).Compare(frame, fit);
+    return LatticeComparer(raster_, lattice, {0.0, kSideM, 0.0, kSideM}, options, kMinCellSamples)
+        .Compare(frame, fit, options.max_places);
   }
   static RenderConditions Noisy() {
     RenderConditions conditions;
@@ -113,7 +114,7 @@ TEST_F(LatticeComparisonTest, NoneStandsOutIfTheRightPlaceIsNotCompared) {
   const Pose2 elsewhere(truth.x() + 3.0 * kTileM, truth.y() + 3.0 * kTileM, truth.yaw());
   const PhotometricFit fit = PhotometricAligner(raster_).Align(frame, elsewhere);
   const std::optional<LatticeComparison> compared =
-      LatticeComparer(raster_, lattice, {0.7, kSideM, 0.7, kSideM}, {}, kMinCellSamples).Compare(frame, fit);
+      LatticeComparer(raster_, lattice, {0.7, kSideM, 0.7, kSideM}, {}, kMinCellSamples).Compare(frame, fit, 200);
   ASSERT_TRUE(compared);
   EXPECT_LT(compared->places.front().sigma, 4.0);
 }

@@ -118,5 +118,33 @@ TEST(SearchScopeTest, AMapWithUprightDescriptorsIsSearchedAtAllHeadingsBeforeItI
   }
 }
 
+TEST(SearchScopeTest, OnlyAPriorThatStatesASmallRiskIsUnquestioned) {
+  PosePrior prior;
+  EXPECT_FALSE(SearchScope().IsUnquestioned(kOptions));
+  EXPECT_FALSE((SearchScope{prior, std::nullopt}.IsUnquestioned(kOptions)));
+  prior.p_elsewhere = 0.1;
+  EXPECT_FALSE((SearchScope{prior, std::nullopt}.IsUnquestioned(kOptions)));
+  prior.p_elsewhere = 0.5 * kOptions.unquestioned_p_elsewhere;
+  EXPECT_TRUE((SearchScope{prior, std::nullopt}.IsUnquestioned(kOptions)));
+}
+
+TEST(SearchScopeTest, WhereAPriorStatesItsRiskOtherPlacesAreAsLikely) {
+  PosePrior prior;
+  EXPECT_EQ(SearchScope().WeightOutside(kOptions), 1.0);
+  EXPECT_EQ((SearchScope{prior, std::nullopt}.WeightOutside(kOptions)), kOptions.prior_failure_rate);
+  prior.p_elsewhere = 0.1;
+  EXPECT_EQ((SearchScope{prior, std::nullopt}.WeightOutside(kOptions)), 1.0);
+}
+
+TEST(SearchScopeTest, ASearchModuloALatticeTakesAllHeadingsWhereTheMapAllowsIt) {
+  const FloorLattice lattice{0.3 * Eigen::Matrix2d::Identity(), 0.0, 1.0};
+  const SearchScope upright = ModuloScope(lattice, kUpright, kOptions);
+  EXPECT_TRUE(upright.modulo);
+  EXPECT_EQ(upright.strongest, kOptions.modulo_keypoints);
+  EXPECT_LE(ToTheNearest(upright.headings, 2.0), 0.5 * kOptions.heading_step_rad + 1e-9);
+  const SearchScope plain = ModuloScope(lattice, kPlain, kOptions);
+  EXPECT_TRUE(plain.modulo && plain.indistinct && plain.headings.empty());
+}
+
 }  // namespace
 }  // namespace floorloc
