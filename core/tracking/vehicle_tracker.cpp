@@ -70,6 +70,7 @@ void TrackerOptions::Check() const {
   camera.Check();
   mask.Check();
   readout.Check();
+  lattice.Check();
 }
 
 struct VehicleTracker::State {
@@ -80,7 +81,8 @@ struct VehicleTracker::State {
         visual(VisualOptions(resolution_m_in)),
         camera(o.camera),
         mask(o.mask),
-        readout(o.readout) {}
+        readout(o.readout),
+        lattice(o.lattice) {}
 
   TrackerOptions options;
   double resolution_m;
@@ -89,6 +91,8 @@ struct VehicleTracker::State {
   CameraEstimator camera;
   MaskLearner mask;
   ReadoutEstimator readout;
+  LatticeTracker lattice;
+  std::optional<std::int64_t> lattice_ns;  // to which its places were moved
   std::optional<std::int64_t> last_frame_ns;
   std::optional<MotionIncrement> last_wheels;
   std::optional<std::int64_t> odometry_until_ns;
@@ -143,18 +147,71 @@ struct VehicleTracker::State {
     });
   }
 
+  // Motion of the base since the places of the lattice were moved, by wheels that cover it.
+  std::optional<Pose2> MotionOfPlaces(std::int64_t stamp_ns) const {
+    const bool covered = odometry_until_ns && *odometry_until_ns + kOdometryLagNs >= stamp_ns;
+    return covered && lattice_ns ? fuser->MotionBetween(*lattice_ns, stamp_ns) : std::nullopt;
+  }
+
+  void MovePlaces(std::int64_t stamp_ns, const PlanarOdometryResult& tracked) {
+    if (lattice_ns && *lattice_ns < stamp_ns) {
+      const bool seen = tracked.motion && tracked.motion->to_ns == stamp_ns && tracked.motion->from_ns <= *lattice_ns;
+      const auto motion = seen ? fuser->MotionBetween(*lattice_ns, stamp_ns) : MotionOfPlaces(stamp_ns);
+      motion ? lattice.Move(*motion) : lattice.LoseMotion();
+    }
+    lattice_ns = std::max(lattice_ns.value_or(stamp_ns), stamp_ns);
+  }
+
+  // What the frame says of the vehicle's place, alone or together with earlier ones.
+  std::optional<PoseFix> FixOf(std::int64_t stamp_ns, const LocalizationResult& found, FrameOutcome* outcome) {
+    const bool localized = found.status == LocalizationStatus::kLocalized;
+    if (found.lattice && lattice_ns == stamp_ns && !(localized && !found.lattice->by_prior)) {
+      outcome->by_drive = lattice.Add(*found.lattice);
+      return outcome->by_drive ? std::optional(PoseFix{stamp_ns, outcome->by_drive->map_from_base,
+                                                       found.lattice->covariance, outcome->by_drive->p_wrong})
+                               : std::nullopt;
+    }
+    if (!localized) {
+      return std::nullopt;
+    }
+    if (found.lattice && lattice_ns == stamp_ns) {
+      lattice.AddLocalized(*found.lattice, found.map_from_base, found.p_wrong);
+    }
+    return PoseFix{stamp_ns, found.map_from_base, found.covariance, found.p_wrong};
+  }
+
   void ApplyFix(std::int64_t stamp_ns, const LocalizationResult& found, FrameOutcome* outcome) {
-    if (found.status != LocalizationStatus::kLocalized) {
+    const std::optional<PoseFix> fix = FixOf(stamp_ns, found, outcome);
+    if (!fix) {
       fuser->AddUnlocalizedFrame(stamp_ns);
       return;
     }
-    outcome->fix = fuser->AddFix({stamp_ns, found.map_from_base, found.covariance, found.p_wrong});
-    if (outcome->fix->accepted && found.camera) {
+    outcome->fix = fuser->AddFix(*fix);
+    const bool alone = outcome->fix->accepted && found.status == LocalizationStatus::kLocalized;
+    if (alone && found.camera) {
       camera.Add(*found.camera, found.map_from_base, found.p_wrong);
     }
-    if (outcome->fix->accepted && found.readout && WheelsAgree()) {
+    if (alone && found.readout && WheelsAgree()) {
       readout.Add(*found.readout);
     }
+  }
+
+  // Where the vehicle probably is, of the places that it may be at.
+  std::optional<PosePrior> LikeliestPlace(std::int64_t stamp_ns) const {
+    const std::optional<Pose2> motion = MotionOfPlaces(stamp_ns);
+    return motion ? lattice.Prior(*motion, options.prior.sigmas) : std::nullopt;
+  }
+
+  // The risk of a prior that holds one place of the lattice only, which is where the drive tells that the vehicle is.
+  std::optional<double> PElsewhere(const PosePrior& prior, std::int64_t stamp_ns) const {
+    const double reach_m = options.lattice.max_motion_share * lattice.Period();
+    const std::optional<PosePrior> place = prior.radius_m <= reach_m ? LikeliestPlace(stamp_ns) : std::nullopt;
+    if (!place || *place->p_elsewhere > options.lattice.max_p_wrong) {
+      return std::nullopt;
+    }
+    const Pose2 apart = prior.map_from_base.Between(place->map_from_base);
+    return apart.translation().norm() <= reach_m && std::abs(apart.yaw()) <= prior.yaw_radius_rad ? place->p_elsewhere
+                                                                                                  : std::nullopt;
   }
 };
 
@@ -169,6 +226,8 @@ MessageOutcome VehicleTracker::AddOdometry(const MotionIncrement& increment) {
   if (outcome == MessageOutcome::kClockJump) {
     state_->visual.Reset();
     state_->mask.ForgetReference();
+    state_->lattice.LoseMotion();
+    state_->lattice_ns.reset();
     state_->last_frame_ns.reset();
     state_->odometry_until_ns.reset();
     state_->last_wheels.reset();
@@ -221,20 +280,23 @@ std::optional<PosePrior> VehicleTracker::Prior(std::int64_t stamp_ns) const {
   const PriorOptions& o = state_->options.prior;
   const std::optional<FusedPose> expected = state_->fuser->EstimateAt(stamp_ns);
   if (!expected || expected->state == TrackingState::kLost || expected->contradicted) {
-    return std::nullopt;
+    return state_->LikeliestPlace(stamp_ns);
   }
   const Sigmas sigmas = SigmasOf(*expected);
   if (o.sigmas * sigmas.position_m > o.max_radius_m || o.sigmas * sigmas.yaw_rad > o.max_yaw_radius_rad) {
-    return std::nullopt;
+    return state_->LikeliestPlace(stamp_ns);
   }
-  return PosePrior{expected->map_from_base, std::max(o.min_radius_m, o.sigmas * sigmas.position_m),
-                   std::max(o.min_yaw_radius_rad, o.sigmas * sigmas.yaw_rad)};
+  PosePrior prior{expected->map_from_base, std::max(o.min_radius_m, o.sigmas * sigmas.position_m),
+                  std::max(o.min_yaw_radius_rad, o.sigmas * sigmas.yaw_rad)};
+  prior.p_elsewhere = state_->PElsewhere(prior, stamp_ns);
+  return prior;
 }
 
 FrameOutcome VehicleTracker::AddFrame(std::int64_t stamp_ns, const Features& features,
                                       const LocalizationResult& found) {
   FrameOutcome outcome;
   state_->UpdateVisualOdometry(stamp_ns, features, &outcome);
+  state_->MovePlaces(stamp_ns, outcome.visual);
   state_->ApplyFix(stamp_ns, found, &outcome);
   return outcome;
 }
@@ -250,6 +312,12 @@ std::optional<FusedPose> VehicleTracker::Estimate() const { return state_->fuser
 
 std::optional<FusedPose> VehicleTracker::EstimateAt(std::int64_t stamp_ns) const {
   return state_->fuser->EstimateAt(stamp_ns);
+}
+
+std::vector<PoseHypothesis> VehicleTracker::Alternatives() const {
+  const std::optional<double> p_elsewhere = state_->lattice.PElsewhere();
+  return p_elsewhere && *p_elsewhere > state_->options.lattice.max_p_wrong ? state_->lattice.Hypotheses()
+                                                                           : std::vector<PoseHypothesis>();
 }
 
 // The distance until odometry alone is worse than "localized", and short enough to notice a kidnapping.

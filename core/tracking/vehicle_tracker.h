@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/fusion/pose_fuser.h"
 #include "core/localization/localization_result.h"
@@ -11,6 +12,7 @@
 #include "core/localization/pose_prior.h"
 #include "core/odometry/learned_mask.h"
 #include "core/odometry/planar_odometry.h"
+#include "core/tracking/lattice_tracker.h"
 #include "core/tracking/learnt_values.h"
 
 namespace floorloc {
@@ -46,6 +48,7 @@ struct TrackerOptions {
   CameraEstimatorOptions camera;
   LearnedMaskOptions mask;
   ReadoutEstimatorOptions readout;
+  LatticeTrackerOptions lattice;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
@@ -60,6 +63,8 @@ struct NextFrame {
 /// Effect of an image on the pose.
 struct FrameOutcome {
   std::optional<FixOutcome> fix;  ///< empty: the image was not localized
+  /// The fix, where the image alone does not tell its place on a floor that repeats itself and earlier ones do.
+  std::optional<LatticeFix> by_drive;
   PlanarOdometryResult visual;
   bool visual_used = false;  ///< false: an image from before the last one, or no visual odometry
 };
@@ -102,6 +107,9 @@ class VehicleTracker {
   /// At the newest message; empty before the first fix.
   std::optional<FusedPose> Estimate() const;
   std::optional<FusedPose> EstimateAt(std::int64_t stamp_ns) const;
+  /// Where the vehicle may be at the last image, with their probabilities, the likeliest first, while the images so far
+  /// do not tell its place on a floor that repeats itself; else empty.
+  std::vector<PoseHypothesis> Alternatives() const;
   NextFrame Next() const;
 
  private:
