@@ -90,6 +90,19 @@ CREATE TABLE floor_texture (
   covariance BLOB NOT NULL      -- float64[15]: upper triangle, row-major
 );
 
+-- Where the floor repeats itself, as tiles do: regions, numbered from 0, the one with the most floor first. In each, the
+-- floor looks alike at all whole multiples of two vectors. No rows: nowhere.
+CREATE TABLE floor_lattice (
+  region      INTEGER PRIMARY KEY,
+  x_min REAL NOT NULL, x_max REAL NOT NULL, y_min REAL NOT NULL, y_max REAL NOT NULL,  -- rectangle that holds it
+  floor_share REAL NOT NULL,                         -- share of the map's floor that lies in the region
+  first_x REAL NOT NULL, first_y REAL NOT NULL,      -- the lattice's two shortest vectors
+  second_x REAL NOT NULL, second_y REAL NOT NULL,
+  point_x REAL NOT NULL, point_y REAL NOT NULL,      -- a place of the point that repeats itself most
+  residual_m REAL NOT NULL,                          -- RMS distance of copies to their places on the lattice
+  share      REAL NOT NULL                           -- share of the copies that lie on it
+);
+
 -- Survey frames with their optimised poses.
 CREATE TABLE frame (
   id         INTEGER PRIMARY KEY,  -- from 0

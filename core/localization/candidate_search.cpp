@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/lattice/lattice_regions.h"
 #include "core/lattice/self_similarity.h"
 #include "core/localization/oriented_matches.h"
 #include "core/registration/least_squares.h"
@@ -92,8 +93,11 @@ CandidateSearch::CandidateSearch(const FloorMap& map, DescriptorType descriptors
 }
 
 std::optional<FloorLattice> CandidateSearch::FindLattice() const {
-  return floor_repeats_ ? FindFloorLattice(map_.keypoints, *index_, options_.lattice, options_.registration.seed)
-                        : std::nullopt;
+  if (!floor_repeats_) {
+    return std::nullopt;
+  }
+  const std::optional<FloorLattice> stored = LargestLattice(map_.info);
+  return stored ? stored : FindFloorLattice(map_.keypoints, *index_, options_.lattice, options_.registration.seed);
 }
 
 FrameMatches CandidateSearch::FindMatches(const FrameObservation& frame, const SearchScope& scope) const {

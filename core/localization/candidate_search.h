@@ -52,7 +52,7 @@ class CandidateSearch {
                                       const FrameMatches& matches, GlobalSearchCache* global) const;
 
   bool floor_repeats() const { return floor_repeats_; }
-  /// The lattice of a self-similar floor that has one.
+  /// The lattice of a self-similar floor that has one: as the map says, or sought in a map that does not say it.
   std::optional<FloorLattice> FindLattice() const;
   /// Matches all keypoints where a pose predicts them.
   VerifiedPose Verify(const FrameObservation& frame, const Pose2& map_from_base) const;

@@ -50,6 +50,18 @@ struct MapFloorTexture {
   Covariance covariance = Covariance::Identity();
 };
 
+/// A part of the floor that repeats itself on a lattice, as tiles do.
+struct MapLattice {
+  RectM extent;                                         ///< of the part, map frame
+  double floor_share = 1.0;                             ///< share of the map's floor that lies in it
+  Eigen::Matrix2d basis = Eigen::Matrix2d::Identity();  ///< columns: its two shortest vectors, metres, map frame
+  /// The place in the map of the point that repeats itself most, near the middle of the part: all its copies are at
+  /// this plus whole multiples of the basis.
+  Eigen::Vector2d point_m = Eigen::Vector2d::Zero();
+  double residual_m = 0.0;  ///< RMS distance of copies to their places on the lattice
+  double share = 0.0;       ///< share of the copies within the part that lie on it
+};
+
 /// Metadata of a map; written once, when the map is built.
 struct MapInfo {
   int format_version = 0;
@@ -69,6 +81,8 @@ struct MapInfo {
   std::vector<MapCameraMask> masks;
   /// One per survey; or empty: the file does not tell.
   std::vector<MapFloorTexture> floor_textures;
+  /// Where the floor repeats itself, the largest part first. Empty: nowhere, or the file does not tell.
+  std::vector<MapLattice> lattices;
   std::vector<MapParent> parents;
   std::vector<MapFileLayer> layers;  ///< as the file has them, also those that this program does not know
   std::string surveys_json;          ///< provenance: one object per survey

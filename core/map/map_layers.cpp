@@ -21,7 +21,7 @@ struct KnownLayer {
   std::array<const char*, 2> rows;  // nullptr: none
 };
 
-constexpr std::array<KnownLayer, 7> kKnownLayers = {{
+constexpr std::array<KnownLayer, 8> kKnownLayers = {{
     {kCalibrationLayer,
      1,
      false,
@@ -29,6 +29,12 @@ constexpr std::array<KnownLayer, 7> kKnownLayers = {{
       "given_homography FROM calibration ORDER BY survey",
       nullptr}},
     {kCameraMaskLayer, 1, false, {"SELECT survey, found, runs, picture FROM camera_mask ORDER BY survey", nullptr}},
+    {kFloorLatticeLayer,
+     1,
+     false,
+     {"SELECT region, x_min, x_max, y_min, y_max, floor_share, first_x, first_y, second_x, second_y, point_x, point_y, "
+      "residual_m, share FROM floor_lattice ORDER BY region",
+      nullptr}},
     {kFloorTextureLayer,
      1,
      false,
@@ -54,9 +60,8 @@ constexpr std::array<KnownLayer, 7> kKnownLayers = {{
 // Optional layers are listed where their tables hold something; that of the calibrations always does.
 bool IsEmpty(const SqliteConnection& connection, const KnownLayer& layer) {
   const std::string name = layer.name;
-  const char* table = name == kUprightLayer                                    ? "keypoint_upright"
-                      : name == kCameraMaskLayer || name == kFloorTextureLayer ? name.c_str()
-                                                                               : nullptr;
+  const bool named_like_it = name == kCameraMaskLayer || name == kFloorLatticeLayer || name == kFloorTextureLayer;
+  const char* table = name == kUprightLayer ? "keypoint_upright" : named_like_it ? name.c_str() : nullptr;
   return table != nullptr && !SqliteStatement(connection, std::string("SELECT 1 FROM ") + table).Step();
 }
 

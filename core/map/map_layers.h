@@ -25,6 +25,9 @@ inline constexpr const char* kUprightLayer = "upright";
 /// shows enough floor.
 inline constexpr const char* kFloorTextureLayer = "floor_texture";
 
+/// Where the floor repeats itself, as tiles do. Optional, and absent where it does not.
+inline constexpr const char* kFloorLatticeLayer = "floor_lattice";
+
 /// True for a layer that the file has and this program reads.
 bool HasLayer(const std::vector<MapFileLayer>& layers, const std::string& name);
 

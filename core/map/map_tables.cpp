@@ -12,6 +12,7 @@
 #include "core/map/checked_row.h"
 #include "core/map/content_hash.h"
 #include "core/map/extractor_parameters.h"
+#include "core/map/floor_lattice_table.h"
 #include "core/map/floor_texture_table.h"
 #include "core/map/map_contract.h"
 #include "core/map/map_layers.h"
@@ -252,6 +253,9 @@ MapInfo ReadInfoTables(const SqliteConnection& connection) {
   }
   if (HasLayer(info.layers, kCameraMaskLayer)) {
     info.masks = ReadCameraMasks(connection, info);
+  }
+  if (HasLayer(info.layers, kFloorLatticeLayer)) {
+    info.lattices = ReadFloorLattices(connection);
   }
   if (HasLayer(info.layers, kFloorTextureLayer)) {
     info.floor_textures = ReadFloorTextures(connection, info);

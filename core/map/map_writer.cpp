@@ -6,6 +6,7 @@
 #include "core/map/camera_mask_table.h"
 #include "core/map/content_hash.h"
 #include "core/map/extractor_parameters.h"
+#include "core/map/floor_lattice_table.h"
 #include "core/map/floor_texture_table.h"
 #include "core/map/keypoint_blobs.h"
 #include "core/map/map_contract.h"
@@ -87,6 +88,7 @@ std::string MapWriter::Impl::WriteInfo(const MapInfo& info, const MosaicLayout& 
   }
   WriteCameraMasks(connection, info);
   WriteFloorTextures(connection, info);
+  WriteFloorLattices(connection, info.lattices);
   WriteLayers(connection);
   std::string version = ComputeContentVersion(connection);
   SqliteStatement(connection, "UPDATE map SET content_version = ?").Bind(version).Run();

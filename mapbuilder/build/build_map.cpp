@@ -9,6 +9,7 @@
 #include "core/io/camera_mask.h"
 #include "core/io/input_error.h"
 #include "core/io/text_file.h"
+#include "core/lattice/lattice_regions.h"
 #include "core/map/camera_correction.h"
 #include "core/map/camera_mask_table.h"
 #include "core/map/map_writer.h"
@@ -220,6 +221,7 @@ MapInfo Completed(MapInfo info, const BuildOptions& options, const BuildReport& 
   info.extractor = options.extractor;
   info.extent = report.extent;
   info.area_m2 = report.area_m2;
+  info.lattices = report.lattices;
   info.report_json = ToJson(WithoutFolders(report, options.surveys, options.markers.file), false);
   return info;
 }
@@ -286,6 +288,7 @@ BuildReport BuildMap(const BuildOptions& requested) {
 
   MapKeypoints keypoints = FuseKeypoints(floor.ForFusion(), options.fusion);
   CountKeypoints(keypoints, &report);
+  report.lattices = FindLatticeRegions(keypoints, options.lattices, options.seed);
   writer.WriteKeypoints(keypoints, CreateFeatureExtractor(options.extractor)->descriptor_type());
   clock.Finish("keypoints");
 

@@ -28,6 +28,7 @@ void BuildOptions::Check() const {
       "distances (--distance) must be left out unless self-calibration estimates the height (--self-calibrate auto or "
       "height), and when a map is extended");
   fusion.Check();
+  lattices.Check();
   held_out.Check();
   mosaic.Check();
   RequireOption(max_keypoints == 0 || max_keypoints >= 10, "max_keypoints must be 10 or more; 0: suits the images");

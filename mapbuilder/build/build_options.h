@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/io/trajectory.h"
+#include "core/lattice/lattice_regions.h"
 #include "core/vision/extractors/feature_extractor.h"
 #include "mapbuilder/batch/run_options.h"
 #include "mapbuilder/build/held_out.h"
@@ -45,7 +46,8 @@ struct BuildOptions {
   ScaleOptions scale;
   KeypointFusionOptions fusion;
   double max_keypoints_per_m2 = 0.0;  ///< keypoint budget of the map; 0: chosen for the camera
-  bool hold_out = true;               ///< localize some frames in a map built without them
+  LatticeRegionOptions lattices;
+  bool hold_out = true;  ///< localize some frames in a map built without them
   HeldOutOptions held_out;
   MosaicOptions mosaic;  ///< resolution_m 0: that of the surveys
   RunOptions run;

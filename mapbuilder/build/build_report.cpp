@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "mapbuilder/finished_map/map_lattices.h"
 #include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {
@@ -72,6 +73,14 @@ std::string MaskText(const BuildReport& r) {
     } else if (mask.status == CameraMaskStatus::kUndecided) {
       text += "  masked       nothing" + OfSurvey(r, i) + ": not enough structure to tell what moves with the camera\n";
     }
+  }
+  return text;
+}
+
+std::string LatticesText(const std::vector<MapLattice>& lattices) {
+  std::string text;
+  for (const MapLattice& lattice : lattices) {
+    text += "  lattice      " + LatticeSentence(lattice) + "\n";
   }
   return text;
 }
@@ -157,6 +166,7 @@ std::string ToText(const BuildReport& r) {
   text << Format("  floor        %.2f m2, %.2f x %.2f m\n", r.area_m2, r.extent.width_m(), r.extent.height_m())
        << Format("  keypoints    %d (%.0f per m2), seen %.1f times on average\n", r.keypoints,
                  r.area_m2 > 0 ? r.keypoints / r.area_m2 : 0.0, r.mean_observations)
+       << LatticesText(r.lattices)
        << Format("  time         %.1f s, %.1f frames/s:", r.total_s, r.total_s > 0 ? r.frames / r.total_s : 0.0);
   for (const auto& [stage, seconds] : r.stage_s) {
     text << " " << stage << Format(" %.1f", seconds);

@@ -10,6 +10,7 @@
 
 #include "core/geometry/floor_plane.h"
 #include "core/geometry/pose2.h"
+#include "core/map/floor_map.h"
 #include "mapbuilder/build/map_scale.h"
 #include "mapbuilder/heights/frame_heights.h"
 #include "mapbuilder/markers/markers.h"
@@ -74,6 +75,7 @@ struct BuildReport {
   RectM extent;
   int keypoints = 0;
   double mean_observations = 0.0;
+  std::vector<MapLattice> lattices;  ///< where the floor repeats itself; the map has them in a table of its own
   std::vector<HeldOutFrame> held_out;
   std::vector<ControlPointError> control_points;  ///< those that were used
   double control_point_scale = 1.0;    ///< their distances over those in the images, where it explains a misfit
@@ -86,12 +88,12 @@ struct BuildReport {
   double total_s = 0.0;
 };
 
-/// The report as JSON, for `--json` and the map's report_json. The latter omits times so that equal input gives equal
-/// files.
+/// The report as JSON, for `--json` and the map's report_json. The latter omits times, so that equal input gives equal
+/// files, and what the map holds elsewhere.
 std::string ToJson(const BuildReport& report, bool with_times);
 
-/// Inverse of ToJson without times, except for the self-calibration. Fields that an older builder did not write keep
-/// their defaults. Throws MapError when the text is damaged.
+/// Inverse of ToJson as the map has it, except for the self-calibration. Fields that an older builder did not write
+/// keep their defaults. Throws MapError when the text is damaged.
 BuildReport ParseBuildReport(const std::string& text);
 
 /// What moves with the camera and was not masked, one sentence per survey.

@@ -5,6 +5,7 @@
 
 #include "core/map/map_error.h"
 #include "mapbuilder/build/build_report.h"
+#include "mapbuilder/finished_map/map_lattices.h"
 #include "mapbuilder/self_calibration/calibration_summary.h"
 
 namespace floorloc {
@@ -273,6 +274,7 @@ std::string ToJson(const BuildReport& report, bool with_times) {
   }
   if (with_times) {
     json["content_version"] = report.content_version;
+    json["lattices"] = LatticesJson(report.lattices);
     for (const auto& [stage, seconds] : report.stage_s) {
       json["stage_s"][stage] = seconds;
     }

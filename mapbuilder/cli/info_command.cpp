@@ -9,6 +9,7 @@
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_database.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/finished_map/map_lattices.h"
 
 namespace floorloc {
 namespace {
@@ -48,6 +49,7 @@ nlohmann::ordered_json ToJson(const FloorMap& map, std::size_t frames) {
   for (const MapParent& parent : info.parents) {
     json["parents"].push_back({{"relation", parent.relation}, {"id", parent.id}, {"version", parent.content_version}});
   }
+  json["lattices"] = LatticesJson(info.lattices);
   json["layers"] = nlohmann::json::array();
   for (const MapFileLayer& layer : info.layers) {
     json["layers"].push_back(
@@ -76,6 +78,9 @@ void PrintText(const FloorMap& map, std::size_t frames, std::uintmax_t bytes) {
               map.keypoints.descriptors.cols, map.keypoints.descriptors.depth() == CV_8U ? "bytes" : "numbers");
   std::printf("mosaic       %.2f mm per pixel, %d levels of %d px tiles\n", 1e3 * map.mosaic.resolution_m,
               map.mosaic.max_zoom + 1, map.mosaic.tile_px);
+  for (const MapLattice& lattice : info.lattices) {
+    std::printf("lattice      %s\n", LatticeSentence(lattice).c_str());
+  }
   for (const MapFileLayer& layer : info.layers) {
     if (!layer.known) {
       std::printf("layer        %s, version %d: not known to this version of floorloc\n", layer.name.c_str(),

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/finished_map/map_lattices.h"
 #include "mapbuilder/merge/merge_maps.h"
 
 namespace floorloc {
@@ -23,6 +24,7 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
                                         {"keypoints", r.keypoints},
                                         {"shared_keypoints", r.shared_keypoints},
                                         {"area_m2", r.area_m2},
+                                        {"lattices", LatticesJson(r.lattices)},
                                         {"content_version", r.content_version},
                                         {"warnings", r.warnings}};
     std::cout << report.dump(2) << "\n";
@@ -33,6 +35,9 @@ void Print(const MergeReport& r, const MergeOptions& options, bool json) {
   std::printf("  deformed     by up to %.2f mm to align with the first\n", 1e3 * r.deformation_m);
   std::printf("  floor        %.2f m2\n  keypoints    %d, %d of them in both\n", r.area_m2, r.keypoints,
               r.shared_keypoints);
+  for (const MapLattice& lattice : r.lattices) {
+    std::printf("  lattice      %s\n", LatticeSentence(lattice).c_str());
+  }
   std::printf("  version      %s\n", r.content_version.substr(0, 16).c_str());
   for (const std::string& warning : r.warnings) {
     std::printf("  WARNING      %s\n", warning.c_str());

@@ -105,6 +105,7 @@ void WriteMosaic(const BaseMap& first, const BaseMap& second, const MapDeformati
 
 void MergeOptions::Check() const {
   alignment.Check();
+  lattices.Check();
   RequireOption(jpeg_quality >= 1 && jpeg_quality <= 100, "jpeg_quality must be 1 to 100");
 }
 
@@ -149,9 +150,11 @@ MergeReport MergeMaps(const MergeOptions& options) {
   report.keypoints = static_cast<int>(keypoints.size());
   report.shared_keypoints = static_cast<int>(first.map.keypoints.size() + deformed.size() - keypoints.size());
   report.area_m2 = coverage.AreaM2();
+  report.lattices = FindLatticeRegions(keypoints, options.lattices, options.alignment.seed);
   MapInfo info = MakeMergedInfo(options.out.stem().string(), first, second);
   info.extent = coverage.Extent();
   info.area_m2 = coverage.AreaM2();
+  info.lattices = report.lattices;
   info.report_json = nlohmann::json{{"shared_frames", report.shared_frames},
                                     {"bent_m", report.deformation_m},
                                     {"shared_keypoints", report.shared_keypoints}}

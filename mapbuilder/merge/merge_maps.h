@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lattice/lattice_regions.h"
 #include "mapbuilder/merge/align_maps.h"
 
 namespace floorloc {
@@ -14,6 +15,7 @@ struct MergeOptions {
   std::filesystem::path second;  ///< where both have floor, the first map's mosaic is shown
   std::filesystem::path out;     ///< may equal one of them
   MapAlignmentOptions alignment;
+  LatticeRegionOptions lattices;
   int jpeg_quality = 90;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
@@ -27,6 +29,7 @@ struct MergeReport {
   int keypoints = 0;
   int shared_keypoints = 0;  ///< floor points found in both maps
   double area_m2 = 0.0;
+  std::vector<MapLattice> lattices;  ///< where the floor repeats itself
   std::string content_version;
   std::vector<std::string> warnings;  ///< one sentence each
 };

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mapbuilder/build/build_report.h"
+#include "mapbuilder/finished_map/map_lattices.h"
 #include "mapbuilder/report/number_text.h"
 #include "mapbuilder/report/odometry_drift.h"
 #include "mapbuilder/report/weakness_text.h"
@@ -139,6 +140,7 @@ std::string ReportJson(const MapEvidence& evidence, const MapQuality& quality, c
                   {"map", MapJson(evidence)},
                   {"floor", FloorJson(quality)},
                   {"geometry", GeometryJson(evidence, quality)},
+                  {"lattices", LatticesJson(evidence.map.info.lattices)},
                   {"held_out", HeldOutJson(evidence)},
                   {"camera_copies", CopiesJson(evidence)},
                   {"build", Json::parse(evidence.map.info.report_json)}};

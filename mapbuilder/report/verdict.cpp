@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/geometry/option_check.h"
+#include "mapbuilder/finished_map/map_lattices.h"
 #include "mapbuilder/report/number_text.h"
 #include "mapbuilder/report/odometry_drift.h"
 #include "mapbuilder/report/verdict_reasons.h"
@@ -178,6 +179,9 @@ std::vector<std::string> Facts(const MapEvidence& evidence, const MapQuality& qu
   }
   if (const std::string scale = ScaleText(evidence.build.scale); !scale.empty()) {
     facts.push_back("Its scale is " + scale + ".");
+  }
+  for (const MapLattice& lattice : evidence.map.info.lattices) {
+    facts.push_back(LatticeSentence(lattice) + ".");
   }
   if (evidence.build.drift_m > 0.0 && !drift_is_doubtful) {
     facts.push_back("Odometry had drifted by up to " + LengthText(evidence.build.drift_m) + "; that is corrected.");

@@ -116,6 +116,21 @@ nlohmann::json FormatScale(const MapInfo& info) {
   return {{"sigma", scale["sigma"]}, {"sources", std::move(sources)}};
 }
 
+// The region with the most floor, which localization uses. Null: nowhere, or a map that does not say it.
+nlohmann::json FormatLattice(const MapInfo& info) {
+  if (info.lattices.empty()) {
+    return {};
+  }
+  const MapLattice& lattice = info.lattices.front();
+  const auto& basis = lattice.basis;
+  return {{"basis", {{basis(0, 0), basis(1, 0)}, {basis(0, 1), basis(1, 1)}}},
+          {"point", {lattice.point_m.x(), lattice.point_m.y()}},
+          {"residual_m", lattice.residual_m},
+          {"share", lattice.share},
+          {"floor_share", lattice.floor_share},
+          {"extent", FormatExtent(lattice.extent)}};
+}
+
 }  // namespace
 
 std::string FormatVersions(const LoadedMap& map, const MapLibrary& library) {
@@ -151,6 +166,7 @@ std::string FormatMap(const LoadedMap& map, const MapLibrary& library) {
     if (nlohmann::json scale = FormatScale(info); !scale.is_null()) {
       json["scale"] = std::move(scale);
     }
+    json["lattice"] = FormatLattice(info);
     json["format_version"] = info.format_version;
     json["extractor"] = FormatExtractor(info.extractor);
     json["camera"] = FormatCamera(info.camera().camera);

@@ -22,6 +22,7 @@ struct Workshop {
     WriteSmallSurvey(files.survey, 0.52, 5);
     WriteSmallMap(folder.path() / "survey", files.whole_map);
     std::filesystem::copy_file(files.whole_map, bare);
+    MapDamage::AddLattice(bare);
     MapDamage::DropConstraints(bare);
   }
 

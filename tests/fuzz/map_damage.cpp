@@ -163,6 +163,14 @@ void MapDamage::DropConstraints(const std::filesystem::path& file) {
       "PRAGMA writable_schema = RESET");
 }
 
+void MapDamage::AddLattice(const std::filesystem::path& file) {
+  MapDamage map(file);
+  map.Run(
+      "INSERT INTO floor_lattice SELECT 0, x_min, x_max, y_min, y_max, 1, 0.3, 0, 0, 0.2, 0.1, 0.1, 1e-3, 0.9 FROM map;"
+      "INSERT INTO layer VALUES ('floor_lattice', 1, 0, lower(hex(zeroblob(32))))");
+  map.RenewChecksums();
+}
+
 std::string MapDamage::Change(ByteSource& source) {
   const Table& table = tables_[source.Below(tables_.size())];
   const std::size_t column = source.Below(table.columns.size() + 1);

@@ -21,6 +21,9 @@ class MapDamage {
   /// Takes away what the file says of its own columns (NOT NULL, CHECK): one from outside need not say it.
   static void DropConstraints(const std::filesystem::path& file);
 
+  /// Gives the map a lattice, as that of a floor of tiles has.
+  static void AddLattice(const std::filesystem::path& file);
+
   /// One change, named by six bytes: table, column, row, kind and two more. Returns it as SQL, for people.
   std::string Change(ByteSource& source);
   /// Makes the checksums of all rows and the content version right, so that readers go on to what was changed.

@@ -51,6 +51,20 @@ TEST_F(ReportPageTest, WhatIsMaskedIsShown) {
   EXPECT_THAT(html, HasSubstr("--no-auto-mask"));
 }
 
+TEST_F(ReportPageTest, ByWhatTheFloorRepeatsItselfIsTold) {
+  EXPECT_TRUE(Json()["lattices"].empty());
+  MapLattice lattice;
+  lattice.basis << 0.3, 0.01, -0.01, 0.2;
+  lattice.point_m = {1.0, 2.0};
+  lattice.share = 0.75;
+  evidence_.map.info.lattices = {lattice};
+  const nlohmann::json told = Json()["lattices"][0];
+  EXPECT_EQ(told["basis"], nlohmann::json({{0.3, -0.01}, {0.01, 0.2}}));
+  EXPECT_EQ(told["point"], nlohmann::json({1.0, 2.0}));
+  EXPECT_EQ(told["share"], 0.75);
+  EXPECT_THAT(Html(), HasSubstr("The floor repeats itself every"));
+}
+
 TEST_F(ReportPageTest, NamesFromOutsideAreEscaped) {
   evidence_.map.info.name = "<script>alert(1)</script>";
   evidence_.build.dropped = {{"<b>.jpg", "a<b", std::nullopt}};

@@ -62,6 +62,22 @@ TEST(VerdictTest, AFloorOfTilesNeedsAPriorButNoNewSurvey) {
   EXPECT_THAT(verdict.reasons, Contains(HasSubstr("a prior")));
 }
 
+TEST(VerdictTest, ByWhatTheFloorRepeatsItselfIsAFact) {
+  MapEvidence evidence = MakeMapEvidence();
+  MapLattice lattice;
+  lattice.extent = evidence.map.info.extent;
+  lattice.basis << 0.3, 0.0, 0.0, 0.2001;
+  lattice.share = 0.92;
+  lattice.residual_m = 3e-4;
+  evidence.map.info.lattices = {lattice};
+  EXPECT_THAT(VerdictOf(evidence).facts,
+              Contains(HasSubstr("every 300.0 mm x 200.1 mm (92 % of its copies, 0.3 mm off)")));
+  evidence.map.info.lattices[0].floor_share = 0.4;
+  EXPECT_THAT(VerdictOf(evidence).facts,
+              Contains(HasSubstr("itself on 40 % of it, x 0.0 to 3.2 m, y 0.0 to 2.4 m, every")));
+  EXPECT_EQ(VerdictOf(evidence).trust, VerdictOf(MakeMapEvidence()).trust);
+}
+
 TEST(VerdictTest, AMapThatShowsWhatMovesWithTheCameraIsNotToBeUsed) {
   MapEvidence evidence = MakeMapEvidence();
   evidence.build.masks = {{CameraMaskStatus::kFound, false, 0.13, 20, {}, {}}};

@@ -32,6 +32,10 @@ TEST_F(RoutesTest, DescribesOneMap) {
   EXPECT_EQ(Json(client_.Get("/v1/maps/hall"))["extent"]["x_max"], 1.2);
   EXPECT_EQ(Json(client_.Get("/v1/maps/hall"))["scale"]["sigma"], 0.0025);
   EXPECT_EQ(Json(client_.Get("/v1/maps/hall"))["scale"]["sources"][0], "mounting");
+  const json lattice = Json(client_.Get("/v1/maps/hall"))["lattice"];
+  EXPECT_EQ(lattice["basis"], json({{0.3, -0.01}, {0.01, 0.2}}));
+  EXPECT_EQ(lattice["point"], json({0.5, 0.25}));
+  EXPECT_EQ(lattice["extent"]["x_max"], 1.2);
   EXPECT_EQ(Json(client_.Get("/v1/maps/broken"))["status"], "error");
   ExpectProblem(client_.Get("/v1/maps/cellar"), 404, "unknown_map");
   ExpectProblem(client_.Get("/v1/maps/..%2Fhall"), 404, "not_found");

@@ -6,7 +6,7 @@ from .answers import (
     OdometryTrust, Pose, SinceFix, Timing, TrackingAnswer, Transform, VehicleFix,
 )
 from .maps import (
-    Layer, Map, MapList, MapSummary, Mosaic, RefusedFile, Scale, Version,
+    FloorLattice, Layer, Map, MapList, MapSummary, Mosaic, RefusedFile, Scale, Version,
 )
 from .requests import (
     Calibration, Camera, Floor, Gate, Increment, InitialPose, Motion, Rectangle, Twist, VehicleRequest,
@@ -22,8 +22,8 @@ from .vehicles import (
 
 __all__ = [
     "Alternative", "Calibration", "Camera", "CameraCorrection", "CameraEstimate", "CameraMounting",
-    "Diagnosis", "Finding", "Fix", "FixCounts", "FixList", "FixRecord", "Floor", "FrameAnswer", "Gate",
-    "Increment", "InitialPose", "Layer", "LocalizeAnswer", "Map", "MapList", "MapSummary", "MaskSummary",
+    "Diagnosis", "Finding", "Fix", "FixCounts", "FixList", "FixRecord", "Floor", "FloorLattice", "FrameAnswer",
+    "Gate", "Increment", "InitialPose", "Layer", "LocalizeAnswer", "Map", "MapList", "MapSummary", "MaskSummary",
     "MessageCounts", "Mosaic", "Motion", "Next", "OdometryAnswer", "OdometryTrust", "Pose", "Rectangle",
     "RefusedFile", "RosHeader", "RosPose", "RosPoseWithCovariance", "RosPoseWithCovarianceStamped",
     "RosQuaternion", "RosTime", "RosTransform", "RosTransformStamped", "RosVector3", "RosVehicle", "Scale",

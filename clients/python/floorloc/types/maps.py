@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Literal, TypedDict
+from typing import Any, Dict, List, Literal, Optional, TypedDict
 
 from .requests import Camera, Floor, Rectangle
 
@@ -68,6 +68,15 @@ class Scale(TypedDict):
     sources: List[str]
 
 
+class FloorLattice(TypedDict):
+    basis: List[List[float]]
+    point: List[float]
+    residual_m: float
+    share: float
+    floor_share: float
+    extent: Rectangle
+
+
 class _MapRequired(TypedDict):
     name: str
     status: Literal["ready", "error"]
@@ -89,6 +98,7 @@ class Map(_MapRequired, total=False):
     layers: List[Layer]
     mosaic: Mosaic
     scale: Scale
+    lattice: Optional[FloorLattice]
     format_version: int
     extractor: Dict[str, Any]
     camera: Camera
