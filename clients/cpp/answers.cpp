@@ -42,6 +42,15 @@ std::vector<Alternative> ParseAlternatives(const json& array) {
   return alternatives;
 }
 
+LatticePose ParseLatticePose(const json& object) {
+  LatticePose lattice;
+  object.at("basis").get_to(lattice.basis);
+  lattice.pose = ParseTransform(object.at("pose"));
+  object.at("covariance").get_to(lattice.covariance);
+  object.at("places").get_to(lattice.places);
+  return lattice;
+}
+
 void ParseFix(const json& object, Fix* fix) {
   object.at("keypoints").get_to(fix->keypoints);
   object.at("matches").get_to(fix->matches);
@@ -87,6 +96,7 @@ void ParseTracking(const json& object, TrackingAnswer* answer) {
   answer->odom_from_base = Optional(object, "odom_from_base", ParseTransform);
   answer->since_fix = Optional(object, "since_fix", ParseSinceFix);
   answer->odometry = Optional(object, "odometry", ParseOdometryTrust);
+  answer->alternatives = Optional(object, "alternatives", ParseAlternatives).value_or(std::vector<Alternative>());
   answer->next = ParseNext(object.at("next"));
 }
 
@@ -99,6 +109,7 @@ LocalizeAnswer ParseLocalizeAnswer(const json& object) {
   answer.pose = Optional(object, "pose", ParsePose);
   ParseFix(object.at("fix"), &answer.fix);
   answer.alternatives = ParseAlternatives(object.at("alternatives"));
+  answer.lattice = Optional(object, "lattice", ParseLatticePose);
   answer.timing = ParseTiming(object.at("timing_ms"));
   return answer;
 }
@@ -122,7 +133,7 @@ FrameAnswer ParseFrameAnswer(const json& object) {
   ParseTracking(object, &answer);
   object.at("message").get_to(answer.message);
   answer.fix = ParseVehicleFix(object.at("fix"));
-  answer.alternatives = ParseAlternatives(object.at("alternatives"));
+  answer.lattice = Optional(object, "lattice", ParseLatticePose);
   answer.timing = ParseTiming(object.at("timing_ms"));
   return answer;
 }

@@ -36,6 +36,14 @@ struct Alternative {
   double weight = 0.0;
 };
 
+/// The pose on a floor that repeats itself: the robot is at it, moved by a whole multiple of each vector of the basis.
+struct LatticePose {
+  std::array<std::array<double, 2>, 2> basis = {};  ///< two vectors (x, y), map frame, metres
+  Transform pose;
+  std::array<double, 9> covariance = {};  ///< of (x, y, yaw), row by row
+  int places = 0;                         ///< how many such places the map has
+};
+
 struct Fix {
   int keypoints = 0;
   int matches = 0;
@@ -58,6 +66,7 @@ struct LocalizeAnswer {
   std::optional<Pose> pose;
   Fix fix;
   std::vector<Alternative> alternatives;
+  std::optional<LatticePose> lattice;
   Timing timing;
 };
 
@@ -90,6 +99,9 @@ struct TrackingAnswer {
   std::optional<Transform> odom_from_base;
   std::optional<SinceFix> since_fix;
   std::optional<OdometryTrust> odometry;
+  /// Where the robot may be, while its images do not tell the place on a floor that repeats itself; in a FrameAnswer
+  /// else of the image alone.
+  std::vector<Alternative> alternatives;
   Next next;
 };
 
@@ -111,7 +123,7 @@ struct VehicleFix : Fix {
 struct FrameAnswer : TrackingAnswer {
   std::string message;  ///< what became of the image: used, used_late, duplicate, ...
   VehicleFix fix;
-  std::vector<Alternative> alternatives;
+  std::optional<LatticePose> lattice;
   Timing timing;
 };
 

@@ -26,6 +26,9 @@ struct LatticeObservation {
   /// The places that the frame was compared with, the likeliest first; their multiples count from map_from_base. Empty:
   /// it was not compared.
   std::vector<LatticePlace> places;
+
+  /// How many places the lattice has within the map's extent: about, at least one.
+  int CountPlaces() const;
 };
 
 }  // namespace floorloc

@@ -96,6 +96,7 @@ class Run {
                            .left_out = tracker_.Mask().left_out};
     const FrameObservation observation = LocateFrame(localizer_, rectifier_, survey_, hints, &fused.localized);
     fused.outcome = tracker_.AddFrame(frame.stamp_ns, observation.features, observation.floor, fused.localized.result);
+    fused.alternatives = tracker_.Alternatives();
     fused.learnt_share = tracker_.Mask().share;
     fused.pose = tracker_.EstimateAt(frame.stamp_ns);
     if (options_.dense && !drive_.poses.empty() && fused.pose && drive_.poses.back().stamp_ns == frame.stamp_ns) {
@@ -176,7 +177,11 @@ FusedDrive FuseFrames(const Localizer& localizer, const Survey& survey, const Fu
 }
 
 std::string ToJsonLine(const FusedFrame& frame) {
-  auto json = nlohmann::ordered_json::parse(ToJsonLine(frame.localized));
+  LocalizedFrame localized = frame.localized;
+  if (!frame.alternatives.empty()) {  // by all images; those of this one alone say less
+    localized.result.alternatives = frame.alternatives;
+  }
+  auto json = nlohmann::ordered_json::parse(ToJsonLine(localized));
   if (frame.outcome.fix) {
     json["accepted"] = frame.outcome.fix->accepted;
     json["reject_reason"] = ToString(frame.outcome.fix->reason);

@@ -27,8 +27,9 @@ struct FuseFramesOptions {
 struct FusedFrame {
   LocalizedFrame localized;
   FrameOutcome outcome;
-  std::optional<FusedPose> pose;  ///< after the frame; empty before the first fix
-  double learnt_share = 0.0;      ///< LearnedMaskState::share after the frame
+  std::optional<FusedPose> pose;             ///< after the frame; empty before the first fix
+  std::vector<PoseHypothesis> alternatives;  ///< after the frame, see VehicleTracker::Alternatives
+  double learnt_share = 0.0;                 ///< LearnedMaskState::share after the frame
 };
 
 struct FusedDrive {

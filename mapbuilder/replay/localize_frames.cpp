@@ -151,6 +151,15 @@ std::vector<LocalizedFrame> LocalizeWithOdometry(const Localizer& localizer, con
   return frames;
 }
 
+nlohmann::ordered_json ToJson(const LatticeObservation& seen) {
+  const Eigen::Matrix2d& basis = seen.lattice.basis;
+  const Pose2& pose = seen.map_from_base;
+  return {{"basis", {{basis(0, 0), basis(1, 0)}, {basis(0, 1), basis(1, 1)}}},
+          {"pose", {{"x", pose.x()}, {"y", pose.y()}, {"yaw", pose.yaw()}}},
+          {"covariance", std::vector<double>(seen.covariance.data(), seen.covariance.data() + seen.covariance.size())},
+          {"places", seen.CountPlaces()}};
+}
+
 }  // namespace
 
 FrameObservation LocateFrame(const Localizer& localizer, const Rectifier& rectifier, const Survey& survey,
@@ -234,6 +243,9 @@ std::string ToJsonLine(const LocalizedFrame& localized) {
     const Pose2& pose = a.target_from_source;
     json["alternatives"].push_back(
         {{"x", pose.x()}, {"y", pose.y()}, {"yaw", pose.yaw()}, {"inliers", a.inliers}, {"weight", a.weight}});
+  }
+  if (r.lattice) {
+    json["lattice"] = ToJson(*r.lattice);
   }
   json["search"] = r.used_prior ? "prior" : "global";
   json["timing_ms"] = {{"decode", localized.decode_ms},    {"rectify", r.timing.rectify_ms},

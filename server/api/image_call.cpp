@@ -70,6 +70,9 @@ FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& lab
   record.map_version = map.info().content_version;
   record.search = outcome.search;
   record.result = outcome.result;
+  if (record.result.lattice) {
+    record.result.lattice->places = {};  // up to 200; viewers and answers have the pose alone
+  }
   record = state.fixes.Add(std::move(record));
   if (!record.vehicle.empty()) {
     state.vehicles.SetLastFix(record.vehicle, record);

@@ -7,7 +7,6 @@
 
 #include "core/io/jpeg_quality.h"
 #include "server/api/camera_json.h"
-#include "server/api/pose_json.h"
 #include "server/wire/names.h"
 #include "server/wire/number_text.h"
 #include "server/wire/problem.h"
@@ -121,6 +120,7 @@ void AddStatus(const FixRecord& record, nlohmann::json& answer) {
   }
   answer["fix"] = FormatFix(record);
   answer["alternatives"] = FormatAlternatives(record);
+  AddLattice(record, &answer);
 }
 
 }  // namespace
@@ -186,14 +186,30 @@ nlohmann::json FormatFix(const FixRecord& record) {
 }
 
 nlohmann::json FormatAlternatives(const FixRecord& record) {
+  return FormatAlternatives(LabelOf(record), record.result.alternatives);
+}
+
+nlohmann::json FormatAlternatives(const PoseLabel& label, const std::vector<PoseHypothesis>& hypotheses) {
   nlohmann::json alternatives = nlohmann::json::array();
-  for (const PoseHypothesis& hypothesis : record.result.alternatives) {
-    nlohmann::json item = FormatPose(LabelOf(record), hypothesis.target_from_source);
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    nlohmann::json item = FormatPose(label, hypothesis.target_from_source);
     item["inliers"] = hypothesis.inliers;
     item["weight"] = hypothesis.weight;
     alternatives.push_back(std::move(item));
   }
   return alternatives;
+}
+
+void AddLattice(const FixRecord& record, nlohmann::json* answer) {
+  if (!record.result.lattice) {
+    return;
+  }
+  const LatticeObservation& seen = *record.result.lattice;
+  const Eigen::Matrix2d& basis = seen.lattice.basis;
+  (*answer)["lattice"] = {{"basis", {{basis(0, 0), basis(1, 0)}, {basis(0, 1), basis(1, 1)}}},
+                          {"pose", FormatTransform(seen.map_from_base)},
+                          {"covariance", FormatCovariance(seen.covariance)},
+                          {"places", seen.CountPlaces()}};
 }
 
 nlohmann::json FormatTiming(const LocalizeOutcome& outcome) {

@@ -4,9 +4,11 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/geometry/floor_plane.h"
 #include "core/localization/localizer.h"
+#include "server/api/pose_json.h"
 #include "server/serving/camera_mask.h"
 #include "server/serving/fix_history.h"
 #include "server/serving/localize_service.h"
@@ -38,6 +40,9 @@ std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcom
 nlohmann::json FormatFix(const FixRecord& record);      ///< keypoint counts, residual, p_wrong, search
 nlohmann::json FormatFixPose(const FixRecord& record);  ///< pose and covariance; for status localized only
 nlohmann::json FormatAlternatives(const FixRecord& record);
+nlohmann::json FormatAlternatives(const PoseLabel& label, const std::vector<PoseHypothesis>& hypotheses);
+/// Adds "lattice", the pose modulo the floor's lattice, where the image tells it.
+void AddLattice(const FixRecord& record, nlohmann::json* answer);
 nlohmann::json FormatTiming(const LocalizeOutcome& outcome);
 
 /// An element of GET /v1/maps/{map}/fixes.

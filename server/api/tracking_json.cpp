@@ -118,6 +118,7 @@ void AddFused(const VehicleView& view, const MapLabel& map, nlohmann::json& answ
     answer["map_from_odom"] = FormatTransform(fused->map_from_odom);
     answer["odom_from_base"] = FormatTransform(fused->odom_from_base);
   }
+  AddAlternatives(view, map, &answer);
 }
 
 nlohmann::json FormatVehicleFix(const FrameReport& report, const FixRecord& record) {
@@ -227,12 +228,22 @@ nlohmann::json FormatOdometryTrust(const VehicleView& view) {
           {"yaw_scale", trust.yaw_scale},     {"time_offset_s", trust.time_offset_s}};
 }
 
+void AddAlternatives(const VehicleView& view, const MapLabel& map, nlohmann::json* answer) {
+  if (!view.alternatives.empty()) {
+    (*answer)["alternatives"] =
+        FormatAlternatives({map.name, map.version, ToSeconds(view.alternatives_ns)}, view.alternatives);
+  }
+}
+
 std::string FormatFrameResponse(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome) {
   nlohmann::json answer;
   AddFused(report.view, {record.map, record.map_version}, answer);
   answer["message"] = ToString(report.message);
   answer["fix"] = FormatVehicleFix(report, record);
-  answer["alternatives"] = FormatAlternatives(record);
+  if (!answer.contains("alternatives")) {  // those of the vehicle, by all its images
+    answer["alternatives"] = FormatAlternatives(record);
+  }
+  AddLattice(record, &answer);
   answer["camera_correction"] = FormatCorrection(outcome.correction);
   answer["masked_share"] = outcome.masked_share;
   answer["timing_ms"] = FormatTiming(outcome);

@@ -48,6 +48,9 @@ struct MapLabel {
   std::string version;
 };
 
+/// Adds "alternatives", where the vehicle may be, if its images do not tell the place on a floor that repeats itself.
+void AddAlternatives(const VehicleView& view, const MapLabel& map, nlohmann::json* answer);
+
 std::string FormatFrameResponse(const FrameReport& report, const FixRecord& record, const LocalizeOutcome& outcome);
 std::string FormatOdometryResponse(const OdometryReport& report, const MapLabel& map);
 std::string FormatInitialPoseResponse(const VehicleView& view, const MapLabel& map);

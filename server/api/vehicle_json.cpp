@@ -150,6 +150,7 @@ nlohmann::json FormatLivePose(const VehicleState& state, const VehicleView& view
   if (view.lost_reason != LostReason::kNone) {
     json["lost_reason"] = ToString(view.lost_reason);
   }
+  AddAlternatives(view, {label.map, label.map_version}, &json);
   return json;
 }
 

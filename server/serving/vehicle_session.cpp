@@ -75,6 +75,7 @@ void VehicleSession::ClearStampsLocked() {
   odometry_stamps_.Clear();
   frames_.Clear();
   last_received_ns_.reset();
+  newest_image_ns_ = 0;
   pose_set_ns_.reset();
   started_ns_.reset();
   unstamped_pose_.reset();
@@ -101,6 +102,8 @@ VehicleView VehicleSession::ViewLocked() const {
   VehicleView view{tracker_.Estimate(), tracker_.Next(), counts_, SecondsSinceLastMessage(),
                    epoch_ + poses_set_ + counts_.reanchored};
   view.lost_reason = view.fused ? LostReason::kNone : lost_reason_;
+  view.alternatives = tracker_.Alternatives();
+  view.alternatives_ns = newest_image_ns_;
   return view;
 }
 
@@ -277,6 +280,7 @@ FrameReport VehicleSession::FinishFrame(const FrameSlot& slot, const Features& f
   report.message = slot.epoch == epoch_ ? slot.message : MessageOutcome::kTooOld;
   if (IsUsed(report.message)) {
     frames_.Add(slot.stamp_ns);
+    newest_image_ns_ = std::max(newest_image_ns_, slot.image_ns);
     report.fix = tracker_.AddFrame(slot.image_ns, features, floor, found).fix;
   } else if (found.status == LocalizationStatus::kLocalized) {
     report.fix = FixOutcome();

@@ -61,6 +61,9 @@ struct VehicleView {
   std::uint64_t epoch = 0;  ///< grows with each discontinuity of the pose: set by hand, found elsewhere, clock jump
 
   LostReason lost_reason = LostReason::kNone;
+  /// Where it may be at its newest image, while the images so far do not tell the place on a floor that repeats itself.
+  std::vector<PoseHypothesis> alternatives = {};
+  std::int64_t alternatives_ns = 0;  ///< stamp of that image
 
   TrackingState state() const { return fused ? fused->state : TrackingState::kLost; }
 };
@@ -182,6 +185,7 @@ class VehicleSession {
   MessageStamps odometry_stamps_;  // of those with odometry
   MessageStamps frames_;           // of those with an image
   std::optional<std::int64_t> last_received_ns_;
+  std::int64_t newest_image_ns_ = 0;
   std::optional<std::int64_t> pose_set_ns_;  // stamp of the last SetPose
   std::optional<std::int64_t> started_ns_;   // stamp of SessionStart::pose, until the first message
   std::optional<PoseFix> unstamped_pose_;    // from SetPose before the first message

@@ -14,10 +14,10 @@ class FloorOfTiles(Scratch):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        survey = cls.root / "survey"
-        run_ok("simulate", "--texture", "tiles", "--size", "1.6x1.3", "--out", survey)
+        cls.survey = cls.root / "survey"
+        run_ok("simulate", "--texture", "tiles", "--size", "1.6x1.3", "--out", cls.survey)
         cls.map = cls.root / "tiles.floormap"
-        cls.report = json.loads(run_ok("build", "--survey", survey, "--out", cls.map, "--no-held-out", "--json",
+        cls.report = json.loads(run_ok("build", "--survey", cls.survey, "--out", cls.map, "--no-held-out", "--json",
                                        "--report", cls.root / "report"))
 
     def check(self, lattices):
@@ -47,6 +47,32 @@ class FloorOfTiles(Scratch):
         merged = json.loads(run_ok("merge", self.map, self.map, "--same-frame", "--out", out, "--json"))
         self.check(merged["lattices"])
         self.assertEqual(json.loads(run_ok("info", out, "--json"))["lattices"], merged["lattices"])
+
+    def test_results_have_the_pose_modulo_the_lattice(self):
+        basis = json.loads(run_ok("info", self.map, "--json"))["lattices"][0]["basis"]
+        frames = self.folder / "frames"
+        frames.mkdir()
+        for name in ("camera.yaml", "floor.yaml", "images"):
+            (frames / name).symlink_to(self.survey / name)
+        rows = (self.survey / "frames.csv").read_text().splitlines()
+        (frames / "frames.csv").write_text("\n".join([rows[0], *rows[1:20]]) + "\n")
+        for options in ([], ["--fuse"]):
+            results = self.folder / "results.jsonl"
+            run_ok("localize", "--map", self.map, "--frames", frames, "--out", self.folder / "est.tum", "--results",
+                   results, *options)
+            localized = [line for line in map(json.loads, results.read_text().splitlines())
+                         if line["status"] == "localized" and "lattice" in line]
+            self.assertGreater(len(localized), 0)
+            for line in localized:
+                seen = line["lattice"]
+                self.assertEqual(seen["basis"], basis)
+                self.assertGreater(seen["places"], 10)
+                apart = (line["x"] - seen["pose"]["x"], line["y"] - seen["pose"]["y"])
+                (ax, ay), (bx, by) = basis
+                det = ax * by - ay * bx
+                whole = ((apart[0] * by - apart[1] * bx) / det, (apart[1] * ax - apart[0] * ay) / det)
+                for multiple in whole:
+                    self.assertAlmostEqual(multiple, round(multiple), delta=0.01)
 
 
 if __name__ == "__main__":

@@ -54,6 +54,23 @@ TEST(VehicleClientTest, OdometryIsSentInBatchesAndBeforeAnImage) {
   EXPECT_EQ(scene.server.asked()[3].target, "/v1/vehicles/agv7/frames?stamp=10.150000000");
 }
 
+TEST(VehicleClientTest, OnTilesAnAnswerHasThePoseModuloTheirLattice) {
+  json frame = Frame();
+  frame["lattice"] = json::parse(R"({"basis": [[0.3, 0.01], [-0.01, 0.2]], "pose": {"x": 1, "y": 2, "yaw": 0.5},
+    "covariance": [1, 0, 0, 0, 2, 0, 0, 0, 3], "places": 400})");
+  frame["alternatives"] = json::parse(R"([{"x": 1.3, "y": 2, "yaw": 0.5, "inliers": 0, "weight": 0.25}])");
+  Scene scene({Json(frame), Json(Frame())});
+  const FrameAnswer answer = scene.vehicle.Frame(kJpeg, 10.0);
+  ASSERT_TRUE(answer.lattice);
+  EXPECT_EQ(answer.lattice->basis[1][0], -0.01);
+  EXPECT_EQ(answer.lattice->pose.y, 2.0);
+  EXPECT_EQ(answer.lattice->covariance[8], 3.0);
+  EXPECT_EQ(answer.lattice->places, 400);
+  ASSERT_EQ(answer.alternatives.size(), 1U);
+  EXPECT_EQ(answer.alternatives[0].weight, 0.25);
+  EXPECT_FALSE(scene.vehicle.Frame(kJpeg, 10.1).lattice);
+}
+
 TEST(VehicleClientTest, OdometryThatCouldNotBeSentComesWithTheNext) {
   Scene scene({Problem(500, "internal_error"), Json(Tracked())});
   scene.vehicle.Move(10.0, {1.0, 0.0, 0.0});

@@ -76,7 +76,7 @@ class TypesTest(unittest.TestCase):
     def test_what_the_cpp_client_reads_is_documented(self):
         source = (pathlib.Path(__file__).parents[3] / "clients/cpp/answers.cpp").read_text(encoding="utf-8")
         read = set(re.findall(r'(?:at\(|value\(|Optional\(object, )"(\w+)"', source))
-        answers = ("LocalizeAnswer", "FrameAnswer", "OdometryAnswer", "VehicleFix", "Pose", "Alternative", "Timing",
+        answers = ("LocalizeAnswer", "FrameAnswer", "OdometryAnswer", "VehicleFix", "Pose", "Alternative", "LatticePose", "Timing",
                    "Next", "SinceFix", "OdometryTrust")
         self.assertEqual(read - {field for name in answers for field in schema_of(name)["properties"]}, set())
         self.assertGreater(len(read), 30)

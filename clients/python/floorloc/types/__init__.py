@@ -2,8 +2,8 @@
 """The JSON of requests and answers as TypedDict: dictionaries, whose keys type checkers know."""
 
 from .answers import (
-    Alternative, CameraCorrection, Fix, FixList, FixRecord, FrameAnswer, LocalizeAnswer, Next, OdometryAnswer,
-    OdometryTrust, Pose, SinceFix, Timing, TrackingAnswer, Transform, VehicleFix,
+    Alternative, CameraCorrection, Fix, FixList, FixRecord, FrameAnswer, LatticePose, LocalizeAnswer, Next,
+    OdometryAnswer, OdometryTrust, Pose, SinceFix, Timing, TrackingAnswer, Transform, VehicleFix,
 )
 from .maps import (
     FloorLattice, Layer, Map, MapList, MapSummary, Mosaic, RefusedFile, Scale, Version,
@@ -23,7 +23,7 @@ from .vehicles import (
 __all__ = [
     "Alternative", "Calibration", "Camera", "CameraCorrection", "CameraEstimate", "CameraMounting",
     "Diagnosis", "Finding", "Fix", "FixCounts", "FixList", "FixRecord", "Floor", "FloorLattice", "FrameAnswer",
-    "Gate", "Increment", "InitialPose", "Layer", "LocalizeAnswer", "Map", "MapList", "MapSummary", "MaskSummary",
+    "Gate", "Increment", "InitialPose", "LatticePose", "Layer", "LocalizeAnswer", "Map", "MapList", "MapSummary", "MaskSummary",
     "MessageCounts", "Mosaic", "Motion", "Next", "OdometryAnswer", "OdometryTrust", "Pose", "Rectangle",
     "RefusedFile", "RosHeader", "RosPose", "RosPoseWithCovariance", "RosPoseWithCovarianceStamped",
     "RosQuaternion", "RosTime", "RosTransform", "RosTransformStamped", "RosVector3", "RosVehicle", "Scale",

@@ -35,6 +35,13 @@ class Alternative(TypedDict):
     weight: float
 
 
+class LatticePose(TypedDict):
+    basis: List[List[float]]
+    pose: Transform
+    covariance: List[float]
+    places: int
+
+
 class CameraCorrection(TypedDict):
     survey: int
     moved_px: float
@@ -81,6 +88,7 @@ class LocalizeAnswer(_LocalizeAnswerRequired, total=False):
     reason: Literal["too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant",
                     "contradicts_prior", "view_disagrees", "no_floor", "other_floor"]
     pose: Pose
+    lattice: LatticePose
 
 
 class _FixRecordRequired(TypedDict):
@@ -97,6 +105,7 @@ class FixRecord(_FixRecordRequired, total=False):
     reason: Literal["too_few_keypoints", "too_few_matches", "too_few_inliers", "not_significant",
                     "contradicts_prior", "view_disagrees", "no_floor", "other_floor"]
     pose: Pose
+    lattice: LatticePose
 
 
 class FixList(TypedDict):
@@ -138,6 +147,7 @@ class TrackingAnswer(_TrackingAnswerRequired, total=False):
     pose: Pose
     map_from_odom: Transform
     odom_from_base: Transform
+    alternatives: List[Alternative]
     lost_reason: Literal["map_changed"]
 
 
@@ -156,6 +166,7 @@ class OdometryAnswer(_OdometryAnswerRequired, total=False):
     pose: Pose
     map_from_odom: Transform
     odom_from_base: Transform
+    alternatives: List[Alternative]
     lost_reason: Literal["map_changed"]
 
 
@@ -199,6 +210,7 @@ class _FrameAnswerRequired(TypedDict):
 
 class FrameAnswer(_FrameAnswerRequired, total=False):
     pose: Pose
+    lattice: LatticePose
     map_from_odom: Transform
     odom_from_base: Transform
     lost_reason: Literal["map_changed"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 
-from .answers import CameraCorrection, FixRecord, OdometryTrust, Pose, SinceFix
+from .answers import Alternative, CameraCorrection, FixRecord, OdometryTrust, Pose, SinceFix
 from .requests import Floor, Gate
 
 
@@ -86,6 +86,7 @@ class _VehicleRequired(TypedDict):
 
 
 class Vehicle(_VehicleRequired, total=False):
+    alternatives: List[Alternative]
     lost_reason: Literal["map_changed"]
 
 
@@ -102,6 +103,7 @@ class _VehicleSummaryRequired(TypedDict):
 
 
 class VehicleSummary(_VehicleSummaryRequired, total=False):
+    alternatives: List[Alternative]
     lost_reason: Literal["map_changed"]
 
 
