@@ -73,6 +73,7 @@ FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& lab
   if (record.result.lattice) {
     record.result.lattice->places = {};  // up to 200; viewers and answers have the pose alone
   }
+  record.outcome = label.outcome;
   record = state.fixes.Add(std::move(record));
   if (!record.vehicle.empty()) {
     state.vehicles.SetLastFix(record.vehicle, record);

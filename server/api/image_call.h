@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "server/api/app.h"
@@ -17,6 +18,7 @@ struct FrameLabel {
   double received_s = 0.0;
   double stamp_s = 0.0;
   WorkClass work = WorkClass::kSearch;  ///< class of the queue that it waited in
+  std::optional<FixOutcome> outcome;    ///< see FixRecord
 };
 
 /// A part of multipart/form-data; null when it is not there. Throws Problem 400 invalid_parts when it is there twice.

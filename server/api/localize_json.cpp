@@ -238,6 +238,13 @@ nlohmann::json FormatFixRecord(const FixRecord& record) {
                          {"stamp", record.stamp_s},
                          {"vehicle", record.vehicle.empty() ? nlohmann::json() : nlohmann::json(record.vehicle)}};
   AddStatus(record, json);
+  if (record.outcome) {
+    json["accepted"] = record.outcome->accepted;
+    json["reanchored"] = record.outcome->reanchored;
+    if (!record.outcome->accepted) {
+      json["reject_reason"] = ToString(record.outcome->reason);
+    }
+  }
   return json;
 }
 

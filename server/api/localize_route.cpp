@@ -90,7 +90,7 @@ HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
   const double now_s = UnixTimeNow();
   const std::optional<double>& stamp_s = call.request.stamp_s;
   const FrameLabel frame = {call.request.vehicle, now_s, stamp_s ? *stamp_s + outcome.to_middle_row_s : now_s,
-                            label.work};
+                            label.work, {}};
   return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, frame, outcome), outcome));
 }
 

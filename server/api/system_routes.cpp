@@ -59,6 +59,7 @@ HttpResponse HandleAsset(const std::string& name, const HttpRequest& request) {
   response.body = asset->content;
   response.headers["Content-Security-Policy"] = kContentSecurityPolicy;
   response.headers["Referrer-Policy"] = "no-referrer";
+  response.headers["X-Content-Type-Options"] = "nosniff";
   return response;
 }
 

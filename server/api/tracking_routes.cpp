@@ -99,7 +99,7 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   if (report.fix) {
     CountFix(state, map->name, *report.fix);
   }
-  const FrameLabel label = {vehicle.vehicle->id, UnixTimeNow(), ToSeconds(slot.image_ns), job.work};
+  const FrameLabel label = {vehicle.vehicle->id, UnixTimeNow(), ToSeconds(slot.image_ns), job.work, report.fix};
   return JsonResponse(200, FormatFrameResponse(report, RecordFix(state, *map, label, outcome), outcome));
 }
 

@@ -173,7 +173,9 @@ nlohmann::json FormatVehicle(const VehicleState& state, double stale_after_s) {
 }
 
 nlohmann::json FormatVehicleSummary(const VehicleState& state, double stale_after_s) {
-  return FormatSummary(state, state.session->View(), stale_after_s);
+  nlohmann::json json = FormatSummary(state, state.session->View(), stale_after_s);
+  json["camera_status"] = ToString(state.session->Camera().status);
+  return json;
 }
 
 }  // namespace floorloc

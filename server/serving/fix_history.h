@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "core/fusion/fused_pose.h"
 #include "core/localization/localizer.h"
 
 namespace floorloc {
@@ -22,6 +24,7 @@ struct FixRecord {
   std::string map_version;
   std::string search;  ///< "prior" or "global"
   LocalizationResult result;
+  std::optional<FixOutcome> outcome;  ///< what the vehicle's filter said of it; empty: it was not asked
 };
 
 /// The latest localizations of every map, for viewers. Thread-safe.

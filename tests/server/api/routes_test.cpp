@@ -138,6 +138,7 @@ TEST_F(RoutesTest, ThePageMayOnlyTalkToItsServer) {
   const std::string policy = page.get_header_value("Content-Security-Policy");
   EXPECT_THAT(policy, HasSubstr("default-src 'none'"));
   EXPECT_THAT(policy, testing::Not(HasSubstr("unsafe")));
+  EXPECT_EQ(page.get_header_value("X-Content-Type-Options"), "nosniff");
   EXPECT_EQ(client_.Get("/", {{"If-None-Match", page.get_header_value("ETag")}}).status, 304);
 }
 

@@ -156,6 +156,12 @@ TEST_F(TrackingTest, AKidnapIsRejectedThenAccepted) {
       ExpectAt(answer["pose"], kidnapped_pose_, 0.003);
     }
   }
+  const json fixes = Json(client_.Get("/v1/maps/hall/fixes"))["fixes"];
+  EXPECT_EQ(fixes[0]["accepted"], true);
+  EXPECT_FALSE(fixes[0].contains("reject_reason"));
+  EXPECT_EQ(fixes[1]["accepted"], false);
+  EXPECT_THAT(fixes[1]["reject_reason"], testing::AnyOf("jump_distance", "jump_angle"));
+  EXPECT_EQ(fixes[3]["reanchored"], true);
   EXPECT_EQ(Vehicle()["fixes"]["reanchored"], 1);
   EXPECT_THAT(client_.Get("/metrics").body,
               HasSubstr("floorloc_vehicle_fixes_total{map=\"hall\",outcome=\"reanchored\"} 1"));
@@ -209,6 +215,7 @@ TEST_F(TrackingTest, ViewersSeeFramesAsFixes) {
   EXPECT_EQ(fixes[0]["vehicle"], "agv-7");
   const json listed = Json(client_.Get("/v1/vehicles"))["vehicles"][0];
   EXPECT_EQ(listed["status"], "localized");
+  EXPECT_EQ(listed["camera_status"], "learning");
   ExpectAt(listed["pose"], start_, 0.003);
 }
 
