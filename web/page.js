@@ -1,208 +1,256 @@
 // SPDX-License-Identifier: Apache-2.0
+// The page: takes lists and events from the server, and shows them.
+import { AlertList } from "/web/alerts.js";
 import * as api from "/web/api.js";
+import { $, setText } from "/web/dom.js";
+import { EventFeed } from "/web/events.js";
+import { Fleet } from "/web/fleet.js";
 import { FloorView } from "/web/floor_view.js";
+import { drawPoses } from "/web/initial_pose.js";
+import { MapList, rankMaps } from "/web/map_list.js";
+import { MapVersions } from "/web/map_versions.js";
+import { TokenDialog, initTheme, readView, writeView } from "/web/settings.js";
+import { TryIt } from "/web/try_it.js";
+import { VehicleList } from "/web/vehicle_list.js";
+import { VehiclePanel } from "/web/vehicle_panel.js";
+import { STATES } from "/web/words.js";
 
-const POLL_MS = 1000;
-const FIXES_LISTED = 40;
+const LISTS_MS = 500; // between two looks at lists and panel
+const RESYNC_MS = 60000; // the lists are asked for again, in case an event was missed
 
-const $ = (id) => document.getElementById(id);
+const now = () => Date.now() / 1000;
 
-const state = { maps: [], map: null, since: 0, fixes: [], file: null };
-const floor = new FloorView($("floor"), (x, y) => {
-  $("position").textContent = x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`;
-});
-
-function showMessage(text) {
-  $("message").textContent = text ?? "";
-  $("message").hidden = !text;
-}
-
-function showConnection(error) {
-  $("connection").textContent = error ? "not connected" : "connected";
-  $("connection").classList.toggle("away", Boolean(error));
-}
-
-function age(seconds) {
-  if (seconds < 60) {
-    return `${Math.max(0, seconds).toFixed(0)} s ago`;
+class Page {
+  constructor() {
+    this.view = readView();
+    this.fleet = new Fleet();
+    this.onMap = { map: null, revision: -1, vehicles: [] };
+    this.follow = false;
+    this.scene = {
+      vehicles: () => this.vehiclesOnMap(),
+      loose: () => this.fleet.loose.get(this.view.map) ?? [],
+      chosen: () => this.chosen(),
+      initialPose: () => this.chosen()?.initialPose,
+      beforeFrame: () => this.followChosen(),
+      showTrail: true,
+    };
+    this.floor = new FloorView($("floor"), this.scene, {
+      onPosition: (x, y) => setText($("position"), x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`),
+      onChoose: (vehicle) => !this.stopDrawing && vehicle && this.chooseVehicle(vehicle.id),
+      onUserMove: () => this.setFollow(false),
+      sayVehicle: ({ id, state }) => `${id}: ${STATES[state]?.word ?? state}`,
+    });
+    this.makeParts();
+    this.listen();
+    this.feed = new EventFeed({
+      onOpen: () => this.resync(),
+      onEvent: (name, data) => this.takeEvent(name, data),
+      onAway: (error) => this.showAway(error),
+    });
+    setInterval(() => this.show(), LISTS_MS);
+    setInterval(() => this.connected && this.resync().catch(() => {}), RESYNC_MS);
   }
-  return seconds < 3600 ? `${(seconds / 60).toFixed(0)} min ago` : `${(seconds / 3600).toFixed(0)} h ago`;
-}
 
-function listItem(left, right, className) {
-  const item = document.createElement("li");
-  for (const [text, name] of [[left, className], [right, ""]]) {
-    const span = document.createElement("span");
-    span.textContent = text;
-    span.className = name;
-    item.append(span);
+  makeParts() {
+    const chosenMap = () => this.view.map;
+    this.maps = new MapList({ element: $("maps"), choice: $("map-choice") }, (map) => this.chooseMap(map));
+    this.alerts = new AlertList($("alerts"), ({ vehicle, map }) => (vehicle ? this.chooseVehicle(vehicle.id) : this.chooseMap(map)));
+    this.list = new VehicleList({ element: $("vehicles"), counts: $("state-counts") }, {
+      choose: (id) => this.chooseVehicle(id),
+      filterState: (state) => this.change({ state: this.view.state === state ? "" : state }),
+    });
+    this.panel = new VehiclePanel({
+      onClose: () => this.closePanel(),
+      onFollow: (on) => this.setFollow(on),
+      onTrail: (on) => this.setTrail(on),
+      onDraw: (on) => this.setDrawing(on),
+      onPoseChange: () => this.floor.wake(),
+    });
+    this.fleet.onFix = (vehicle, fix) => this.panel.form.takeFix(vehicle, fix);
+    this.versions = new MapVersions(chosenMap);
+    this.tryIt = new TryIt(chosenMap);
+    this.token = new TokenDialog(() => this.feed.reconnect());
   }
-  return item;
-}
 
-function fillList(element, items, emptyText) {
-  if (items.length === 0) {
-    const item = document.createElement("li");
-    item.className = "empty";
-    item.textContent = emptyText;
-    items = [item];
+  listen() {
+    $("search").value = this.view.search;
+    $("order").value = this.view.order;
+    $("search").addEventListener("input", () => this.change({ search: $("search").value }));
+    $("order").addEventListener("change", () => this.change({ order: $("order").value }));
+    $("whole-floor").addEventListener("click", () => {
+      this.setFollow(false);
+      this.floor.fit();
+    });
+    document.addEventListener("keydown", (event) => this.onKey(event));
+    initTheme();
   }
-  element.replaceChildren(...items);
-}
 
-/// A line below a vehicle whose odometry its images contradict, with the cure and a link to the diagnosis.
-function odometryAlert(id, { health, cure }) {
-  const alert = document.createElement("p");
-  alert.className = `odometry-alert ${health}`;
-  alert.append(health === "rejected" ? `Odometry rejected. ${cure} ` : "Odometry suspect: the last images contradict it. ");
-  const link = document.createElement("a");
-  link.href = `/v1/vehicles/${encodeURIComponent(id)}/diagnosis`;
-  link.textContent = "Diagnosis";
-  link.target = "_blank";
-  alert.append(link);
-  return alert;
-}
-
-function showVehicles(vehicles) {
-  const now = Date.now() / 1000;
-  const items = vehicles.map(({ id, pose, status, silent_s: silent, odometry, last_fix: fix }) => {
-    const lastSeen = fix ? age(now - fix.received) : "no fix yet";
-    const state = status === "stale" ? `silent for ${Math.round(silent)} s` : status.replaceAll("_", " ");
-    const text = pose ? `${state}, ${lastSeen}` : lastSeen;
-    const item = listItem(id, text, pose ? status : fix?.status ?? "");
-    if (odometry?.health === "rejected" || odometry?.health === "suspect") {
-      item.append(odometryAlert(id, odometry));
+  onKey(event) {
+    const typing = event.target.closest?.("input, select, textarea, dialog");
+    if (event.key === "Escape" && !typing && this.chosen()) {
+      this.closePanel();
+    } else if (event.key === "/" && !typing) {
+      event.preventDefault();
+      $("search").focus();
     }
-    return item;
-  });
-  fillList($("vehicles"), items, "No vehicle is registered.");
-  const ids = vehicles.map(({ id }) => id);
-  if (ids.join() !== $("vehicle-ids").dataset.ids) {
-    $("vehicle-ids").dataset.ids = ids.join();
-    $("vehicle-ids").replaceChildren(...ids.map((id) => new Option(id, id)));
   }
-}
 
-function fixText({ pose, reason, alternatives }) {
-  if (pose) {
-    const degrees = (pose.yaw * 180) / Math.PI;
-    return `${pose.x.toFixed(3)}, ${pose.y.toFixed(3)} m, ${degrees.toFixed(1)}°`;
+  change(changes) {
+    Object.assign(this.view, changes);
+    writeView(this.view);
+    this.show();
   }
-  return reason ? reason.replaceAll("_", " ") : `${alternatives.length} places`;
-}
 
-function showFixes() {
-  const items = state.fixes.slice(-FIXES_LISTED).reverse()
-    .map((fix) => listItem(fix.vehicle ?? "inline camera", fixText(fix), fix.status));
-  fillList($("fixes"), items, "Nothing was localized yet.");
-}
+  chosen() {
+    const vehicle = this.fleet.vehicles.get(this.view.vehicle);
+    return vehicle?.map === this.view.map ? vehicle : null;
+  }
 
-function chooseMap(name) {
-  state.map = state.maps.find((map) => map.name === name && map.status === "ready") ?? null;
-  state.since = 0;
-  state.fixes = [];
-  showFixes();
-  const damaged = state.maps.find((map) => map.name === name && map.status === "error");
-  $("map-facts").textContent = "";
-  if (state.map) {
-    const keypoints = state.map.layers.reduce((sum, layer) => sum + layer.keypoints, 0);
-    $("map-facts").textContent = `${state.map.area_m2.toFixed(1)} m², ${keypoints.toLocaleString("en")} keypoints`;
-    floor.show(state.map);
-    showMessage(null);
-  } else {
-    floor.clear();
-    showMessage(damaged ? `The map '${name}' cannot be shown: ${damaged.error}`
-      : "The server has no map. Build one with floorloc-mapbuilder, put it into the maps folder and restart the server.");
-  }
-}
-
-/// Loads the list of maps; resets the view when the server's maps have changed.
-async function refreshMaps() {
-  const maps = await api.listMaps();
-  const key = maps.map(({ name, version, status }) => `${name} ${version} ${status}`).join();
-  if (key === state.mapsKey) {
-    return;
-  }
-  state.mapsKey = key;
-  state.maps = maps;
-  const chosen = state.map?.name ?? maps.find((map) => map.status === "ready")?.name ?? maps[0]?.name;
-  $("map-choice").replaceChildren(...maps.map(({ name, status }) =>
-    new Option(status === "ready" ? name : `${name} (damaged)`, name, false, name === chosen)));
-  chooseMap(chosen);
-}
-
-async function refreshFixes() {
-  const map = state.map;
-  if (!map) {
-    return;
-  }
-  const answer = await api.listFixes(map.name, state.since);
-  if (map !== state.map) {
-    return;
-  }
-  state.since = answer.next;
-  if (answer.fixes.length > 0) {
-    state.fixes = [...state.fixes, ...answer.fixes].slice(-FIXES_LISTED);
-    floor.addFixes(answer.fixes);
-    showFixes();
-  }
-}
-
-async function refresh() {
-  try {
-    await refreshMaps();
-    const vehicles = await api.listVehicles();
-    showVehicles(vehicles);
-    floor.showVehicles(vehicles.filter(({ map, pose }) => pose && map === state.map?.name));
-    await refreshFixes();
-    showConnection(null);
-    if (state.away) {
-      showMessage(null);
+  /// Cached: it is asked for in every frame.
+  vehiclesOnMap() {
+    const { onMap, fleet, view } = this;
+    if (onMap.revision !== fleet.revision || onMap.map !== view.map) {
+      this.onMap = { map: view.map, revision: fleet.revision, vehicles: fleet.of(view.map) };
     }
-    state.away = false;
-  } catch (error) {
-    state.away = true;
-    showConnection(error);
-    showMessage(error.message);
+    return this.onMap.vehicles;
   }
-}
 
-async function poll() {
-  await refresh();
-  setTimeout(poll, POLL_MS);
-}
+  // --- what the server says ---
 
-function selectFile(file) {
-  state.file = file ?? null;
-  $("image-name").textContent = file ? file.name : "Drop a camera image here, or choose one";
-}
-
-async function localizeFile() {
-  const vehicle = $("vehicle").value.trim();
-  if (!state.map || !state.file || !vehicle) {
-    $("answer").textContent = "Choose a map, an image and a registered vehicle first.";
-    return;
+  async resync() {
+    const [maps, vehicles] = await Promise.all([api.listMaps(), api.listVehicles()]);
+    this.fleet.setMaps(maps, now());
+    this.fleet.setVehicles(vehicles, now());
+    this.connected = true;
+    setText($("connection"), "connected");
+    $("connection").classList.remove("away");
+    this.showMessage("");
+    const known = maps.some(({ name }) => name === this.view.map);
+    this.chooseMap(known ? this.view.map : this.mapOfChoice());
+    this.show();
   }
-  $("localize").disabled = true;
-  try {
-    $("answer").textContent = JSON.stringify(await api.localize(state.map.name, vehicle, state.file), null, 1);
-    await refresh();
-  } catch (error) {
-    $("answer").textContent = `${error.message} (${error.code})`;
-  }
-  $("localize").disabled = false;
-}
 
-$("map-choice").addEventListener("change", (event) => chooseMap(event.target.value));
-$("image").addEventListener("change", (event) => selectFile(event.target.files[0]));
-$("localize").addEventListener("click", localizeFile);
-for (const type of ["dragover", "dragleave", "drop"]) {
-  $("drop").addEventListener(type, (event) => {
-    event.preventDefault();
-    $("drop").classList.toggle("over", type === "dragover");
-    if (type === "drop") {
-      selectFile(event.dataTransfer.files[0]);
+  /// Where the URL's vehicle is, else the first map with vehicles.
+  mapOfChoice() {
+    const ranked = rankMaps(this.fleet).map(({ map }) => map);
+    return this.fleet.vehicles.get(this.view.vehicle)?.map ?? (ranked.find(({ status }) => status === "ready") ?? ranked[0])?.name ?? "";
+  }
+
+  takeEvent(name, data) {
+    if (this.fleet.apply(name, data, now())) {
+      this.resyncTimer ??= setTimeout(() => {
+        this.resyncTimer = null;
+        this.resync().catch((error) => this.showAway(error));
+        this.versions.refresh();
+      }, 200);
     }
-  });
+    if (data.map === this.view.map) {
+      this.floor.wake();
+    }
+  }
+
+  showAway(error) {
+    this.connected = false;
+    setText($("connection"), "not connected");
+    $("connection").classList.add("away");
+    this.showMessage(error instanceof api.ApiError ? error.message : "The connection to the server broke. Connecting again …");
+    if (error.code === "unauthorized") {
+      this.token.open("This server wants a token for reading. Enter one that its token file has.");
+    }
+  }
+
+  showMessage(text) {
+    setText($("message"), text);
+    $("message").hidden = !text;
+  }
+
+  // --- what a person chooses ---
+
+  chooseMap(name) {
+    const map = this.fleet.maps.find((candidate) => candidate.name === name);
+    const key = `${name} ${map?.version} ${map?.status}`;
+    if (key !== this.shownMap) {
+      this.shownMap = key;
+      this.setDrawing(false);
+      this.change({ map: name });
+      this.showMap(map);
+      this.versions.refresh();
+    }
+  }
+
+  showMap(map) {
+    $("no-map").hidden = Boolean(map);
+    $("map-error").hidden = map?.status !== "error";
+    if (map?.status === "ready") {
+      this.floor.show(map);
+      api.listFixes(map.name).then((fixes) => this.fleet.addFixes(map.name, fixes, now())).catch(() => {});
+    } else {
+      this.floor.clear();
+      setText($("map-error"), map ? `The map '${map.name}' cannot be shown: ${map.error}` : "");
+    }
+  }
+
+  chooseVehicle(id) {
+    const vehicle = this.fleet.vehicles.get(id);
+    if (!vehicle) {
+      return;
+    }
+    this.chooseMap(vehicle.map);
+    this.change({ vehicle: id });
+    const place = vehicle.pose ?? vehicle.alternatives()[0];
+    if (place && this.floor.leaflet) {
+      this.floor.bringIntoView(place);
+    }
+    $("panel").scrollIntoView({ block: "nearest" });
+  }
+
+  closePanel() {
+    const id = this.view.vehicle;
+    this.setFollow(false);
+    this.change({ vehicle: "" });
+    document.querySelector(`#vehicles li[data-key="${CSS.escape(id)}"] button`)?.focus({ preventScroll: true });
+  }
+
+  setFollow(on) {
+    this.follow = on && Boolean(this.chosen());
+    this.panel.press("panel-follow", this.follow);
+    this.floor.wake();
+  }
+
+  setTrail(on) {
+    this.scene.showTrail = on;
+    this.panel.press("panel-trail", on);
+    this.floor.wake();
+  }
+
+  setDrawing(on) {
+    this.stopDrawing?.();
+    this.stopDrawing = on && this.floor.leaflet ? drawPoses(this.floor, (pose) => this.panel.form.draft(pose)) : null;
+    if (on) {
+      this.setFollow(false);
+    }
+  }
+
+  followChosen() {
+    const vehicle = this.follow && this.chosen();
+    const place = { x: 0, y: 0, yaw: 0 };
+    if (vehicle && vehicle.motion.at(now(), place)) {
+      this.floor.goTo(place);
+    }
+  }
+
+  // --- what is seen ---
+
+  show() {
+    const time = now();
+    this.maps.show(this.fleet, this.view.map);
+    this.alerts.show(this.fleet, time);
+    this.list.show(this.fleet, this.view, time);
+    this.tryIt.offer(this.vehiclesOnMap());
+    this.panel.open(this.chosen());
+    this.panel.show(time);
+    this.floor.redraw();
+  }
 }
-poll();
+
+globalThis.floorlocPage = new Page(); // for tests, and for whoever looks into it

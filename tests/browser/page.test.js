@@ -1,62 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the web page in a browser with a real map. FLOORLOC_BIN: folder of the programs; FLOORLOC_SCREENSHOTS: folder
-// for screenshots.
+// Tests the web page in a browser with a real map and real images. FLOORLOC_BIN: folder of the programs.
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
-import { after, before, beforeEach, afterEach, test } from "node:test";
-import { join } from "node:path";
-import { chromium } from "playwright-core";
+import { after, before, test } from "node:test";
 
+import { drawnVehicle, takeScreenshot, usePages } from "./browser.js";
 import {
   localize, makeMaps, registerVehicle, sampleImage, sendFrame, sendOdometry, startServer,
 } from "./product.js";
 
-const ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-
+const context = usePages();
 let maps;
 let server;
-let browser;
-let page;
-let page_errors;
 
 before(async () => {
   maps = makeMaps();
   server = await startServer(maps.maps);
-  browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ARGUMENTS });
 });
 
 after(async () => {
-  await browser?.close();
   assert.equal(await server?.stop(), 0, "the server stops with exit code 0");
   maps?.remove();
 });
 
-beforeEach(async () => {
-  page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-  page_errors = [];
-  page.on("pageerror", (error) => page_errors.push(error.message));
-  page.on("console", (message) => {
-    if (message.text().includes("Content Security Policy")) {
-      page_errors.push(message.text());
-    }
-  });
-});
-
-afterEach(async () => {
-  await page.close();
-  assert.deepEqual(page_errors, []);
-});
-
-async function takeScreenshot(name) {
-  const folder = process.env.FLOORLOC_SCREENSHOTS;
-  if (folder) {
-    mkdirSync(folder, { recursive: true });
-    await page.screenshot({ path: join(folder, `${name}.png`) });
-  }
-}
+const row = (page, id) => page.locator("#vehicles li").filter({ hasText: id });
 
 test("shows the mosaic in metres", async () => {
+  const { page } = context;
   await page.goto(server.url);
   await page.locator("img.leaflet-tile-loaded").first().waitFor();
   const drawn = await page.locator("img.leaflet-tile-loaded").evaluateAll(
@@ -68,6 +37,7 @@ test("shows the mosaic in metres", async () => {
 });
 
 test("the position under the mouse is that of the mosaic", async () => {
+  const { page } = context;
   await page.goto(server.url);
   const { extent } = await (await fetch(`${server.url}/v1/maps/sample`)).json();
   await page.locator("img.leaflet-tile-loaded").first().waitFor();
@@ -78,70 +48,77 @@ test("the position under the mouse is that of the mosaic", async () => {
   assert.ok(Math.abs(x - middle.x) < tolerance && Math.abs(y - middle.y) < tolerance, `${x}, ${y}`);
 });
 
-test("a fix appears by itself, where the robot is", async () => {
+test("single fixes appear by themselves", async () => {
+  const { page } = context;
   await page.goto(server.url);
   assert.equal(await registerVehicle(server.url, "agv-7"), 201);
-  await page.getByText("agv-7").first().waitFor();
+  await row(page, "agv-7").waitFor();
   for (const number of [5, 12, 19]) {
     assert.equal((await localize(server.url, "agv-7", sampleImage(number))).status, "localized");
   }
-  const arrows = page.locator("path.fix-arrow.localized");
-  await arrows.nth(2).waitFor({ state: "attached" });
-  assert.equal(await page.locator("path.fix-ellipse").count(), 3);
-  const tile = await page.locator("#floor").boundingBox();
-  const arrow = await arrows.nth(2).boundingBox();
-  assert.ok(arrow.x > tile.x && arrow.x < tile.x + tile.width && arrow.y > tile.y && arrow.y < tile.y + tile.height);
-  assert.match(await page.locator("#vehicles").textContent(), /agv-7\d+ s ago/);
-  assert.equal(await page.locator("#fixes li").count(), 3);
-  await takeScreenshot("fixes");
+  await page.waitForFunction(() => globalThis.floorlocPage.fleet.loose.get("sample")?.length === 3);
+  await row(page, "agv-7").getByRole("button").click();
+  await page.locator("#panel-fixes li").nth(2).waitFor();
+  assert.match(await page.locator("#panel-fixes li").first().textContent(), /✓ -?\d+\.\d{3}, -?\d+\.\d{3} m, -?\d+\.\d°$/);
+  await takeScreenshot(page, "fixes");
 });
 
-test("a vehicle is drawn where the server has it, coloured by what that is worth", async () => {
+test("a vehicle is drawn where the server has it, by what that is worth", async () => {
+  const { page } = context;
   await page.goto(server.url);
   await registerVehicle(server.url, "tracked");
   assert.equal((await sendFrame(server.url, "tracked", sampleImage(5), 100)).status, "localized");
-  const arrow = page.locator("path.vehicle-arrow");
-  await page.locator("path.vehicle-arrow.localized").waitFor({ state: "attached" });
-  const before = await arrow.boundingBox();
+  const before = await drawnVehicle(page, "tracked", "localized");
   const moved = await sendOdometry(server.url, "tracked", { stamp: 102, dx: 0.5, dy: 0.2, dyaw: 1 });
   assert.equal(moved.status, "tracking_odometry");
-  await page.locator("path.vehicle-arrow.tracking_odometry").waitFor({ state: "attached" });
-  assert.equal(await arrow.count(), 1);
-  const after = await arrow.boundingBox();
-  assert.ok(Math.hypot(after.x - before.x, after.y - before.y) > 20, "it is drawn elsewhere");
-  assert.match(await page.locator("#vehicles").textContent(), /trackedtracking odometry, \d+ s ago/);
-  await takeScreenshot("vehicle");
+  const after = await drawnVehicle(page, "tracked", "tracking_odometry");
+  const metre = await page.evaluate(() => globalThis.floorlocPage.floor.fleet.project().k);
+  const [dx, dy] = [(after.x - before.x) / metre, (before.y - after.y) / metre];
+  assert.ok(Math.abs(Math.hypot(dx, dy) - Math.hypot(0.5, 0.2)) < 0.02, `it moved by ${dx}, ${dy} m`);
+  assert.ok(Math.abs(after.yaw - before.yaw - 1) < 0.02, "and turned");
+  await page.mouse.move(...await page.locator("#floor").boundingBox().then(({ x, y }) => [x + after.x, y + after.y]));
+  await page.locator(".tooltip").getByText("tracked: on odometry").waitFor();
+  assert.match(await row(page, "tracked").textContent(), /tracked.*on odometry/);
 });
 
-test("odometry that images contradict is shown with its cure", async () => {
-  await registerVehicle(server.url, "reversed");
-  await registerVehicle(server.url, "doubtful");
-  const health = {
-    reversed: { health: "rejected", reason: "reversed", cure: "Change the sign of dx and dy." },
-    doubtful: { health: "suspect", reason: "", cure: "" },
-  };
-  await page.route("**/v1/vehicles", async (route) => {
-    const answer = await (await route.fetch()).json();
-    for (const vehicle of answer.vehicles) {
-      vehicle.odometry = health[vehicle.id] ?? vehicle.odometry;
-    }
-    await route.fulfill({ json: answer });
-  });
+test("a click on a vehicle opens what is known of it", async () => {
+  const { page } = context;
   await page.goto(server.url);
-  const item = (id) => page.locator("#vehicles li").filter({ hasText: id });
-  await item("reversed").locator(".odometry-alert.rejected").waitFor();
-  assert.match(await item("reversed").textContent(), /Odometry rejected\. Change the sign of dx and dy\./);
-  assert.match(await item("doubtful").locator(".odometry-alert.suspect").textContent(), /^Odometry suspect/);
-  assert.equal(await page.locator(".odometry-alert").count(), 2, "others have no alert");
-  await takeScreenshot("odometry");
-  const href = await item("reversed").getByRole("link", { name: "Diagnosis" }).getAttribute("href");
-  const diagnosis = await (await fetch(server.url + href)).json();
-  assert.equal(diagnosis.vehicle, "reversed");
+  await registerVehicle(server.url, "clicked");
+  for (const [i, number] of [5, 6, 7, 8].entries()) {
+    await sendFrame(server.url, "clicked", sampleImage(number), 100 + i);
+  }
+  const drawn = await drawnVehicle(page, "clicked");
+  const floor = await page.locator("#floor").boundingBox();
+  await page.mouse.click(floor.x + drawn.x, floor.y + drawn.y);
+  await page.locator("#panel h2").getByText("clicked").waitFor();
+  assert.match(page.url(), /vehicle=clicked/);
+  await page.locator("#panel-facts").getByText(/^4 accepted, 0 rejected$/).waitFor();
+  await page.locator("#panel-findings li").first().waitFor();
+  assert.match(await page.locator("#panel-findings").textContent(), /floor: .*images were found/);
+  const curve = page.getByRole("img", { name: /Agreeing points of the last 4 images/ });
+  assert.equal(await curve.count(), 1);
+  await takeScreenshot(page, "vehicle");
+});
+
+test("a rejected fix says why", async () => {
+  const { page } = context;
+  await page.goto(server.url);
+  await registerVehicle(server.url, "kidnapped");
+  await sendFrame(server.url, "kidnapped", sampleImage(5), 100);
+  const answer = await sendFrame(server.url, "kidnapped", sampleImage(30), 100.2);
+  assert.equal(answer.fix.accepted, false);
+  await row(page, "kidnapped").getByRole("button").click();
+  const last = page.locator("#panel-fixes li.bad").first();
+  await last.waitFor();
+  assert.match(await last.textContent(), /rejected: (too far from the expected place|turned too far from the expected heading)/);
 });
 
 test("an image can be tried by hand", async () => {
+  const { page } = context;
   await registerVehicle(server.url, "by-hand");
   await page.goto(server.url);
+  await page.locator("#try-it summary").click();
   await page.setInputFiles("#image", sampleImage(8));
   await page.fill("#vehicle", "by-hand");
   await page.click("#localize");
@@ -151,23 +128,58 @@ test("an image can be tried by hand", async () => {
   await page.getByText("(unknown_vehicle)").waitFor();
 });
 
-test("fits on a phone", async () => {
-  await page.setViewportSize({ width: 390, height: 844 });
-  await page.goto(server.url);
-  await page.locator("img.leaflet-tile-loaded").first().waitFor();
-  const width = await page.evaluate(() => document.documentElement.scrollWidth);
-  assert.ok(width <= 390, `the page is ${width} px wide`);
-  await takeScreenshot("phone");
+test("a pose set by hand is confirmed or contradicted by the next image", async () => {
+  const { page } = context;
+  await registerVehicle(server.url, "set");
+  const { pose } = await sendFrame(server.url, "set", sampleImage(5), 100);
+  await page.goto(`${server.url}/?map=sample&vehicle=set`);
+  await page.getByRole("button", { name: "Set its pose" }).click();
+  await page.getByLabel("x, m").fill(String(pose.x + 0.02));
+  await page.getByLabel("y, m").fill(String(pose.y));
+  await page.getByRole("button", { name: "Set this pose" }).click();
+  await page.locator("#pose-verdict.waiting").waitFor();
+  await sendFrame(server.url, "set", sampleImage(5), 101);
+  await page.locator("#pose-verdict.confirmed").waitFor();
+  assert.match(await page.locator("#pose-verdict").textContent(), /Confirmed by the next image, 2\d mm, 0\.\d° from/);
+
+  // Drawn: pressed where the image isn't, and dragged upwards.
+  await page.getByRole("button", { name: "Set its pose" }).click();
+  const floor = await page.locator("#floor").boundingBox();
+  const { k, ox, oy } = await page.evaluate(() => globalThis.floorlocPage.floor.fleet.project());
+  const press = { x: floor.x + k * (pose.x + 1) + ox, y: floor.y + oy - k * (pose.y + 0.6) };
+  await page.mouse.move(press.x, press.y);
+  await page.mouse.down();
+  await page.mouse.move(press.x, press.y - 60, { steps: 3 });
+  await page.mouse.up();
+  assert.ok(Math.abs(Number(await page.getByLabel("x, m").inputValue()) - pose.x - 1) < 0.02);
+  assert.equal(await page.getByLabel("heading, °").inputValue(), "90.0");
+  await page.getByRole("button", { name: "Set this pose" }).click();
+  await page.locator("#pose-verdict.waiting").waitFor();
+  await sendFrame(server.url, "set", sampleImage(5), 102);
+  await page.locator("#pose-verdict.contradicted").waitFor();
+  await takeScreenshot(page, "contradicted");
 });
 
-test("says when the server is away, and goes on when it is back", async () => {
+test("says when the server is away, and goes on where it was when it is back", async () => {
+  const { page } = context;
   const other = await startServer(maps.maps);
   await page.goto(other.url);
   await page.getByText("connected", { exact: true }).waitFor();
+  await page.evaluate(() => globalThis.floorlocPage.floor.leaflet.setZoom(3, { animate: false }));
+  const view = () => page.evaluate(() => {
+    const { leaflet } = globalThis.floorlocPage.floor;
+    return [leaflet.getCenter().lng, leaflet.getCenter().lat, leaflet.getZoom()];
+  });
+  const before = await view();
   assert.equal(await other.stop(), 0);
+  await page.getByText("not connected").waitFor();
   await page.getByText("The server does not answer").waitFor();
   const again = await startServer(maps.maps, other.url.replace("http://", ""));
-  await page.getByText("connected", { exact: true }).waitFor();
-  assert.equal(await page.locator("#message").isHidden(), true);
-  assert.equal(await again.stop(), 0);
+  try {
+    await page.getByText("connected", { exact: true }).waitFor();
+    assert.equal(await page.locator("#message").isHidden(), true);
+    (await view()).forEach((value, i) => assert.ok(Math.abs(value - before[i]) < 0.02, `${value}, before ${before[i]}`));
+  } finally {
+    await again.stop();
+  }
 });

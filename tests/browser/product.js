@@ -73,10 +73,11 @@ export function makeReport() {
   return { folder, hole, remove: () => rmSync(all, { recursive: true, force: true }) };
 }
 
-/// Resolves with {url, stop} when the server prints its address.
-export function startServer(maps, listen = "127.0.0.1:0") {
+/// Resolves with {url, stop} when the server prints its address. By default it keeps nothing, and the next test begins
+/// without vehicles.
+export function startServer(maps, listen = "127.0.0.1:0", configuration = { read_only: true }) {
   const config = join(mkdtempSync(join(tmpdir(), "server-")), "config.json");
-  writeFileSync(config, '{"read_only": true}'); // the next test begins without vehicles
+  writeFileSync(config, JSON.stringify(configuration));
   const server = spawn(join(bin, "floorloc-server"), ["--maps", maps, "--listen", listen, "--config", config],
     { stdio: "pipe" });
   const ended = new Promise((resolve) => server.once("exit", resolve));
