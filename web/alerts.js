@@ -54,7 +54,7 @@ export function listAlerts(fleet) {
     alerts.push(stateAlert(vehicle), odometryAlert(vehicle), cameraAlert(vehicle));
   }
   return alerts.filter(Boolean).sort((a, b) =>
-    b.severity - a.severity || a.since - b.since || a.key.localeCompare(b.key));
+    b.severity - a.severity || a.since - b.since || a.key.localeCompare(b.key, "en", { numeric: true }));
 }
 
 function saySince({ since, known }, now) {
@@ -87,7 +87,8 @@ export class AlertList {
   createRow() {
     const [sign, name, text, since, cure] = ["sign", "name", "text", "since", "cure"].map((name) =>
       h("span", { class: name, "aria-hidden": name === "sign" && "true" }));
-    const row = h("li", {}, h("button", { type: "button", class: "row", onclick: () => this.choose(row.alert) }, sign, name, text, since, cure));
+    const choose = () => this.choose(row.alert);
+    const row = h("li", {}, h("button", { type: "button", class: "row", onclick: choose }, sign, name, text, since, cure));
     return Object.assign(row, { parts: { sign, name, text, since, cure } });
   }
 

@@ -17,7 +17,13 @@ export const authorization = () => (getToken() ? { Authorization: `Bearer ${getT
 
 const AWAY = "The server does not answer. Is it running?";
 
+/// Told when a call wants another token.
+export const onUnauthorized = { call: () => {} };
+
 function problem(status, body) {
+  if (status === 401) {
+    onUnauthorized.call();
+  }
   return new ApiError(body?.detail ?? `The server answered with status ${status}.`, body?.code ?? "error");
 }
 

@@ -63,14 +63,17 @@ export class MapVersions {
   }
 
   row(version, served) {
-    const added = `${ORIGINS[version.origin] ?? version.origin} ${sayDuration(Date.now() / 1000 - version.added)} ago, ${sayClock(version.added)}`;
-    const facts = h("span", { class: "facts" }, `${version.area_m2.toFixed(1)} m², ${sayBytes(version.bytes)}; ${added}`,
+    const ago = `${sayDuration(Date.now() / 1000 - version.added)} ago, ${sayClock(version.added)}`;
+    const origin = ORIGINS[version.origin] ?? version.origin;
+    const facts = h("span", { class: "facts" }, `${version.area_m2.toFixed(1)} m², ${sayBytes(version.bytes)}; ${origin} ${ago}`,
       !version.active && served && h("span", { class: "difference" }, sayDifference(version, served)));
-    const name = `${short(version.version)}`;
+    const name = short(version.version);
+    const button = (verb, kind, onclick) =>
+      h("button", { type: "button", class: kind, "aria-label": `${verb} version ${name}`, onclick }, verb);
     const actions = version.active ? h("b", { class: "served" }, "● served")
       : h("span", { class: "actions" },
-        h("button", { type: "button", "aria-label": `Activate version ${name}`, onclick: () => this.activate(version.version) }, "Activate"),
-        h("button", { type: "button", class: "quiet", "aria-label": `Delete version ${name}`, onclick: () => this.remove(version.version) }, "Delete"));
+        button("Activate", "", () => this.activate(version.version)),
+        button("Delete", "quiet", () => this.remove(version.version)));
     return h("li", {}, h("code", { title: version.version }, name), actions, facts);
   }
 

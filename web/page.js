@@ -70,6 +70,9 @@ class Page {
     this.versions = new MapVersions(chosenMap);
     this.tryIt = new TryIt(chosenMap);
     this.token = new TokenDialog(() => this.feed.reconnect());
+    api.onUnauthorized.call = () => this.token.ask(this.connected
+      ? "This server wants a token for that. Enter one, and try again."
+      : "This server wants a token for reading. Enter one that its token file has.");
   }
 
   listen() {
@@ -154,9 +157,6 @@ class Page {
     setText($("connection"), "not connected");
     $("connection").classList.add("away");
     this.showMessage(error instanceof api.ApiError ? error.message : "The connection to the server broke. Connecting again …");
-    if (error.code === "unauthorized") {
-      this.token.open("This server wants a token for reading. Enter one that its token file has.");
-    }
   }
 
   showMessage(text) {

@@ -40,10 +40,11 @@ export function initTheme() {
   });
 }
 
-/// The dialog for the token. onChange: it was set or removed.
+/// The dialog for the token. onChange: it was set or removed. Who closed it without one is not asked again.
 export class TokenDialog {
   constructor(onChange) {
     this.dialog = $("token-dialog");
+    this.dialog.addEventListener("close", () => { this.declined = !getToken(); });
     $("token-open").addEventListener("click", () => this.open(""));
     $("token-remove").addEventListener("click", () => this.finish("", onChange));
     $("token-form").addEventListener("submit", (event) => {
@@ -51,6 +52,12 @@ export class TokenDialog {
       this.finish($("token-value").value.trim(), onChange);
     });
     $("token-cancel").addEventListener("click", () => this.dialog.close());
+  }
+
+  ask(why) {
+    if (!this.declined) {
+      this.open(why);
+    }
   }
 
   open(why) {
@@ -65,6 +72,7 @@ export class TokenDialog {
   finish(token, onChange) {
     setToken(token);
     this.dialog.close();
+    this.declined = false;
     onChange();
   }
 }

@@ -20,7 +20,11 @@ const CAMERA_WORDS = {
 const sigmaOf = (covariance) => Math.sqrt(Math.max(covariance[0], covariance[4]));
 
 function saySinceFix(since) {
-  return since ? `${sayDuration(since.seconds)}, ${since.metres.toFixed(2)} m, ${degrees(since.radians).toFixed(0)}° of turns` : "none yet";
+  if (!since) {
+    return "none yet";
+  }
+  const { seconds, metres, radians } = since;
+  return `${sayDuration(seconds)}, ${metres.toFixed(2)} m, ${degrees(radians).toFixed(0)}° of turns`;
 }
 
 function sayCamera({ status, off_px: off, fixes }) {
@@ -52,7 +56,8 @@ function factsOf(vehicle, details) {
     ["Risk of error", fix?.status === "localized" ? sayProbability(fix.pWrong) : "–"],
   ];
   if (details) {
-    facts.push(["Fixes", countRejected(details.fixes)], ["Odometry", sayOdometry(vehicle.odometry)], ["Camera", sayCamera(details.camera_estimate)]);
+    facts.push(["Fixes", countRejected(details.fixes)], ["Odometry", sayOdometry(vehicle.odometry)],
+      ["Camera", sayCamera(details.camera_estimate)]);
   }
   return facts;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the real programs: builds a map from the sample survey and serves it.
 import { execFileSync, spawn } from "node:child_process";
-import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -14,30 +14,37 @@ export const sampleImage = (number) =>
   join(root, "maps", "sample", "survey", "images", `${String(number).padStart(6, "0")}.jpg`);
 
 /// The first frames of the sample survey, so that the map is built in seconds.
-function shortSurvey(folder) {
+function shortSurvey(folder, count) {
   const sample = join(root, "maps", "sample", "survey");
-  const survey = join(folder, "survey");
+  const survey = join(folder, `survey-${count}`);
   mkdirSync(survey);
   for (const name of ["camera.yaml", "floor.yaml", "odometry.tum"]) {
     copyFileSync(join(sample, name), join(survey, name));
   }
-  const frames = readFileSync(join(sample, "frames.csv"), "utf8").split("\n").slice(0, SURVEY_FRAMES + 1);
+  const frames = readFileSync(join(sample, "frames.csv"), "utf8").split("\n").slice(0, count + 1);
   writeFileSync(join(survey, "frames.csv"), `${frames.join("\n")}\n`);
   symlinkSync(join(sample, "images"), join(survey, "images"));
   return survey;
 }
 
-/// A temporary folder with maps/sample.floormap; FLOORLOC_MAP names an existing map to use instead.
-export function makeMaps() {
+/// Builds folder/NAME from the first frames of the sample survey.
+export function buildMap(folder, name, frames = SURVEY_FRAMES) {
+  const map = join(folder, name);
+  execFileSync(join(bin, "floorloc-mapbuilder"), ["build", "--survey", shortSurvey(folder, frames), "--out", map],
+    { stdio: "ignore" });
+  return map;
+}
+
+/// A temporary folder with maps/sample.floormap: a copy of an existing map (FLOORLOC_MAP), or one that is built.
+export function makeMaps(existing = process.env.FLOORLOC_MAP) {
   const folder = mkdtempSync(join(tmpdir(), "floorloc-browser-"));
   const maps = join(folder, "maps");
   mkdirSync(maps);
   const map = join(maps, "sample.floormap");
-  if (process.env.FLOORLOC_MAP) {
-    cpSync(process.env.FLOORLOC_MAP, map);
+  if (existing) {
+    cpSync(existing, map);
   } else {
-    const program = join(bin, "floorloc-mapbuilder");
-    execFileSync(program, ["build", "--survey", shortSurvey(folder), "--out", map], { stdio: "ignore" });
+    renameSync(buildMap(folder, "sample.floormap"), map);
   }
   return { maps, remove: () => rmSync(folder, { recursive: true, force: true }) };
 }
