@@ -53,10 +53,21 @@ class Vehicle {
     this.judge(now);
   }
 
-  /// A vehicle without a place whose last image shows several is ambiguous.
+  /// The server's status, but for lost vehicles: one whose last image shows several places is ambiguous, and one that has
+  /// no pose, but images that were found, lets the server localize single images only.
+  stateOf() {
+    const last = this.lastFix()?.status;
+    if (this.status !== "lost") {
+      return this.status;
+    }
+    if (this.listed || last === "ambiguous") {
+      return "ambiguous";
+    }
+    return !this.pose && last === "localized" ? "untracked" : "lost";
+  }
+
   judge(now) {
-    const several = this.listed || this.lastFix()?.status === "ambiguous";
-    const state = this.status === "lost" && several ? "ambiguous" : this.status;
+    const state = this.stateOf();
     if (state !== this.state) {
       this.sinceKnown = this.state !== "";
       this.since = state === "stale" && !this.sinceKnown ? this.heard : now;
@@ -119,9 +130,17 @@ export class Fleet {
       if (item.last_fix) {
         vehicle.addFix(shorten(item.last_fix));
       }
-      vehicle.update(item, now);
+      this.update(vehicle, item, now);
     }
     this.revision += 1;
+  }
+
+  /// From its first pose on, a vehicle's fixes are its own.
+  update(vehicle, data, now) {
+    if (data.pose && !vehicle.pose) {
+      this.loose.set(vehicle.map, (this.loose.get(vehicle.map) ?? []).filter((fix) => fix.vehicle !== vehicle.id));
+    }
+    vehicle.update(data, now);
   }
 
   setCamera(vehicle, status, now) {
@@ -180,7 +199,7 @@ export class Fleet {
     } else if (name === "vehicle" || (!vehicle && name !== "message")) {
       return true;
     } else if (name === "pose") {
-      vehicle.update(data, now);
+      this.update(vehicle, data, now);
     } else if (name === "status") {
       vehicle.status = data.status;
       vehicle.heard = now - data.silent_s;

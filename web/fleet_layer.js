@@ -13,6 +13,7 @@ const LABELLED = 100; // vehicles in view below which they have labels
 const SMALLEST_ELLIPSE_PX = 3;
 const REACH_PX = 20; // of a click
 const REST_MS = 2000; // without news and motion of the view nothing is drawn
+const FIXES_OF_CHOSEN = 30;
 const FRAMES_TIMED = 120;
 const FADED = { stale: 0.75 };
 
@@ -128,7 +129,7 @@ export const FleetLayer = L.Layer.extend({
     }
     drawFixes(this.context, to, this.scene.loose(), this.colours);
     if (chosen) {
-      drawFixes(this.context, to, chosen.fixes.slice(-12), this.colours);
+      drawFixes(this.context, to, chosen.fixes.slice(-FIXES_OF_CHOSEN), this.colours);
     }
     this.drawEllipses(to.k);
     this.drawArrows(chosen);

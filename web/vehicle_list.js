@@ -44,6 +44,7 @@ export class VehicleList {
       setText(number, String(counts[state] ?? 0));
       button.setAttribute("aria-pressed", String(view.state === state));
       button.classList.toggle("none", !counts[state]);
+      button.parentElement.hidden = state === "untracked" && !counts[state];
     }
     const vehicles = selectVehicles(fleet, view);
     syncList(this.list, vehicles.slice(0, ROWS_SHOWN), {
@@ -75,7 +76,7 @@ export class VehicleList {
   }
 
   updateRow(row, vehicle, view, now) {
-    const { word, sign } = STATES[vehicle.state] ?? STATES.lost;
+    const { sign, word } = STATES[vehicle.state] ?? STATES.lost;
     row.className = vehicle.state;
     row.button.setAttribute("aria-current", String(vehicle.id === view.vehicle));
     setText(row.parts.sign, sign);

@@ -8,6 +8,7 @@ export const STATES = {
   stale: { word: "silent", sign: "○" },
   tracking_odometry: { word: "on odometry", sign: "◐" },
   localized: { word: "localized", sign: "●" },
+  untracked: { word: "single images only", sign: "◇" }, // without a pose on the server: it calls localize
 };
 
 const REASONS = {

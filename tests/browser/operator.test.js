@@ -91,7 +91,7 @@ const texts = (locator) => locator.evaluateAll((elements) => elements.map((eleme
 
 test("all maps and vehicles are seen at a glance", async () => {
   const page = await open("");
-  assert.deepEqual(await texts(page.locator("#state-counts button")),
+  assert.deepEqual(await texts(page.locator("#state-counts li:not([hidden]) button")),
     ["✕2 lost", "?0 ambiguous", "○1 silent", "◐1 on odometry", "●4 localized"]);
   assert.deepEqual(await texts(page.locator("#maps .name")), ["annex", "sample", "broken"], "maps with vehicles come first");
   assert.deepEqual(await texts(page.locator('#maps li[data-key="sample"] .chip')), ["✕ 2", "○ 1", "◐ 1", "● 3"]);

@@ -57,6 +57,8 @@ test("single fixes appear by themselves", async () => {
     assert.equal((await localize(server.url, "agv-7", sampleImage(number))).status, "localized");
   }
   await page.waitForFunction(() => globalThis.floorlocPage.fleet.loose.get("sample")?.length === 3);
+  assert.match(await row(page, "agv-7").textContent(), /single images only/);
+  assert.equal(await page.locator("#alerts li").filter({ hasText: "agv-7" }).count(), 0, "it is found, image by image");
   await row(page, "agv-7").getByRole("button").click();
   await page.locator("#panel-fixes li").nth(2).waitFor();
   assert.match(await page.locator("#panel-fixes li").first().textContent(), /✓ -?\d+\.\d{3}, -?\d+\.\d{3} m, -?\d+\.\d°$/);
