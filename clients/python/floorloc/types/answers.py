@@ -106,6 +106,10 @@ class FixRecord(_FixRecordRequired, total=False):
                     "contradicts_prior", "view_disagrees", "no_floor", "other_floor"]
     pose: Pose
     lattice: LatticePose
+    accepted: bool
+    reanchored: bool
+    reject_reason: Literal["wrong_fix_risk", "jump_distance", "jump_angle", "mahalanobis", "too_old", "duplicate",
+                           "invalid"]
 
 
 class FixList(TypedDict):

@@ -99,6 +99,7 @@ class _VehicleSummaryRequired(TypedDict):
     silent_s: float
     last_heard: float
     odometry: Optional[OdometryTrust]
+    camera_status: Literal["learning", "as_calibrated", "corrected", "implausible"]
     last_fix: Optional[FixRecord]
 
 
