@@ -89,8 +89,8 @@ HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
                                             .motion = {call.request.twist, std::nullopt}});
   const double now_s = UnixTimeNow();
   const std::optional<double>& stamp_s = call.request.stamp_s;
-  const FrameLabel frame = {call.request.vehicle, now_s, stamp_s ? *stamp_s + outcome.to_middle_row_s : now_s,
-                            label.work, {}};
+  const FrameLabel frame = {
+      call.request.vehicle, now_s, stamp_s ? *stamp_s + outcome.to_middle_row_s : now_s, label.work, {}};
   return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, frame, outcome), outcome));
 }
 
