@@ -13,6 +13,7 @@
 #include "core/io/delimited_text.h"
 #include "core/io/text_file.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/simulation/procedural_floor.h"
 #include "mapbuilder/simulation/simulate.h"
 
 namespace floorloc {
@@ -157,7 +158,7 @@ void Run(Arguments& arguments) {
 void AddFloorOptions(CLI::App& command, Arguments& a) {
   command
       .add_option("--texture", a.options.floor.source,
-                  "Photograph of a floor that tiles seamlessly, or concrete, wood, tiles, carpet")
+                  "Photograph of a floor that tiles seamlessly, or one of " + JoinedFloorNames())
       ->required();
   command.add_option("--size", a.size, "Floor, WIDTHxHEIGHT in metres")->capture_default_str();
   CLI::Option* stripes = command.add_option("--stripes", a.options.floor.stripes,

@@ -28,7 +28,7 @@ void Require(bool ok, const char* message) {
 cv::Mat ReadImage(const std::string& source) {
   const std::filesystem::path file(source);
   if (!std::filesystem::is_regular_file(file)) {
-    throw InputError(file, "no such image, and no floor of that name (concrete, wood, tiles, carpet)");
+    throw InputError(file, "no such image, and no floor of that name (" + JoinedFloorNames() + ")");
   }
   const std::vector<std::uint8_t> bytes = ReadBinaryFile(file);
   const auto header = ProbeImage(bytes);
@@ -69,8 +69,6 @@ void FloorTextureOptions::Check() const {
   Require(std::isfinite(image_width_m) && image_width_m >= 0.02, "the photograph must show at least 0.02 m");
   Require(std::isfinite(stripe_m) && stripe_m >= 0.05, "stripes must be at least 0.05 m wide");
 }
-
-std::vector<std::string> ProceduralFloorNames() { return {"concrete", "wood", "tiles", "carpet"}; }
 
 FloorTexture MakeFloorTexture(const FloorTextureOptions& options) {
   options.Check();

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <string>
-#include <vector>
 
 #include "mapbuilder/batch/run_options.h"
 
@@ -24,7 +23,8 @@ struct FloorTexture {
 };
 
 struct FloorTextureOptions {
-  std::string source = "concrete";  ///< file name of a JPEG or PNG, or one of ProceduralFloorNames()
+  std::string source =
+      "concrete";  ///< file name of a JPEG or PNG, or one of ProceduralFloorNames() (procedural_floor.h)
   double width_m = 2.6;
   double height_m = 1.8;
   double resolution_m = 0.0005;
@@ -38,9 +38,6 @@ struct FloorTextureOptions {
   /// Throws std::invalid_argument when a field is out of range.
   void Check() const;
 };
-
-/// Names of the floors that need no photograph: "concrete", "wood", "tiles", "carpet".
-std::vector<std::string> ProceduralFloorNames();
 
 /// Makes a floor that never repeats exactly; deterministic for given options. Throws InputError when the image is
 /// unreadable, std::invalid_argument when the options do not pass Check().

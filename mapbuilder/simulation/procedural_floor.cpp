@@ -7,56 +7,12 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "mapbuilder/simulation/floor_paint.h"
 #include "mapbuilder/simulation/simulated_noise.h"
+#include "mapbuilder/simulation/tile_floor.h"
 
 namespace floorloc {
 namespace {
-
-// Noise whose coarsest structure has a given size in metres.
-cv::Mat MetricNoise(const PixelGrid& grid, double cell_m, int octaves, std::uint64_t seed) {
-  const double cell_px = std::max(1.0, cell_m / grid.resolution_m);
-  return FractalNoise(grid.size_px, {cell_px, cell_px, octaves}, seed);
-}
-
-// Combines tone (grey values around zero) and tint (-1 ... 1: bluish ... reddish) with a mean colour.
-cv::Mat Colorize(const cv::Mat& tone, const cv::Mat& tint, const cv::Scalar& mean_bgr, double tint_strength) {
-  const std::vector<cv::Mat> channels = {tone - tint * tint_strength + mean_bgr[0], tone + mean_bgr[1],
-                                         tone + tint * tint_strength + mean_bgr[2]};
-  cv::Mat floor;
-  cv::merge(channels, floor);
-  floor.convertTo(floor, CV_8UC3);
-  return floor;
-}
-
-struct Specks {
-  double per_m2 = 0.0;
-  double min_radius_m = 0.0;
-  double max_radius_m = 0.0;
-  double min_gray = 0.0;
-  double max_gray = 0.0;
-};
-
-// Grains, pores and flecks: small ellipses at sub-pixel positions.
-void ScatterSpecks(cv::Mat& floor, const PixelGrid& grid, const Specks& specks, std::uint64_t seed) {
-  constexpr int kShift = 4;
-  constexpr double kSubpixels = 1 << kShift;
-  cv::RNG rng(seed);
-  const double area_m2 = floor.cols * grid.resolution_m * floor.rows * grid.resolution_m;
-  const int count = static_cast<int>(specks.per_m2 * area_m2);
-  for (int i = 0; i < count; ++i) {
-    const cv::Point center(static_cast<int>(rng.uniform(0.0, floor.cols * kSubpixels)),
-                           static_cast<int>(rng.uniform(0.0, floor.rows * kSubpixels)));
-    // The square makes small specks frequent and large ones rare.
-    const double share = std::pow(rng.uniform(0.0, 1.0), 2.0);
-    const double radius_px =
-        (specks.min_radius_m + share * (specks.max_radius_m - specks.min_radius_m)) / grid.resolution_m;
-    const cv::Size axes(static_cast<int>(radius_px * kSubpixels),
-                        static_cast<int>(radius_px * rng.uniform(0.4, 1.0) * kSubpixels));
-    const double gray = rng.uniform(specks.min_gray, specks.max_gray);
-    const cv::Scalar color(gray, gray + rng.uniform(-6.0, 6.0), gray + rng.uniform(-10.0, 10.0));
-    cv::ellipse(floor, center, axes, rng.uniform(0.0, 180.0), 0.0, 360.0, color, cv::FILLED, cv::LINE_AA, kShift);
-  }
-}
 
 // Hairline cracks: random curves about half a millimetre wide.
 void DrawCracks(cv::Mat& floor, const PixelGrid& grid, std::uint64_t seed) {
@@ -139,31 +95,14 @@ cv::Mat PaintWood(const PixelGrid& grid, std::uint64_t seed) {
   return floor;
 }
 
-// All tiles have the same print; only a slight tone, wear of the glaze and the joints distinguish them.
-cv::Mat PaintTiles(const PixelGrid& grid, std::uint64_t seed) {
-  constexpr double kTileM = 0.3;
-  constexpr double kJointM = 0.004;
-  cv::RNG rng(DeriveSeed(seed, 1));
-  const PixelGrid print_grid{{static_cast<int>((kTileM - kJointM) / grid.resolution_m),
-                              static_cast<int>((kTileM - kJointM) / grid.resolution_m)},
-                             grid.resolution_m};
-  cv::Mat print = Colorize(MetricNoise(print_grid, 0.06, 5, DeriveSeed(seed, 2)) * 9.0,
-                           MetricNoise(print_grid, 0.04, 3, DeriveSeed(seed, 3)), {172, 182, 190}, 4.0);
-  ScatterSpecks(print, print_grid, {5000, 0.0004, 0.002, 110, 150}, DeriveSeed(seed, 4));
-  cv::Mat floor = Colorize(MetricNoise(grid, 0.004, 3, DeriveSeed(seed, 5)) * 14.0,
-                           cv::Mat::zeros(grid.size_px, CV_32FC1), {120, 122, 124}, 0.0);
-  const int pitch_px = std::max(2, static_cast<int>(std::lround(kTileM / grid.resolution_m)));
-  for (int v = 0; v < floor.rows; v += pitch_px) {
-    for (int u = 0; u < floor.cols; u += pitch_px) {
-      const cv::Rect tile = cv::Rect({u, v}, print.size()) & cv::Rect({0, 0}, floor.size());
-      cv::Mat(print(cv::Rect({0, 0}, tile.size())) + cv::Scalar::all(rng.uniform(-3.0, 3.0))).copyTo(floor(tile));
-    }
-  }
-  ScatterSpecks(floor, grid, {900, 0.0004, 0.0015, 95, 215}, DeriveSeed(seed, 6));
-  return floor;
-}
-
 }  // namespace
+
+std::vector<std::string> ProceduralFloorNames() {
+  std::vector<std::string> names{"concrete", "wood", "carpet"};
+  const std::vector<std::string> tiles = TileFloorNames();
+  names.insert(names.end(), tiles.begin(), tiles.end());
+  return names;
+}
 
 cv::Mat PaintProceduralFloor(const std::string& name, const PixelGrid& grid, std::uint64_t seed) {
   if (name == "concrete") {
@@ -172,13 +111,21 @@ cv::Mat PaintProceduralFloor(const std::string& name, const PixelGrid& grid, std
   if (name == "wood") {
     return PaintWood(grid, seed);
   }
-  if (name == "tiles") {
-    return PaintTiles(grid, seed);
-  }
   if (name == "carpet") {
     return PaintCarpet(grid, seed);
   }
-  throw std::invalid_argument("no floor named '" + name + "' (concrete, wood, tiles, carpet)");
+  if (std::ranges::count(TileFloorNames(), name) > 0) {
+    return PaintTileFloor(name, grid, seed);
+  }
+  throw std::invalid_argument("no floor named '" + name + "' (" + JoinedFloorNames() + ")");
+}
+
+std::string JoinedFloorNames() {
+  std::string joined;
+  for (const std::string& name : ProceduralFloorNames()) {
+    joined += (joined.empty() ? "" : ", ") + name;
+  }
+  return joined;
 }
 
 }  // namespace floorloc

@@ -4,13 +4,18 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "mapbuilder/simulation/quilting.h"
 
 namespace floorloc {
 
-/// Paints "concrete", "wood" (planks along x), "tiles" (nearly identical, 0.3 m) or "carpet" (CV_8UC3). Throws
-/// std::invalid_argument for any other name.
+/// Names of the floors that need no photograph: "concrete", "wood" (planks along x), "carpet", TileFloorNames().
+std::vector<std::string> ProceduralFloorNames();
+/// The same in one line, for messages.
+std::string JoinedFloorNames();
+
+/// Paints one of them (CV_8UC3). Throws std::invalid_argument for any other name.
 cv::Mat PaintProceduralFloor(const std::string& name, const PixelGrid& grid, std::uint64_t seed);
 
 }  // namespace floorloc
