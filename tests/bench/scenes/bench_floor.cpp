@@ -132,7 +132,7 @@ void PrepareFloor(const FloorFiles& files, const FloorCase& floor_case, const Pr
 
 GrayFloor ReadGrayFloor(const FloorFiles& files, double wear) {
   const fs::path file = files.ImageFile(wear);
-  GrayFloor floor{cv::imread(file.string(), cv::IMREAD_GRAYSCALE), FloorTextureOptions().resolution_m};
+  GrayFloor floor{cv::imread(file.string(), cv::IMREAD_GRAYSCALE), files.resolution_m};
   if (floor.gray.empty()) {
     throw InputError(file, "cannot be read as an image; run the benchmark with --rebuild");
   }

@@ -21,6 +21,7 @@ FloorCamera BenchCalibration();
 struct FloorFiles {
   std::filesystem::path folder;
   std::string name;
+  double resolution_m = FloorTextureOptions().resolution_m;  ///< FloorTextureOptions::resolution_m of its images
 
   std::filesystem::path Survey() const { return folder / (name + "-survey"); }
   std::filesystem::path Map() const { return folder / (name + ".floormap"); }
