@@ -120,7 +120,7 @@ export async function registerVehicle(url, id) {
 export async function localize(url, id, image) {
   const response = await fetch(`${url}/v1/maps/sample/localize?vehicle=${id}`, {
     method: "POST",
-    headers: { "Content-Type": "image/jpeg" },
+    headers: { "Content-Type": "image/jpeg", "X-Deadline-Ms": "30000" },
     body: readFileSync(image),
   });
   return response.json();
@@ -130,7 +130,7 @@ export async function localize(url, id, image) {
 export async function sendFrame(url, id, image, stamp) {
   const response = await fetch(`${url}/v1/vehicles/${id}/frames?stamp=${stamp}`, {
     method: "POST",
-    headers: { "Content-Type": "image/jpeg" },
+    headers: { "Content-Type": "image/jpeg", "X-Deadline-Ms": "30000" },
     body: readFileSync(image),
   });
   return response.json();
