@@ -21,7 +21,7 @@ export function judgePose(pose, fix, path) {
   }
   const { metres, turn, text } = difference(fix.pose, pose);
   const near = metres < NEAR_M + path && (turn < NEAR_RAD || path > 0.1);
-  const agrees = near && fix.accepted !== false && !fix.reanchored;
+  const agrees = near && fix.accepted !== false;
   return agrees
     ? { verdict: "confirmed", text: `✓ Confirmed by the next image, ${text} from what you set.`, seen: fix.pose }
     : { verdict: "contradicted", text: `✕ Contradicted: the image is ${text} from what you set. Was it that place?`, seen: fix.pose };
