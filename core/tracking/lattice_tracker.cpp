@@ -36,6 +36,7 @@ void LatticeTrackerOptions::Check() const {
   RequireOption(elsewhere_at_start > 0.0 && elsewhere_at_start < 1.0, "elsewhere_at_start must be between 0 and 1");
   RequireOption(beyond_border > 0.0 && beyond_border <= 1.0, "beyond_border must be above 0 and at most 1");
   RequireOption(gain_sigma > 0.0, "gain_sigma must be positive");
+  RequireOption(temper > 0.0 && temper <= 1.0, "temper must be above 0 and at most 1");
   RequireOption(max_p_wrong > 0.0 && max_p_wrong < 1.0, "max_p_wrong must be between 0 and 1");
   RequireOption(sure_p_elsewhere > 0.0 && sure_p_elsewhere <= max_p_wrong,
                 "sure_p_elsewhere must be above 0 and at most max_p_wrong");
@@ -160,7 +161,7 @@ double LatticeTracker::Advance(const LatticeObservation& observation) {
 void LatticeTracker::Weigh(const LatticeObservation& observation, double news) {
   const Eigen::Vector2i origin = PlaceOf(observation.map_from_base);
   for (const LatticePlace& compared : observation.places) {
-    weights_.AddScore(origin + compared.multiples, compared.sigma, compared.expected_sigma, news);
+    weights_.AddScore(origin + compared.multiples, compared.sigma, compared.expected_sigma, options_.temper * news);
   }
   for (const LatticeWeights::Weight& place : weights_.Listed()) {
     if (!IsOnMap(place.at)) {

@@ -36,6 +36,8 @@ struct LatticeTrackerOptions {
   /// Prior standard deviation of the ratio between a place's score (LatticePlace::sigma) and the expected one: worn
   /// floor and noise that is not independent make it less than 1.
   double gain_sigma = 0.5;
+  /// Exponent of the likelihoods of scores, as LatticeComparisonOptions::temper: worn floor is no normal noise.
+  double temper = 0.5;
   double max_p_wrong = 1e-4;  ///< a place that is wrong with a higher probability is not told
   /// A vehicle that is less probably elsewhere is at no other place that would be worth a list.
   double sure_p_elsewhere = 1e-6;

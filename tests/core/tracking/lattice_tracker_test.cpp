@@ -72,12 +72,12 @@ TEST(LatticeTrackerTest, DrivingTellsThePlace) {
   TiledDrive drive(Pose2(2.03, 3.11, 0.4));
   LatticeTracker tracker;
   int frames = 0;
-  std::optional<LatticeFix> fix = tracker.Add(drive.See(0.4));
+  std::optional<LatticeFix> fix = tracker.Add(drive.See(0.6));
   EXPECT_FALSE(fix);
   EXPECT_GT(*tracker.PElsewhere(), 0.5);
   while (!fix && ++frames < 40) {
     tracker.Move(drive.Drive(0.25, 0.25));
-    fix = tracker.Add(drive.See(0.4));
+    fix = tracker.Add(drive.See(0.6));
   }
   ASSERT_TRUE(fix);
   EXPECT_GT(frames, 3);
@@ -142,7 +142,7 @@ TEST(LatticeTrackerTest, ASlipByATileIsNoticed) {
   std::optional<LatticeFix> fix;
   for (int i = 0; i < 24; ++i) {  // a circle of 2 m
     tracker.Move(drive.Drive(0.25, 0.25));
-    fix = tracker.Add(drive.See(0.6));
+    fix = tracker.Add(drive.See(1.0));
   }
   ASSERT_TRUE(fix);
   EXPECT_LT(Distance(fix->map_from_base, drive.truth), 1e-6);
@@ -200,6 +200,7 @@ TEST(LatticeTrackerTest, BadOptionsAreRefused) {
       .Refuses("slip_per_m", &O::slip_per_m, {0.0, 1.0})
       .Refuses("gain_sigma", &O::gain_sigma, {0.0})
       .Refuses("sure_p_elsewhere", &O::sure_p_elsewhere, {0.0, 0.1})
+      .Refuses("temper", &O::temper, {0.0, 1.1})
       .Refuses("max_p_wrong", &O::max_p_wrong, {0.0, 1.0});
 }
 
