@@ -64,7 +64,7 @@ export class FloorView {
       maxZoom: mosaic.max_zoom + ZOOMS_BEYOND,
       zoomSnap: 0.25,
       attributionControl: false,
-      maxBounds: this.bounds.pad(1),
+      maxBounds: this.bounds.pad(5), // so that a vehicle at the edge of a narrow floor can be in the middle
     });
     this.leaflet.getPane("tilePane").setAttribute("aria-hidden", "true");
     this.addLayers(map);
