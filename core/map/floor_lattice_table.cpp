@@ -25,9 +25,13 @@ RectM ReadExtent(const CheckedRow& row) {
 }
 
 Eigen::Matrix2d ReadBasis(const CheckedRow& row) {
+  // Read before they are put in: a comma initializer that an exception leaves half done asserts.
+  const Eigen::Vector2d first(row.Real(6, "first_x", -kMaxPeriodM, kMaxPeriodM),
+                              row.Real(7, "first_y", -kMaxPeriodM, kMaxPeriodM));
+  const Eigen::Vector2d second(row.Real(8, "second_x", -kMaxPeriodM, kMaxPeriodM),
+                               row.Real(9, "second_y", -kMaxPeriodM, kMaxPeriodM));
   Eigen::Matrix2d basis;
-  basis << row.Real(6, "first_x", -kMaxPeriodM, kMaxPeriodM), row.Real(8, "second_x", -kMaxPeriodM, kMaxPeriodM),
-      row.Real(7, "first_y", -kMaxPeriodM, kMaxPeriodM), row.Real(9, "second_y", -kMaxPeriodM, kMaxPeriodM);
+  basis << first, second;
   const double first_m = basis.col(0).norm();
   const double second_m = basis.col(1).norm();
   if (first_m < kMinPeriodM || second_m < kMinPeriodM) {
