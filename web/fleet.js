@@ -76,12 +76,13 @@ class Vehicle {
     }
   }
 
+  /// In the order of the images: a list of vehicles may tell the last one before the events tell those before it.
   addFix(fix) {
-    const last = this.lastFix();
-    if (last && fix.sequence <= last.sequence) {
+    const before = this.fixes.findLastIndex(({ sequence }) => sequence <= fix.sequence);
+    if (this.fixes[before]?.sequence === fix.sequence) {
       return false;
     }
-    this.fixes.push(fix);
+    this.fixes.splice(before + 1, 0, fix);
     if (this.fixes.length > FIXES_KEPT) {
       this.fixes.shift();
     }

@@ -98,7 +98,7 @@ test("a click on a vehicle opens what is known of it", async () => {
   await page.locator("#panel-facts").getByText(/^4 accepted, 0 rejected$/).waitFor();
   await page.locator("#panel-findings li").first().waitFor();
   assert.match(await page.locator("#panel-findings").textContent(), /floor: .*images were found/);
-  await page.getByRole("img", { name: /Agreeing points of the last \d images/ }).waitFor();
+  await page.getByRole("img", { name: /Agreeing points of the last 4 images/ }).waitFor();
   await takeScreenshot(page, "vehicle");
 });
 
