@@ -21,6 +21,7 @@ export class Motion {
     this.epoch = null;
     this.offset = 0;
     this.interval = 0.1;
+    this.shown = -Infinity; // stamp that was shown last
     this.trail = new Float32Array(2 * TRAIL_POINTS); // a ring of x, y
     this.trailLength = 0;
   }
@@ -33,6 +34,7 @@ export class Motion {
     if (jump) {
       this.samples.length = 0;
       this.offset = delay;
+      this.shown = -Infinity;
       this.trailLength = epoch === this.epoch ? this.trailLength : 0;
       this.epoch = epoch;
     } else {
@@ -75,7 +77,9 @@ export class Motion {
       return false;
     }
     const delay = Math.min(LONGEST_DELAY_S, Math.max(SHORTEST_DELAY_S, 1.5 * this.interval + 0.05));
-    const time = now - this.offset - delay;
+    // What is learnt of clock and interval may hold the vehicle, but does not move it back.
+    const time = Math.max(this.shown, now - this.offset - delay);
+    this.shown = time;
     let after = samples.length - 1;
     while (after > 0 && samples[after - 1].stamp > time) {
       after -= 1;
