@@ -112,9 +112,13 @@ struct Localizer::Impl {
 
   // motion: as that of Observe.
   void SetReadout(const FloorCamera& camera, const Eigen::Vector3d& motion, FrameSamples* samples) const {
-    const double sigma_m = options.photometric.readout_motion_share * VelocityAt(motion, samples->center()).norm();
-    if (sigma_m > 0.0) {
-      samples->SetReadout(camera, sigma_m);
+    const PhotometricOptions& known = options.photometric;
+    const double motion_m = VelocityAt(motion, samples->center()).norm();
+    const double sigma_m = known.readout_motion_share * motion_m;
+    const double sigma_rad =
+        std::hypot(known.readout_motion_share * motion.z(), known.readout_turn_sigma_rad_per_m * motion_m);
+    if (sigma_m > 0.0 && sigma_rad > 0.0) {
+      samples->SetReadout(camera, {sigma_m, sigma_m, sigma_rad});
     }
   }
 

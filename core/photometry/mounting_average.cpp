@@ -72,11 +72,11 @@ struct Likelihood {
 // Schur complement of the motion of the rows, whose prior is the same at all levels.
 void MarginalizeReadout(const MountingProblem& problem, const MountingVector& unknowns, double noise,
                         Likelihood* likelihood) {
-  const Eigen::Matrix<double, kUnknowns, 2> cross = problem.by_readout / noise;
-  const double prior = 1.0 / (problem.readout_sigma_m * problem.readout_sigma_m);
-  const Eigen::Matrix2d own = problem.readout_information / noise + prior * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d pull = problem.readout_gradient / noise + cross.topRows<kMotions>().transpose() * unknowns;
-  const Eigen::Matrix<double, 2, kUnknowns> gain = own.ldlt().solve(cross.transpose());
+  const Eigen::Matrix<double, kUnknowns, 3> cross = problem.by_readout / noise;
+  Eigen::Matrix3d own = problem.readout_information / noise;
+  own.diagonal() += problem.readout_sigma.cwiseAbs2().cwiseInverse();
+  const Eigen::Vector3d pull = problem.readout_gradient / noise + cross.topRows<kMotions>().transpose() * unknowns;
+  const Eigen::Matrix<double, 3, kUnknowns> gain = own.ldlt().solve(cross.transpose());
   likelihood->information -= cross * gain;
   likelihood->pull -= gain.transpose() * pull;
 }
@@ -89,7 +89,7 @@ Likelihood MakeLikelihood(const MountingProblem& problem, const MountingVector& 
   likelihood.information /= noise;
   likelihood.pull << problem.gradient, problem.calibration_gradient;
   likelihood.pull = likelihood.pull / noise + likelihood.information.leftCols<kMotions>() * unknowns;
-  if (problem.readout_sigma_m > 0.0) {
+  if (!problem.readout_sigma.isZero()) {
     MarginalizeReadout(problem, unknowns, noise, &likelihood);
   }
   return likelihood;

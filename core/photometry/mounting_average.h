@@ -27,12 +27,13 @@ struct MountingProblem {
   Eigen::Matrix<double, kCalibrationModes, 1> calibration_gradient =
       Eigen::Matrix<double, kCalibrationModes, 1>::Zero();
   int cells = 0;  ///< number of cells summed in scatter; 0: many
-  /// The same of the motion (x, y: base frame, m) by which the rows of a rolling shutter were put where they belong, R:
-  /// J^T W R and L^T W R, R^T W R, R^T W r. readout_sigma_m: its standard deviation; 0: it is exact.
-  Eigen::Matrix<double, 7 + kCalibrationModes, 2> by_readout = Eigen::Matrix<double, 7 + kCalibrationModes, 2>::Zero();
-  Eigen::Matrix2d readout_information = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d readout_gradient = Eigen::Vector2d::Zero();
-  double readout_sigma_m = 0.0;
+  /// The same of the motion (x, y, yaw of the view's centre: base frame, m and rad) by which the rows of a rolling
+  /// shutter were put where they belong, R: J^T W R and L^T W R, R^T W R, R^T W r. readout_sigma: its standard
+  /// deviation; zero: it is exact.
+  Eigen::Matrix<double, 7 + kCalibrationModes, 3> by_readout = Eigen::Matrix<double, 7 + kCalibrationModes, 3>::Zero();
+  Eigen::Matrix3d readout_information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d readout_gradient = Eigen::Vector3d::Zero();
+  Eigen::Vector3d readout_sigma = Eigen::Vector3d::Zero();
 };
 
 struct MountingEstimate {

@@ -230,7 +230,7 @@ class Fit {
 
   // Adds the calibration's modes and the rows' motion to the problem.
   MountingProblem WithCamera(MountingProblem problem) const {
-    problem.readout_sigma_m = frame_.readout_sigma_m();
+    problem.readout_sigma = frame_.readout_sigma();
     const Eigen::Matrix2d rotation = Pose2(0.0, 0.0, start_.yaw() + unknowns_(2)).rotation();
     for (int c = 0; c < frame_.cells(); ++c) {
       const CellSums& cell = sums_[static_cast<std::size_t>(c)];
@@ -244,8 +244,8 @@ class Fit {
       problem.by_calibration += motion.transpose() * information * modes;
       problem.calibration_information += modes.transpose() * information * modes;
       problem.calibration_gradient += modes.transpose() * PullOf(cell, weight);
-      if (problem.readout_sigma_m > 0.0) {
-        const CellDisplacement<2> rows = Turned<2>(rotation, frame_.cell_rows(c));
+      if (!problem.readout_sigma.isZero()) {
+        const CellDisplacement<3> rows = Turned<3>(rotation, frame_.cell_rows(c));
         problem.by_readout.topRows<7>() += motion.transpose() * information * rows;
         problem.by_readout.bottomRows<kCalibrationModes>() += modes.transpose() * information * rows;
         problem.readout_information += rows.transpose() * information * rows;
@@ -312,6 +312,7 @@ void PhotometricOptions::Check() const {
   RequireOption(sure_inliers >= 0, "sure_inliers must not be negative");
   RequireOption(mosaic_sigma_px > 0, "mosaic_sigma_px must be positive");
   RequireOption(readout_motion_share >= 0.0 && readout_motion_share <= 1.0, "readout_motion_share must be 0 to 1");
+  RequireOption(readout_turn_sigma_rad_per_m >= 0.0, "readout_turn_sigma_rad_per_m must not be negative");
   RequireOption(calibration_sigma_px >= 0, "calibration_sigma_px must not be negative");
 }
 
@@ -360,12 +361,15 @@ FrameSamples::FrameSamples(const GroundImage& image, const cv::Mat& normalized, 
   }
 }
 
-void FrameSamples::SetReadout(const FloorCamera& camera, double sigma_m) {
-  readout_sigma_m_ = sigma_m;
+void FrameSamples::SetReadout(const FloorCamera& camera, const Eigen::Vector3d& sigma) {
+  readout_sigma_ = sigma;
   cell_rows_.clear();
   for (const Eigen::Vector2d& center : cell_centers_) {
-    cell_rows_.push_back(Expand<2>(center, [&](const Eigen::Vector2d& p) -> Eigen::Matrix2d {
-      return ReadoutShare(camera.camera, camera.RawPixelFromFloor(p)) * Eigen::Matrix2d::Identity();
+    cell_rows_.push_back(Expand<3>(center, [&](const Eigen::Vector2d& p) -> Eigen::Matrix<double, 2, 3> {
+      const Eigen::Vector2d arm = p - center_;
+      Eigen::Matrix<double, 2, 3> moved;
+      moved << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+      return ReadoutShare(camera.camera, camera.RawPixelFromFloor(p)) * moved;
     }));
   }
 }

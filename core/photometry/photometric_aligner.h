@@ -44,6 +44,9 @@ struct PhotometricOptions {
   /// it: wheels tell it with noise and late, at 1 m/s with 50 increments per second 1 to 4 % off in curves. The image
   /// itself then tells how its rows moved, and this is what is known before. 0: the motion is exact.
   double readout_motion_share = 0.03;
+  /// The same of the turn, beside its share, radians per metre of that motion: wheels whose heading strays by 5 mrad
+  /// after one metre (OdometryNoise) tell the turn during 0.04 s at 1 m/s with 0.025 rad/s, its change with as much.
+  double readout_turn_sigma_rad_per_m = 0.05;
 
   /// Throws std::invalid_argument with the field's name.
   void Check() const;
@@ -104,12 +107,13 @@ class FrameSamples {
   const CellDisplacement<kCalibrationModes>& cell_modes(int c) const {
     return cell_modes_[static_cast<std::size_t>(c)];
   }
-  /// Of an image whose rows were put where they belong: sigma_m is the standard deviation of the motion during the
-  /// read-out by which that was done.
-  void SetReadout(const FloorCamera& camera, double sigma_m);
-  double readout_sigma_m() const { return readout_sigma_m_; }
-  /// How an error of that motion (x, y: base frame) displaces a cell; only where readout_sigma_m is not 0.
-  const CellDisplacement<2>& cell_rows(int c) const { return cell_rows_[static_cast<std::size_t>(c)]; }
+  /// Of an image whose rows were put where they belong. sigma: positive standard deviations of the motion of the view's
+  /// centre during the read-out (x, y, yaw: base frame, m and rad) by which that was done.
+  void SetReadout(const FloorCamera& camera, const Eigen::Vector3d& sigma);
+  /// Zero: no row was moved, or exactly.
+  const Eigen::Vector3d& readout_sigma() const { return readout_sigma_; }
+  /// How an error of that motion displaces a cell; only where readout_sigma is not zero.
+  const CellDisplacement<3>& cell_rows(int c) const { return cell_rows_[static_cast<std::size_t>(c)]; }
   /// CameraModel::sigma_px of the camera; 0: unknown.
   double calibration_sigma_px() const { return calibration_sigma_px_; }
   /// What is known of the camera's errors; empty, or of another calibration: nothing but calibration_sigma_px.
@@ -144,8 +148,8 @@ class FrameSamples {
   std::vector<int> sparse_end_;
   std::vector<Eigen::Vector2d> cell_centers_;
   std::vector<CellDisplacement<kCalibrationModes>> cell_modes_;
-  std::vector<CellDisplacement<2>> cell_rows_;
-  double readout_sigma_m_ = 0.0;
+  std::vector<CellDisplacement<3>> cell_rows_;
+  Eigen::Vector3d readout_sigma_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d camera_center_ = Eigen::Vector3d::Zero();
   double calibration_sigma_px_ = 0.0;
   std::size_t camera_key_ = 0;

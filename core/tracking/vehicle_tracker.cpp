@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/fusion/filter_state.h"
 #include "core/geometry/option_check.h"
@@ -14,11 +13,6 @@ namespace {
 
 // Odometry that ends this long before an image still counts as covering it.
 constexpr std::int64_t kOdometryLagNs = 30'000'000;
-
-// A twist is the mean over this time; motion that was measured longer before an image does not tell its twist.
-constexpr std::int64_t kTwistWindowNs = 30'000'000;
-constexpr std::int64_t kTwistAgeNs = 500'000'000;
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min() / 2;
 
 PlanarOdometryOptions VisualOptions(double resolution_m) {
   PlanarOdometryOptions options;
@@ -71,6 +65,7 @@ void TrackerOptions::Check() const {
   mask.Check();
   readout.Check();
   lattice.Check();
+  twist.Check();
 }
 
 struct VehicleTracker::State {
@@ -111,20 +106,12 @@ struct VehicleTracker::State {
     return !now || !now->odometry || now->odometry->health == OdometryHealth::kOk;
   }
 
-  // Mean twist up to an image, or up to the last measured motion shortly before it.
   std::optional<Eigen::Vector3d> TwistAt(std::int64_t stamp_ns) const {
-    const std::int64_t measured_ns = std::max(odometry_until_ns.value_or(kNever), last_frame_ns.value_or(kNever));
-    if (measured_ns == kNever || measured_ns + kTwistAgeNs < stamp_ns) {
-      return std::nullopt;
+    LastMotion last{last_frame_ns, last_wheels};
+    if (odometry_until_ns) {
+      last.until_ns = std::max(*odometry_until_ns, last_frame_ns.value_or(*odometry_until_ns));
     }
-    const std::int64_t to_ns = std::min(stamp_ns + kTwistWindowNs / 2, std::max(measured_ns, stamp_ns - kTwistAgeNs));
-    if (const auto motion = fuser->MotionBetween(to_ns - kTwistWindowNs, to_ns)) {
-      return motion->Log() / (1e-9 * kTwistWindowNs);
-    }
-    if (last_wheels && last_wheels->to_ns > last_wheels->from_ns) {
-      return last_wheels->motion.Log() / (1e-9 * static_cast<double>(last_wheels->to_ns - last_wheels->from_ns));
-    }
-    return std::nullopt;
+    return TwistAtFrame(*fuser, last, stamp_ns, options.twist);
   }
 
   void UpdateVisualOdometry(std::int64_t stamp_ns, const Features& features, FrameOutcome* outcome) {

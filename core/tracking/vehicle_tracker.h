@@ -12,6 +12,7 @@
 #include "core/localization/pose_prior.h"
 #include "core/odometry/learned_mask.h"
 #include "core/odometry/planar_odometry.h"
+#include "core/tracking/frame_twist.h"
 #include "core/tracking/lattice_tracker.h"
 #include "core/tracking/learnt_values.h"
 
@@ -49,6 +50,7 @@ struct TrackerOptions {
   LearnedMaskOptions mask;
   ReadoutEstimatorOptions readout;
   LatticeTrackerOptions lattice;
+  FrameTwistOptions twist;
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;

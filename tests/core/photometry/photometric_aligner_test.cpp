@@ -107,17 +107,19 @@ TEST_F(PhotometricAlignerTest, FindsTheTruePoseFromAFewPixelsAway) {
 }
 
 // The motion during the read-out by which rows were put where they belong is off by a millimetre to the side: what it
-// shears looks like a turn of the robot.
+// shears looks like a turn of the robot. Or it is off by a turn, which bends the image.
 TEST_F(PhotometricAlignerTest, RowsThatAreNotWhereTheyBelongAreFound) {
-  for (const double off_m : {0.001, -0.001}) {
+  const std::vector<Eigen::Vector3d> motions{
+      {0.0, 0.001, 0.0}, {0.0, -0.001, 0.0}, {0.0, 0.0, 0.01}, {0.0, 0.0, -0.01}};
+  for (const Eigen::Vector3d& off : motions) {
     const Pose2 truth = RandomTruth();
     RenderConditions conditions;
-    conditions.readout_motion = {0.0, off_m, 0.0};
+    conditions.readout_motion = off;
     const GroundImage image = rectifier_.Rectify(GrayView(truth, conditions));
     FrameSamples samples(image, NormalizeContrast(image.gray, image.mask, ContrastOptions()), rectifier_);
     const PhotometricAligner aligner(Raster(), options_);
     const double taken_as_exact_m = ErrorOf(aligner.Align(samples, truth), truth);
-    samples.SetReadout(camera(), 0.001);
+    samples.SetReadout(camera(), {0.001, 0.001, 0.01});
     EXPECT_LT(ErrorOf(aligner.Align(samples, truth), truth), 0.4 * taken_as_exact_m);
     EXPECT_GT(taken_as_exact_m, 2e-4);
   }
