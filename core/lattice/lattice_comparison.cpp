@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/lattice/lattice_comparison.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "core/geometry/option_check.h"
+#include "core/lattice/place_scorer.h"
 #include "core/photometry/cell_comparison.h"
 #include "core/photometry/frame_at_place.h"
 
@@ -63,15 +63,9 @@ std::vector<float> MeanMosaic(const std::vector<PlaceView>& views, int min_place
   return sums;
 }
 
-// What a frame shows beyond what all places have in common, sample by sample, cell by cell.
-struct Rest {
-  std::vector<float> gain;   // of the frame relative to the mosaic, in standard deviations of the rest; 0: not compared
-  std::vector<float> value;  // standard deviations
-};
-
 // A sample of a cell that does not agree with the floor (another object, a reflection) says little.
-Rest RestOf(const FrameSamples& frame, const std::vector<float>& mean, int min_samples, double max_sigma) {
-  Rest rest{std::vector<float>(mean.size(), 0.0F), std::vector<float>(mean.size(), 0.0F)};
+FrameRest RestOf(const FrameSamples& frame, const std::vector<float>& mean, int min_samples, double max_sigma) {
+  FrameRest rest{std::vector<float>(mean.size(), 0.0F), std::vector<float>(mean.size(), 0.0F)};
   const auto limit = static_cast<float>(max_sigma);
   std::size_t start = 0;
   for (int c = 0; c < frame.cells(); ++c) {
@@ -101,22 +95,19 @@ Rest RestOf(const FrameSamples& frame, const std::vector<float>& mean, int min_s
   return rest;
 }
 
-// How the mosaic under a sample changes with small displacements that are smooth over the view: shifts, turn, shear,
-// tilt. Errors of the pose, the camera's mounting and the map look like that; they do not tell places apart.
-constexpr int kDistortions = 8;
-using Distortion = Eigen::Matrix<double, kDistortions, 1>;
-
 std::vector<Distortion> DistortionsOf(const FrameSamples& frame, const FrameAtPlace& place) {
   const std::vector<Eigen::Vector2f> slopes = place.Slopes();
+  const Eigen::Vector2f center = frame.center().cast<float>();
+  const auto radius_m = static_cast<float>(frame.radius_m());
   std::vector<Distortion> distortions;
   distortions.reserve(slopes.size());
   std::size_t i = 0;
   for (int c = 0; c < frame.cells(); ++c) {
     for (const FrameSamples::Sample& s : frame.cell(c)) {
-      const Eigen::Vector2d g = slopes[i++].cast<double>();
-      const double dx = (static_cast<double>(s.x_m) - frame.center().x()) / frame.radius_m();
-      const double dy = (static_cast<double>(s.y_m) - frame.center().y()) / frame.radius_m();
-      const double outwards = g.x() * dx + g.y() * dy;
+      const Eigen::Vector2f& g = slopes[i++];
+      const float dx = (s.x_m - center.x()) / radius_m;
+      const float dy = (s.y_m - center.y()) / radius_m;
+      const float outwards = g.x() * dx + g.y() * dy;
       distortions.push_back(
           (Distortion() << g.x(), g.y(), g.x() * dx, g.x() * dy, g.y() * dx, g.y() * dy, outwards * dx, outwards * dy)
               .finished());
@@ -125,71 +116,24 @@ std::vector<Distortion> DistortionsOf(const FrameSamples& frame, const FrameAtPl
   return distortions;
 }
 
-struct PlaceScore {
-  double score = 0.0;
-  double expected = 0.0;  // at the right place
-};
-
-// Scores places of one frame.
-class PlaceScorer {
- public:
-  PlaceScorer(std::vector<float> mean, Rest rest, std::vector<Distortion> distortions)
-      : mean_(std::move(mean)), rest_(std::move(rest)), distortions_(std::move(distortions)) {
-    for (std::size_t i = 0; i < mean_.size(); ++i) {
-      if (std::isnan(distortions_[i](0))) {
-        rest_.gain[i] = 0.0F;
-      }
-      AddSample(i, 1.0, &all_);
+// How far places typically differ from the mean one, sample by sample: mean absolute deviation, as a standard
+// deviation.
+std::vector<float> TypicalDeviation(const std::vector<PlaceView>& views, const std::vector<float>& mean) {
+  constexpr float kSigmaOfMean = 1.2533F;  // of a normal distribution: sqrt(pi / 2)
+  std::vector<float> sums(mean.size(), 0.0F);
+  std::vector<float> counts(mean.size(), 0.0F);
+  for (const PlaceView& view : views) {
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      const float apart = std::abs(view.mosaic[i] - mean[i]);
+      sums[i] += std::isnan(apart) ? 0.0F : apart;
+      counts[i] += std::isnan(apart) ? 0.0F : 1.0F;
     }
   }
-
-  // What distinguishes a place, but for distortions, in the frame's rest: a standard normal value at a wrong place if
-  // the noise of samples is independent.
-  PlaceScore ScoreOf(const PlaceView& view) const {
-    Normal normal = all_;
-    Distortion with_difference = Distortion::Zero();
-    double squares = 0.0;
-    double product = 0.0;
-    for (std::size_t i = 0; i < mean_.size(); ++i) {
-      if (std::isnan(view.mosaic[i])) {
-        AddSample(i, -1.0, &normal);
-      } else if (rest_.gain[i] > 0.0F) {
-        const double difference = static_cast<double>(rest_.gain[i] * (view.mosaic[i] - mean_[i]));
-        with_difference += difference * static_cast<double>(rest_.gain[i]) * distortions_[i];
-        squares += difference * difference;
-        product += difference * static_cast<double>(rest_.value[i]);
-      }
-    }
-    const Distortion fitted = normal.of_distortions.selfadjointView<Eigen::Lower>().ldlt().solve(with_difference);
-    squares -= fitted.dot(with_difference);
-    if (squares <= 0.0) {
-      return {};
-    }
-    const double size = std::sqrt(squares);
-    return {(product - fitted.dot(normal.with_rest)) / size, size};
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    sums[i] *= kSigmaOfMean / std::max(1.0F, counts[i]);
   }
-
- private:
-  // Sums over samples: the normal equations of a fit of distortions.
-  struct Normal {
-    Eigen::Matrix<double, kDistortions, kDistortions> of_distortions =
-        Eigen::Matrix<double, kDistortions, kDistortions>::Identity() * 1e-6;
-    Distortion with_rest = Distortion::Zero();
-  };
-
-  void AddSample(std::size_t i, double sign, Normal* normal) const {
-    if (rest_.gain[i] > 0.0F) {
-      const Distortion distortion = static_cast<double>(rest_.gain[i]) * distortions_[i];
-      normal->of_distortions.selfadjointView<Eigen::Lower>().rankUpdate(distortion, sign);
-      normal->with_rest += sign * static_cast<double>(rest_.value[i]) * distortion;
-    }
-  }
-
-  std::vector<float> mean_;
-  Rest rest_;
-  std::vector<Distortion> distortions_;
-  Normal all_;
-};
+  return sums;
+}
 
 }  // namespace
 
@@ -201,6 +145,7 @@ void LatticeComparisonOptions::Check() const {
   RequireOption(min_places >= 4, "min_places must be at least 4");
   RequireOption(temper > 0 && temper <= 1, "temper must be above 0 and at most 1");
   RequireOption(max_sigma > 0, "max_sigma must be positive");
+  RequireOption(strong_deviations > 0, "strong_deviations must be positive");
 }
 
 const LatticePlace* LatticeComparison::Find(const Pose2& map_from_base) const {
@@ -257,15 +202,18 @@ std::optional<LatticeComparison> LatticeComparer::Compare(const FrameSamples& fr
   if (static_cast<int>(views.size()) < options_.min_places || !views.front().multiples.isZero()) {
     return std::nullopt;
   }
-  std::vector<float> mean = MeanMosaic(views, options_.min_places);
-  Rest rest = RestOf(frame, mean, FrameSamples::kSparseShare * min_cell_samples_, options_.max_sigma);
-  const PlaceScorer scorer(std::move(mean), std::move(rest), std::move(distortions));
+  SampleScales scales;
+  scales.mean = MeanMosaic(views, options_.min_places);
+  scales.rest = RestOf(frame, scales.mean, FrameSamples::kSparseShare * min_cell_samples_, options_.max_sigma);
+  scales.deviation = TypicalDeviation(views, scales.mean);
+  scales.distortions = std::move(distortions);
+  const PlaceScorer scorer(std::move(scales), options_.strong_deviations);
   LatticeComparison comparison;
   const double on_map = extent_.width_m() * extent_.height_m() / CellArea();
   comparison.not_compared = std::max(0.0, on_map - static_cast<double>(views.size()));
   comparison.tolerance_m = 0.25 * std::min(lattice_.basis.col(0).norm(), lattice_.basis.col(1).norm());
   for (const PlaceView& view : views) {
-    const PlaceScore score = scorer.ScoreOf(view);
+    const PlaceScore score = scorer.ScoreOf(view.mosaic);
     comparison.places.push_back({view.multiples, view.map_from_base, score.score, score.expected});
   }
   std::vector<LatticePlace>& places = comparison.places;
