@@ -32,6 +32,7 @@ ARROWS = {
     "core/tracking": ["core/localization", "core/odometry", "core/fusion"],
     "core/diagnosis": ["core/io", "core/tracking"],
     "core/evaluation": ["core/geometry", "core/io", "core/vision"],
+    "mapbuilder/bag": ["core/io"],
     "mapbuilder/batch": ["core/io", "core/map"],
     "mapbuilder/coverage": ["core/geometry"],
     "mapbuilder/plot": ["core/evaluation"],
@@ -80,7 +81,7 @@ ARROWS = {
 # Header of an external library -> the only places in the product that may include it.
 LIBRARIES = {
     "httplib.h": ["server/http/", "clients/cpp/client.cpp"],
-    "sqlite3.h": ["core/map/"],
+    "sqlite3.h": ["core/map/", "mapbuilder/bag/"],
     "CLI/": ["mapbuilder/cli/", "server/daemon/main.cpp"],
     "nlohmann/": ["core/map/", "mapbuilder/", "server/", "clients/cpp/"],
     "yaml-cpp/": ["core/io/"],
