@@ -79,6 +79,30 @@ class Bags(Scratch):
         self.assertEqual(0, result.returncode, result.stderr)
         self.assertIn("is damaged after", result.stdout)
 
+    def stamps_of(self, name, image_stamp):
+        """Unpacks a bag whose images have these stamps: the time stamps of frames.csv, and what was printed."""
+        bag = self.folder / f"{name}.db3"
+        write_bag(self.survey, bag, image_stamp=image_stamp)
+        printed = run_ok("export", bag, "--survey", self.folder / name)
+        return [line.split(",")[0] for line in (self.folder / name / "frames.csv").read_text().split()[1:]], printed
+
+    def test_headers_without_stamps_count_as_recorded(self):
+        recorded, _ = self.stamps_of("recorded", lambda number, stamp_ns: stamp_ns)
+        stamps, printed = self.stamps_of("unstamped", lambda number, stamp_ns: 0)
+        self.assertEqual(stamps, recorded)
+        self.assertIn("have no stamps; those of recording are used", printed)
+        stamps, printed = self.stamps_of("some", lambda number, stamp_ns: 0 if number in (2, 3) else stamp_ns)
+        self.assertEqual(stamps, recorded[:2] + recorded[4:])
+        self.assertIn("images: left out 2 without a stamp", printed)
+
+    def test_simulated_time_may_begin_at_0_and_stamps_may_repeat(self):
+        stamps, printed = self.stamps_of("simulated", lambda number, _: number * 250_000_000)
+        self.assertEqual(stamps[:3], ["0.000000000", "0.250000000", "0.500000000"])
+        self.assertNotIn("warning", printed)
+        stamps, printed = self.stamps_of("repeated", lambda number, _: (number - number % 2 + 1) * 10**9)
+        self.assertEqual(stamps[:2], ["1.000000000", "3.000000000"])
+        self.assertIn("with the stamp of another one", printed)
+
     def test_wrong_uses_say_what_to_do(self):
         for arguments, sentence in [
                 (["export", self.bag], "is a bag; give --survey DIR"),

@@ -98,16 +98,17 @@ def odometry(row, stamp_ns):
     return message.number("d", *[0.0] * (36 + 6 + 36)).bytes()
 
 
-def write_bag(survey, file, with_mounting=True):
-    """Images, calibration, mounting and odometry of a survey folder."""
+def write_bag(survey, file, with_mounting=True, image_stamp=lambda number, stamp_ns: stamp_ns):
+    """Images, calibration, mounting and odometry of a survey folder. image_stamp: of the header of an image, by its number
+    and the time of recording."""
     survey = Path(survey)
     frames = [line.split(",") for line in (survey / "frames.csv").read_text().split()[1:]]
     start = nanoseconds(frames[0][0])
     messages = [("/camera/camera_info", "sensor_msgs/msg/CameraInfo", start, camera_info(survey, start))]
     if with_mounting:
         messages.append(("/tf_static", "tf2_msgs/msg/TFMessage", start, transforms(survey, start)))
-    for stamp, name in frames:
-        image = Cdr().header(nanoseconds(stamp), "camera_optical").text("jpeg").data((survey / name).read_bytes())
+    for number, (stamp, name) in enumerate(frames):
+        image = Cdr().header(image_stamp(number, nanoseconds(stamp)), "camera_optical").text("jpeg").data((survey / name).read_bytes())
         messages.append(("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", nanoseconds(stamp), image.bytes()))
     for line in (survey / "odometry.tum").read_text().splitlines():
         row = line.split()
