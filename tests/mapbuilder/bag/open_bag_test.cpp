@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zstd.h>
 
 #include "core/io/input_error.h"
 #include "mapbuilder/bag/mcap_reader.h"
@@ -226,6 +227,19 @@ TEST_F(DamagedBagTest, ReadsWhatIsLeftOfADatabaseThatWasCutOff) {
   EXPECT_GT(left.size(), 0U);
   EXPECT_LT(left.size(), 24U);
   EXPECT_THAT(reader->warnings().at(0), HasSubstr("those were read"));
+}
+
+TEST_F(DamagedBagTest, ReadsFilesThatWereCompressedAsAWhole) {
+  for (const char* name : {"lz4.mcap", "none.bag", "jazzy.db3"}) {
+    const std::vector<std::uint8_t> bytes = BytesOf(BagData(name));
+    std::vector<std::uint8_t> compressed(ZSTD_compressBound(bytes.size()));
+    compressed.resize(ZSTD_compress(compressed.data(), compressed.size(), bytes.data(), bytes.size(), 1));
+    const std::filesystem::path file = Write(std::string(name) + ".zstd", compressed);
+    EXPECT_TRUE(IsBag(file));
+    const std::unique_ptr<BagReader> reader = OpenBag(file);
+    EXPECT_EQ(AllMessages(*reader).size(), 24U) << name;
+    EXPECT_THAT(reader->warnings(), IsEmpty()) << name;
+  }
 }
 
 TEST_F(DamagedBagTest, RefusesWhatIsNoBag) {
