@@ -14,7 +14,6 @@
 namespace floorloc {
 namespace {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
