@@ -196,14 +196,27 @@ std::string FormatCameraYaml(const CameraModel& camera) {
          OptionalText("calibration_sigma", camera.sigma_px) + ReadoutText(camera.readout);
 }
 
-std::string FormatFloorYaml(const FloorPlane& floor) {
+std::string ReadFloorOrigin(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "floor.yaml";
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    return {};
+  }
+  const YamlDocument document(ReadTextFile(file), file);
+  return document.Has("origin") ? document.Text(document.Get(document.root(), "origin"), "origin") : std::string();
+}
+
+std::string FormatFloorYaml(const FloorPlane& floor, const std::string& origin) {
+  YAML::Emitter origin_text;
+  origin_text << origin;
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> h = floor.base_from_pixel;
   return "# homography: undistorted pixel (u, v, 1) -> base frame on the floor, metres (x forward, y left)\n"
          "homography: " +
          ListText({h.data(), h.data() + h.size()}) + "\nroi: {x_min: " + NumberText(floor.roi.x_min) +
          ", x_max: " + NumberText(floor.roi.x_max) + ", y_min: " + NumberText(floor.roi.y_min) +
          ", y_max: " + NumberText(floor.roi.y_max) + "}\nresolution: " + NumberText(floor.resolution_m) + "\n" +
-         OptionalText("offset_sigma", floor.offset_sigma_m);
+         OptionalText("offset_sigma", floor.offset_sigma_m) +
+         (origin.empty() ? "" : std::string("origin: ") + origin_text.c_str() + "\n");
 }
 
 }  // namespace floorloc

@@ -17,6 +17,9 @@ FloorPlane ParseFloorYaml(const std::string& text, const std::filesystem::path& 
 FloorCamera ReadFloorCamera(const std::filesystem::path& folder);
 
 std::string FormatCameraYaml(const CameraModel& camera);
-std::string FormatFloorYaml(const FloorPlane& floor);
+/// origin: where the floor comes from, for people; empty: not told.
+std::string FormatFloorYaml(const FloorPlane& floor, const std::string& origin = {});
+/// The origin that folder/floor.yaml tells; empty: none, or no such file. Throws InputError.
+std::string ReadFloorOrigin(const std::filesystem::path& folder);
 
 }  // namespace floorloc

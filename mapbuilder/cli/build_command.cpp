@@ -10,6 +10,7 @@
 #include "mapbuilder/batch/build_journal.h"
 #include "mapbuilder/build/build_map.h"
 #include "mapbuilder/build/build_report.h"
+#include "mapbuilder/cli/bag_input.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/cli/video_input.h"
 #include "mapbuilder/fiducials/aruco_dictionary.h"
@@ -21,6 +22,8 @@ namespace {
 struct Arguments {
   BuildOptions options;
   VideoArguments video;
+  BagArguments bag;
+  std::vector<std::string> bag_notes;
   std::string features = "auto";
   std::string poses_file;
   std::vector<std::string> self_calibrate{"auto"};
@@ -76,18 +79,26 @@ BuildReport BuildWithResumeHint(const BuildOptions& options) {
   }
 }
 
-std::string JsonWithVerdict(const BuildReport& report, const Verdict& verdict) {
+std::string JsonWithVerdict(const BuildReport& report, const Verdict& verdict,
+                            const std::vector<std::string>& bag_notes) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(ToJson(report, true));
   json["verdict"] = {{"trust", ToString(verdict.trust)}, {"headline", verdict.headline}, {"reasons", verdict.reasons}};
+  if (!bag_notes.empty()) {
+    json["bag"] = bag_notes;
+  }
   return json.dump(2);
 }
 
 void Print(const Arguments& a, const BuildReport& report, const Verdict& verdict) {
   if (a.json) {
-    std::cout << JsonWithVerdict(report, verdict) << "\n";
+    std::cout << JsonWithVerdict(report, verdict, a.bag_notes) << "\n";
     std::cerr << a.options.out.string() << ": " << verdict.headline << "\n";
   } else {
-    std::cout << a.options.out.string() << "\n" << ToText(report) << "  verdict      " << verdict.headline << "\n";
+    std::cout << a.options.out.string() << "\n" << ToText(report);
+    for (const std::string& note : a.bag_notes) {
+      std::cout << "  bag          " << note << "\n";
+    }
+    std::cout << "  verdict      " << verdict.headline << "\n";
   }
   if (!a.report.empty()) {
     std::cerr << (a.report / "report.html").string() << ": " << verdict.headline << "\n";
@@ -116,10 +127,17 @@ void Run(Arguments& a) {
   if (!a.report.empty()) {
     PrepareReportFolder(a.report);
   }
+  a.bag.choice.camera_yaml = a.video.camera_yaml;
+  a.bag.choice.floor_yaml = a.video.floor_yaml;
+  const BagInput bag(a.bag, a.options.out, a.options.run.progress, BagInput::Lifetime::kUntilFinished);
+  a.options.surveys.insert(a.options.surveys.end(), bag.folders().begin(), bag.folders().end());
+  a.bag_notes = bag.notes();
   const VideoInput video(a.video, a.options.out, a.options.run.progress, &a.options.surveys);
   BuildReport report = BuildWithResumeHint(a.options);
   report.warnings.insert(report.warnings.end(), video.warnings().begin(), video.warnings().end());
+  report.warnings.insert(report.warnings.end(), bag.warnings().begin(), bag.warnings().end());
   video.Finish();
+  bag.Finish();
   const Verdict verdict = a.report.empty() ? AssessMapFile(a.options.out) : WriteReport(a.options.out, a.report);
   Print(a, report, verdict);
   if (!verdict.Usable()) {
@@ -199,9 +217,12 @@ CLI::Option* AddCameraOptions(CLI::App& command, Arguments& a) {
 }  // namespace
 
 void AddBuildCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("build", "Builds a map from survey folders or videos");
+  CLI::App* command = app.add_subcommand("build", "Builds a map from survey folders, bags or videos");
   const auto a = std::make_shared<Arguments>();
   command->add_option("--survey", a->options.surveys, "Survey folder(s)");
+  CLI::Option* bag = command->add_option(
+      "--bag", a->bag.bags, "Bag(s) of ROS instead of survey folders: .mcap, .db3 or .bag file, or their folder");
+  AddTopicOptions(command, bag, &a->bag.choice);
   AddVideoOptions(command, &a->video);
   command->add_option("--out", a->options.out, "Map file to write (NAME.floormap)")->required();
   command

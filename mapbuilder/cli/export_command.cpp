@@ -11,18 +11,22 @@
 #include "core/io/text_file.h"
 #include "core/io/trajectory.h"
 #include "core/map/map_database.h"
+#include "mapbuilder/bag/open_bag.h"
+#include "mapbuilder/cli/bag_input.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/export/export_geotiff.h"
 #include "mapbuilder/export/export_mosaic.h"
 #include "mapbuilder/export/export_nav2.h"
 #include "mapbuilder/export/export_pose_graph.h"
 #include "mapbuilder/export/export_tiles.h"
+#include "mapbuilder/unpack/unpack_bag.h"
 
 namespace floorloc {
 namespace {
 
 struct Arguments {
-  std::filesystem::path map, mosaic, nav2, tiles, geotiff, poses, g2o, camera;
+  std::filesystem::path map, mosaic, nav2, tiles, geotiff, poses, g2o, camera, survey;
+  SurveyChoice choice;
   double resolution_m = 0.0;
   bool worldfile = false;
 };
@@ -90,7 +94,33 @@ void ExportCameras(const std::filesystem::path& folder, const std::vector<FloorC
   }
 }
 
+void ExportSurvey(const Arguments& a) {
+  RunOptions run;
+  run.progress = ProgressOutput::Stderr();
+  const BagSummary bag = SummarizeBag(a.map);
+  const UnpackedBag unpacked = UnpackBag(bag, PlanSurvey(bag, a.choice), a.survey, run);
+  for (const std::string& note : unpacked.notes) {
+    std::printf("%s\n", note.c_str());
+  }
+  for (const std::string& warning : unpacked.warnings) {
+    std::printf("warning: %s\n", warning.c_str());
+  }
+  std::printf("%s: %lld images, %lld poses of odometry, %lld samples of the IMU\n", a.survey.c_str(),
+              static_cast<long long>(unpacked.frames), static_cast<long long>(unpacked.odometry),
+              static_cast<long long>(unpacked.imu));
+}
+
 void Run(const Arguments& a) {
+  if (IsBag(a.map)) {
+    if (a.survey.empty()) {
+      throw InputError(a.map, "is a bag; give --survey DIR to unpack it");
+    }
+    ExportSurvey(a);
+    return;
+  }
+  if (!a.survey.empty()) {
+    throw InputError(a.map, "is no bag, which --survey unpacks; give a .mcap, .db3 or .bag file, or their folder");
+  }
   if (a.mosaic.empty() && a.nav2.empty() && a.tiles.empty() && a.geotiff.empty() && a.poses.empty() && a.g2o.empty() &&
       a.camera.empty()) {
     throw InputError("nothing to export; give --mosaic, --geotiff, --tiles, --nav2, --poses, --g2o or --camera");
@@ -127,9 +157,10 @@ void Run(const Arguments& a) {
 }  // namespace
 
 void AddExportCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("export", "Writes a map's mosaic, poses and links to common formats");
+  CLI::App* command = app.add_subcommand(
+      "export", "Writes a map's mosaic, poses and links to common formats, or a bag as a survey folder");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("map", a->map, "Map file")->required();
+  command->add_option("map", a->map, "Map file, or with --survey a bag")->required();
   command->add_option("--mosaic", a->mosaic, "Image to write (.png or .jpg)");
   command->add_option("--geotiff", a->geotiff, "GeoTIFF of the mosaic, of any size (.tif)");
   command->add_option("--tiles", a->tiles, "Folder for the mosaic's tiles, z/x/y.jpg");
@@ -143,9 +174,16 @@ void AddExportCommand(CLI::App& app) {
   command->add_flag("--worldfile", a->worldfile, "Write a world file beside the image");
   command->add_option("--poses", a->poses, "Poses of the survey frames (TUM)");
   command->add_option("--camera", a->camera,
-                      "Folder for camera.yaml and floor.yaml as the map has them (1/, 2/, ... if several)");
+                      "Folder for camera.yaml and floor.yaml as the map has them (1/, 2/, ... if several);\n"
+                      "with --survey: camera.yaml instead of the bag's CameraInfo");
   command->add_option("--g2o", a->g2o, "Pose graph of the survey frames (g2o)");
-  command->callback([a] { Run(*a); });
+  CLI::Option* survey = command->add_option("--survey", a->survey, "Survey folder to write from a bag");
+  command->add_option("--floor", a->choice.floor_yaml, "floor.yaml, instead of the bag's /tf_static")->needs(survey);
+  AddTopicOptions(command, survey, &a->choice);
+  command->callback([a] {
+    a->choice.camera_yaml = a->camera;
+    Run(*a);
+  });
 }
 
 }  // namespace floorloc

@@ -8,7 +8,10 @@
 
 #include "core/map/extractor_parameters.h"
 #include "core/map/map_database.h"
+#include "mapbuilder/bag/open_bag.h"
+#include "mapbuilder/cli/bag_input.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/cli/info_bag.h"
 #include "mapbuilder/finished_map/map_lattices.h"
 
 namespace floorloc {
@@ -16,6 +19,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path map;
+  SurveyChoice choice;
   bool json = false;
 };
 
@@ -91,6 +95,11 @@ void PrintText(const FloorMap& map, std::size_t frames, std::uintmax_t bytes) {
 }
 
 void Run(const Arguments& a) {
+  if (IsBag(a.map)) {
+    const BagSummary bag = SummarizeBag(a.map);
+    PrintBag(bag, PlanSurvey(bag, a.choice), a.json);
+    return;
+  }
   const MapDatabase database(a.map);
   const FloorMap map = database.ReadMap();
   const std::size_t frames = database.ReadFrames().size();
@@ -104,10 +113,12 @@ void Run(const Arguments& a) {
 }  // namespace
 
 void AddInfoCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "Prints what a map contains");
+  CLI::App* command = app.add_subcommand("info", "Prints what a map or a bag contains");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("map", a->map, "Map file")->required();
+  command->add_option("map", a->map, "Map file, or bag: .mcap, .db3 or .bag file, or their folder")->required();
   command->add_flag("--json", a->json, "Machine-readable");
+  AddCalibrationOptions(command, nullptr, &a->choice);
+  AddTopicOptions(command, nullptr, &a->choice);
   command->callback([a] { Run(*a); });
 }
 

@@ -13,6 +13,7 @@
 #include "core/map/camera_correction.h"
 #include "core/map/camera_mask_table.h"
 #include "core/map/map_database.h"
+#include "mapbuilder/cli/bag_input.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/replay/fuse_frames.h"
 #include "mapbuilder/replay/localize_frames.h"
@@ -22,6 +23,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path map, frames, out, results;
+  BagArguments bag;
   std::string prior = "none";
   std::string matcher = "auto";
   double max_p_wrong = RegistrationOptions().max_p_wrong;
@@ -197,7 +199,9 @@ void Run(Arguments& a) {
   if (a.fuse && a.options.prior == PriorSource::kTruth) {
     throw CLI::ValidationError("--fuse", "searches around the fused pose; leave --prior truth out");
   }
-  const Survey survey = ReadSurvey(a.frames);
+  const BagInput bag(a.bag, a.out, a.options.run.progress, BagInput::Lifetime::kTemporary);
+  PrintWarnings(bag);
+  const Survey survey = ReadSurvey(FolderOf(a.frames, bag));
   const MapDatabase database(a.map);
   const Localizer localizer(database.ReadMap(), MakeLocalizerOptions(a),
                             [&](const TileId& tile) { return database.ReadMosaicTile(tile); });
@@ -236,7 +240,7 @@ void AddLocalizeCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("localize", "Localizes every frame of a folder in a map");
   const auto a = std::make_shared<Arguments>();
   command->add_option("--map", a->map, "Map file")->required();
-  command->add_option("--frames", a->frames, "Folder in the survey format")->required();
+  AddDriveOptions(command, &a->frames, &a->bag);
   command->add_option("--out", a->out, "Trajectory of the fixes to write (TUM)")->required();
   command->add_option("--results", a->results, "One JSON line per frame");
   auto* prior = command

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/io/text_file.h"
+#include "mapbuilder/cli/bag_input.h"
 #include "mapbuilder/cli/command.h"
 #include "mapbuilder/replay/odometry_frames.h"
 
@@ -16,6 +17,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path frames, out, results, scale_from;
+  BagArguments bag;
   std::string mode = "planar";
   std::string features;
   std::string prior = "none";
@@ -145,11 +147,15 @@ void RunMonocular(const Arguments& a) {
   WriteAndPrint(TrackMonocularFrames(ReadCameraRecording(a.frames), options), a);
 }
 
-void Run(const Arguments& a) {
+void Run(Arguments& a) {
   CheckWritable(a.out);
   if (!a.results.empty()) {
     CheckWritable(a.results);
   }
+  a.bag.choice.needs_floor = a.mode == "planar";
+  const BagInput bag(a.bag, a.out, ProgressOutput::Stderr(), BagInput::Lifetime::kTemporary);
+  PrintWarnings(bag);
+  a.frames = FolderOf(a.frames, bag);
   if (a.mode == "planar") {
     RunPlanar(a);
   } else {
@@ -162,8 +168,7 @@ void Run(const Arguments& a) {
 void AddOdometryCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("odometry", "Measures the motion from frame to frame, without a map");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("--frames", a->frames, "Folder in the survey format; monocular: floor.yaml is not needed")
-      ->required();
+  AddDriveOptions(command, &a->frames, &a->bag);
   command
       ->add_option("--out", a->out,
                    "Trajectory to write (TUM): of the base, starting at odometry.tum's pose; monocular: of the camera, "

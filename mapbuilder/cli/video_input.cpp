@@ -34,8 +34,8 @@ bool IsMadeFrom(const fs::path& folder, const std::string& source) {
 }  // namespace
 
 void AddVideoOptions(CLI::App* command, VideoArguments* a) {
-  auto* camera = command->add_option("--camera", a->camera_yaml, "Of the videos (camera.yaml)");
-  auto* floor = command->add_option("--floor", a->floor_yaml, "Of the videos (floor.yaml)");
+  auto* camera = command->add_option("--camera", a->camera_yaml, "Of the videos and bags (camera.yaml)");
+  auto* floor = command->add_option("--floor", a->floor_yaml, "Of the videos and bags (floor.yaml)");
   auto* video = command->add_option("--video", a->videos, "Video(s) of the floor instead of survey folders");
   video->needs(camera)->needs(floor);
   command->add_option("--odometry", a->odometry, "odom_from_base during the videos (TUM)")->needs(video);
@@ -69,7 +69,8 @@ VideoInput::VideoInput(const VideoArguments& arguments, const fs::path& map, con
     surveys->push_back(Convert(std::move(options)));
   }
   if (surveys->empty()) {
-    throw std::invalid_argument("nothing to build from: name survey folders with --survey, or videos with --video");
+    throw std::invalid_argument(
+        "nothing to build from: name survey folders with --survey, bags with --bag, or videos with --video");
   }
   if (arguments.start_s.size() > count_) {
     throw std::invalid_argument("there are more --video-start than videos; give one for each video, in their order");

@@ -4,6 +4,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "core/io/camera_yaml.h"
 #include "core/io/text_file.h"
 
 namespace floorloc {
@@ -25,9 +26,14 @@ std::string UtcNow() {
 }
 
 nlohmann::ordered_json ProvenanceOf(const Survey& survey) {
-  return {{"folder", FolderName(survey.folder)},  {"camera", survey.camera.camera.name},
-          {"frames", survey.frames.size()},       {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
-          {"odometry", !survey.odometry.empty()}, {"control_points", survey.control_points.size()}};
+  nlohmann::ordered_json provenance = {
+      {"folder", FolderName(survey.folder)},  {"camera", survey.camera.camera.name},
+      {"frames", survey.frames.size()},       {"first_stamp", FormatSeconds(survey.frames.front().stamp_ns)},
+      {"odometry", !survey.odometry.empty()}, {"control_points", survey.control_points.size()}};
+  if (const std::string origin = ReadFloorOrigin(survey.folder); !origin.empty()) {
+    provenance["mounting"] = origin;
+  }
+  return provenance;
 }
 
 // One object per survey, whatever surveys_json contains.

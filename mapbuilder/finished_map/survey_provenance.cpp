@@ -15,7 +15,7 @@ std::vector<SurveyProvenance> ReadProvenance(const MapInfo& info) {
     for (std::size_t i = 0; i < std::min(provenance.size(), surveys.size()); ++i) {
       const nlohmann::json& survey = surveys.at(i);
       provenance[i] = {survey.value("folder", ""), survey.value("camera", ""), survey.value("frames", std::int64_t{0}),
-                       survey.value("odometry", false)};
+                       survey.value("odometry", false), survey.value("mounting", "")};
     }
   } catch (const nlohmann::json::exception& error) {
     throw MapError("the list of surveys in the map is damaged (" + std::string(error.what()) +

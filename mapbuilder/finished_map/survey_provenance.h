@@ -15,6 +15,7 @@ struct SurveyProvenance {
   std::string camera;  ///< name
   std::int64_t frames = 0;
   bool odometry = false;
+  std::string mounting;  ///< where floor.yaml comes from; empty: it does not say
 };
 
 /// One per survey of the map; values missing in surveys_json keep their defaults. Throws MapError when it has a form

@@ -135,7 +135,8 @@ std::string OriginSection(const ReportPage& page) {
   fact("Features", ToString(info.extractor.type));
   for (const SurveyProvenance& survey : ReadProvenance(info)) {
     fact("Survey", survey.folder + ": " + std::to_string(survey.frames) + " frames, camera " + survey.camera +
-                       (survey.odometry ? ", with odometry" : ""));
+                       (survey.odometry ? ", with odometry" : "") +
+                       (survey.mounting.empty() ? "" : "; mounting by " + survey.mounting));
   }
   html << "</dl></div></section>\n";
   return html.str();

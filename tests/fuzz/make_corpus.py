@@ -252,6 +252,21 @@ def surface_models():
     return [body, b"FLOORSRF" + struct.pack("<IQ", 1, 0) + body]
 
 
+def bags():
+    """Those that other libraries wrote, and of one its messages: type and serialization as ros_message_fuzzer.cpp has them,
+    then the bytes."""
+    data = ROOT / "tests" / "mapbuilder" / "bag" / "data"
+    types = ["Image", "CompressedImage", "CameraInfo", "Imu", "Odometry", "PoseStamped", "TFMessage"]
+    connection = sqlite3.connect(data / "foxy.db3")
+    rows = connection.execute("SELECT type, data FROM messages JOIN topics ON topics.id = topic_id").fetchall()
+    connection.close()
+    messages = [bytes([types.index(kind.split("/")[-1])]) + message for kind, message in rows
+                if kind.split("/")[-1] in types]
+    return {"mcap": [file.read_bytes() for file in sorted(data.glob("*.mcap"))],
+            "rosbag1": [file.read_bytes() for file in sorted(data.glob("*.bag"))],
+            "rosbag2": [file.read_bytes() for file in sorted(data.glob("*.db3"))], "ros_message": messages}
+
+
 def map_file():
     """A map of one camera and one frame in pages as small as SQLite has them; its checksums and hashes are wrong."""
     with tempfile.TemporaryDirectory() as folder:
@@ -278,7 +293,7 @@ def main():
     files = survey_files()
     boards = ["9x6\x000.025", "8x6\x000.03\0DICT_4X4_50\x000.02\x000.1,0.3,-0.1,0.1\x000.36,-0.03,1.571\0auto",
               "999x0\0-1\0\0\0\0nan,0,0"]
-    corpus = {**files, **server_texts(), **journal_pieces(), "survey_folder": [whole_survey(files)],
+    corpus = {**files, **server_texts(), **journal_pieces(), **bags(), "survey_folder": [whole_survey(files)],
               "image": images(), "image_header": images(), "http": http_requests(),
               "request_head": http_requests(), "multipart": multipart_bodies(),
               "tokens": token_files(), "learnt_values": learnt_values(), "api": api_calls(),

@@ -32,6 +32,7 @@ ARROWS = {
     "core/tracking": ["core/localization", "core/odometry", "core/fusion"],
     "core/diagnosis": ["core/io", "core/tracking"],
     "core/evaluation": ["core/geometry", "core/io", "core/vision"],
+    "mapbuilder/bag": ["core/io"],
     "mapbuilder/batch": ["core/io", "core/map"],
     "mapbuilder/coverage": ["core/geometry"],
     "mapbuilder/plot": ["core/evaluation"],
@@ -53,6 +54,7 @@ ARROWS = {
     "mapbuilder/build": ["mapbuilder/screening", "mapbuilder/heights", "mapbuilder/self_calibration",
                          "mapbuilder/markers", "mapbuilder/extend"],
     "mapbuilder/calibration": ["mapbuilder/batch", "mapbuilder/fiducials"],
+    "mapbuilder/unpack": ["mapbuilder/bag", "mapbuilder/calibration"],
     "mapbuilder/surface": ["core/registration", "core/surface/classes", "core/surface/texture", "mapbuilder/simulation"],
     "mapbuilder/laboratory": ["mapbuilder/plot", "mapbuilder/replay", "mapbuilder/mosaic", "mapbuilder/surface"],
     "mapbuilder/report": ["mapbuilder/plot", "mapbuilder/export", "mapbuilder/build"],
@@ -62,7 +64,7 @@ ARROWS = {
                    "mapbuilder/markers", "mapbuilder/mosaic", "mapbuilder/finished_map", "mapbuilder/extend",
                    "mapbuilder/merge", "mapbuilder/export", "mapbuilder/build"],
     "mapbuilder/cli": ["mapbuilder/simulation", "mapbuilder/merge", "mapbuilder/laboratory", "mapbuilder/calibration",
-                       "mapbuilder/surface", "mapbuilder/report"],
+                       "mapbuilder/unpack", "mapbuilder/surface", "mapbuilder/report"],
     "server/wire": [],
     "server/http": ["core/io", "server/wire"],
     "server/config": ["core/localization", "server/http"],
@@ -80,7 +82,7 @@ ARROWS = {
 # Header of an external library -> the only places in the product that may include it.
 LIBRARIES = {
     "httplib.h": ["server/http/", "clients/cpp/client.cpp"],
-    "sqlite3.h": ["core/map/"],
+    "sqlite3.h": ["core/map/", "mapbuilder/bag/"],
     "CLI/": ["mapbuilder/cli/", "server/daemon/main.cpp"],
     "nlohmann/": ["core/map/", "mapbuilder/", "server/", "clients/cpp/"],
     "yaml-cpp/": ["core/io/"],
