@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: takes lists and events from the server, and shows them.
-import { AlertList } from "/web/alerts.js";
-import * as api from "/web/api.js";
+import { AlertList } from "/web/panels/alerts.js";
+import * as api from "/web/data/api.js";
 import { $, setText } from "/web/dom.js";
-import { EventFeed } from "/web/events.js";
-import { Fleet } from "/web/fleet.js";
-import { FloorView } from "/web/floor_view.js";
-import { drawPoses } from "/web/initial_pose.js";
-import { MapList, rankMaps } from "/web/map_list.js";
-import { MapVersions } from "/web/map_versions.js";
-import { TokenDialog, initTheme, readView, writeView } from "/web/settings.js";
-import { TryIt } from "/web/try_it.js";
-import { VehicleList } from "/web/vehicle_list.js";
-import { VehiclePanel } from "/web/vehicle_panel.js";
+import { EventFeed } from "/web/data/events.js";
+import { Fleet } from "/web/data/fleet.js";
+import { FloorView } from "/web/floor/floor_view.js";
+import { drawPoses } from "/web/panels/initial_pose.js";
+import { MapList, rankMaps } from "/web/panels/map_list.js";
+import { MapVersions } from "/web/panels/map_versions.js";
+import { TokenDialog, initTheme, readView, writeView } from "/web/panels/settings.js";
+import { TryIt } from "/web/panels/try_it.js";
+import { VehicleList } from "/web/panels/vehicle_list.js";
+import { VehiclePanel } from "/web/panels/vehicle_panel.js";
 import { STATES } from "/web/words.js";
 
 const LISTS_MS = 500; // between two looks at lists and panel

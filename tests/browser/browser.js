@@ -27,7 +27,7 @@ async function useFolder(page) {
     return route.fulfill({ path, headers: { "content-security-policy": headers["content-security-policy"] } });
   };
   await page.route((url) => url.pathname === "/", (route) => answer(route, join(folder, "index.html")));
-  await page.route("**/web/*", (route) => answer(route, join(folder, new URL(route.request().url()).pathname.slice(5))));
+  await page.route("**/web/**", (route) => answer(route, join(folder, new URL(route.request().url()).pathname.slice(5))));
 }
 
 /// Registers hooks; the returned object has the browser and the page of the test that runs.

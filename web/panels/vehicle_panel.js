@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vehicle: state, numbers, what is wrong with it, and its last images.
-import * as api from "/web/api.js";
+import * as api from "/web/data/api.js";
 import { $, h, setText, syncList } from "/web/dom.js";
-import { InitialPoseForm } from "/web/initial_pose.js";
-import { Sparkline } from "/web/sparkline.js";
+import { InitialPoseForm } from "/web/panels/initial_pose.js";
+import { Sparkline } from "/web/panels/sparkline.js";
 import { STATES, degrees, sayClock, sayDuration, sayLength, sayOutcome, sayPose, sayProbability } from "/web/words.js";
 
 const DETAILS_MS = 2000;

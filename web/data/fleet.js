@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the page knows of maps and vehicles: lists of the server, kept current by its events.
-import { covarianceEllipse } from "/web/ellipse.js";
-import { Motion } from "/web/motion.js";
+import { covarianceEllipse } from "/web/data/ellipse.js";
+import { Motion } from "/web/data/motion.js";
 
 const FIXES_KEPT = 50; // of each vehicle
 const LOOSE_FIXES_KEPT = 60; // of each map, of images without a tracked vehicle

@@ -2,8 +2,8 @@
 // Vehicles on the floor: one canvas of our own above Leaflet's tiles, drawn at the display's rate while anything moves.
 import * as L from "/web/leaflet.esm.min.js";
 
-import { Sprites, floorColours } from "/web/sprites.js";
-import { drawAlternatives, drawFixes, drawInitialPose, drawTrail } from "/web/details.js";
+import { Sprites, floorColours } from "/web/floor/sprites.js";
+import { drawAlternatives, drawFixes, drawInitialPose, drawTrail } from "/web/floor/details.js";
 
 const TEXT_PX = 15; // of the page for which the sizes below are
 const LARGE_PX = 30;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A pose set by hand: drawn on the floor or typed; the next image confirms or contradicts it.
-import * as api from "/web/api.js";
+import * as api from "/web/data/api.js";
 import { $, setText } from "/web/dom.js";
 import { degrees, radians, sayLength, sayOutcome } from "/web/words.js";
 

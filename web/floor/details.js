@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn of single vehicles: fixes, trail, alternatives, a pose set by hand. to: {k, ox, oy}, pixels from metres.
-import { covarianceEllipse } from "/web/ellipse.js";
-import { arrowPath } from "/web/sprites.js";
+import { covarianceEllipse } from "/web/data/ellipse.js";
+import { arrowPath } from "/web/floor/sprites.js";
 import { STATES } from "/web/words.js";
 
 const FIX_PX = 20;

@@ -2,8 +2,8 @@
 // The floor in metres: Leaflet with CRS.Simple, in which the map point (x, y) is LatLng [y, x].
 import * as L from "/web/leaflet.esm.min.js";
 
-import { fetchTile, getToken, tileTemplate } from "/web/api.js";
-import { FleetLayer } from "/web/fleet_layer.js";
+import { fetchTile, getToken, tileTemplate } from "/web/data/api.js";
+import { FleetLayer } from "/web/floor/fleet_layer.js";
 
 const EMPTY_TILE = "data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==";
 const ZOOMS_BEYOND = 4; // of the finest level, enlarged

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Localizes an image by hand.
-import * as api from "/web/api.js";
+import * as api from "/web/data/api.js";
 import { $, h, setText, syncList } from "/web/dom.js";
 
 const IDS_OFFERED = 200;
