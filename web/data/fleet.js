@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the page knows of maps and vehicles: lists of the server, kept current by its events.
-import { covarianceEllipse } from "/web/data/ellipse.js";
+import { covarianceEllipse, distance } from "/web/data/geometry.js";
 import { Motion } from "/web/data/motion.js";
 
 const FIXES_KEPT = 50; // of each vehicle
@@ -44,7 +44,7 @@ class Vehicle {
     this.status = status;
     if (pose) {
       this.path += this.lastStep;
-      this.lastStep = this.pose && epoch === this.epoch ? Math.hypot(pose.x - this.pose.x, pose.y - this.pose.y) : 0;
+      this.lastStep = this.pose && epoch === this.epoch ? distance(pose, this.pose) : 0;
       this.epoch = epoch;
       this.pose = pose;
       this.ellipse = covarianceEllipse(pose.covariance);

@@ -3,7 +3,7 @@
 import * as L from "/web/leaflet.esm.min.js";
 
 import { Sprites, floorColours } from "/web/floor/sprites.js";
-import { drawAlternatives, drawFixes, drawInitialPose, drawTrail } from "/web/floor/details.js";
+import { drawAlternatives, drawFixes, drawInitialPose, drawTrail, putLabel, styleLabels } from "/web/floor/details.js";
 
 const TEXT_PX = 15; // of the page for which the sizes below are
 const LARGE_PX = 30;
@@ -230,19 +230,12 @@ export const FleetLayer = L.Layer.extend({
   drawLabels(chosen) {
     const { context } = this;
     const all = this.inView < LABELLED;
-    context.font = `600 ${12 * this.size}px system-ui, 'DejaVu Sans', sans-serif`;
-    context.textBaseline = "middle";
-    context.lineWidth = 3;
-    context.lineJoin = "round";
-    context.strokeStyle = this.colours.panel;
-    context.fillStyle = this.colours.ink;
+    styleLabels(context, this.colours, 12 * this.size);
     this.stats.labels = 0;
     for (let i = 0; i < this.inView; i += 1) {
       const { vehicle, x, y } = this.drawn[i];
       if (all || vehicle === chosen) {
-        const text = vehicle.state === "stale" ? `${vehicle.id} (silent)` : vehicle.id;
-        context.strokeText(text, x + 19 * this.size, y);
-        context.fillText(text, x + 19 * this.size, y);
+        putLabel(context, vehicle.state === "stale" ? `${vehicle.id} (silent)` : vehicle.id, x + 19 * this.size, y);
         this.stats.labels += 1;
       }
     }
