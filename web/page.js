@@ -6,7 +6,9 @@ import { $, setText } from "/web/dom.js";
 import { EventFeed } from "/web/data/events.js";
 import { Fleet } from "/web/data/fleet.js";
 import { FloorView } from "/web/floor/floor_view.js";
+import { cornersOf } from "/web/floor/inspection.js";
 import { drawPoses } from "/web/panels/initial_pose.js";
+import { Inspector } from "/web/panels/inspector.js";
 import { MapList, rankMaps } from "/web/panels/map_list.js";
 import { MapVersions } from "/web/panels/map_versions.js";
 import { TokenDialog, initTheme, readView, writeView } from "/web/panels/settings.js";
@@ -31,9 +33,17 @@ class Page {
       loose: () => this.fleet.loose.get(this.view.map) ?? [],
       chosen: () => this.chosen(),
       initialPose: () => this.chosen()?.initialPose,
+      inspection: () => this.inspector.scene(),
       beforeFrame: () => this.followChosen(),
       showTrail: true,
     };
+    this.inspector = new Inspector({
+      onChange: () => this.floor.redraw(),
+      onLook: (inspection, pose) => {
+        this.setFollow(false);
+        this.floor.lookAt(cornersOf(inspection, pose));
+      },
+    });
     this.floor = new FloorView($("floor"), this.scene, {
       onPosition: (x, y) => setText($("position"), x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`),
       onChoose: (vehicle) => !this.stopDrawing && vehicle && this.chooseVehicle(vehicle.id),
@@ -64,11 +74,12 @@ class Page {
       onFollow: (on) => this.setFollow(on),
       onTrail: (on) => this.setTrail(on),
       onDraw: (on) => this.setDrawing(on),
+      onInspect: () => this.inspect(this.chosen()),
       onPoseChange: () => this.floor.wake(),
     });
     this.fleet.onFix = (vehicle, fix) => this.panel.form.takeFix(vehicle, fix);
     this.versions = new MapVersions(chosenMap);
-    this.tryIt = new TryIt(chosenMap);
+    this.tryIt = new TryIt(chosenMap, (source) => this.inspector.open(source));
     this.token = new TokenDialog(() => this.feed.reconnect());
     api.onUnauthorized.call = () => this.token.ask(this.connected
       ? "This server wants a token for that. Enter one, and try again."
@@ -89,9 +100,11 @@ class Page {
   }
 
   onKey(event) {
-    const typing = event.target.closest?.("input, select, textarea, dialog");
-    if (event.key === "Escape" && !typing && this.chosen()) {
-      this.closePanel();
+    const typing = event.target.closest?.('input:not([type="radio"], [type="range"], [type="checkbox"]), select, textarea, dialog');
+    if (event.key === "Escape" && !typing) {
+      if (!this.inspector.close() && this.chosen()) {
+        this.closePanel();
+      }
     } else if (event.key === "/" && !typing) {
       event.preventDefault();
       $("search").focus();
@@ -211,6 +224,10 @@ class Page {
     document.querySelector(`#vehicles li[data-key="${CSS.escape(id)}"] button`)?.focus({ preventScroll: true });
   }
 
+  inspect({ id, map }) {
+    this.inspector.open({ title: `Last image of ${id}`, map, vehicle: id, get: () => api.getLastFrame(id) });
+  }
+
   setFollow(on) {
     this.follow = on && Boolean(this.chosen());
     this.panel.press("panel-follow", this.follow);
@@ -249,6 +266,7 @@ class Page {
     this.tryIt.offer(this.vehiclesOnMap());
     this.panel.open(this.chosen());
     this.panel.show(time);
+    this.inspector.show(this.view.map, this.chosen());
     this.floor.redraw();
   }
 }

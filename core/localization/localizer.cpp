@@ -216,6 +216,12 @@ std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservati
   return FitReadout(problem, impl_->options.registration, impl_->options.readout_fit);
 }
 
+std::vector<CompetingPose> Localizer::Compete(const FrameObservation& frame, const LocalizationResult& result,
+                                              std::size_t max_poses) const {
+  return FindCompetingPoses(impl_->search, frame, result, max_poses, impl_->map.keypoints.MapFromOrigin(),
+                            impl_->options.registration);
+}
+
 LocalizationResult Localizer::Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
   LocalizationResult result;
   result.used_prior = prior.has_value();

@@ -81,6 +81,7 @@ AppState::AppState(const ServerConfig& server_config, const std::filesystem::pat
       library(maps_folder, LibraryOptions(config), catalog, versions),
       rectifiers(StoreOptions(config.limits)),
       vehicles({static_cast<std::size_t>(config.limits.max_vehicles), config.limits.vehicle_timeout_s}),
+      last_frames(config.limits.max_kept_frame_bytes),
       event_source(catalog, library.changes(), vehicles, fixes, config.limits.stale_after_s),
       events({}, [this] { return event_source.Collect(); }),
       pool(PoolOptions(config)) {

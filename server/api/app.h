@@ -12,6 +12,7 @@
 #include "server/http/router.h"
 #include "server/serving/compute_pool.h"
 #include "server/serving/fix_history.h"
+#include "server/serving/last_frames.h"
 #include "server/serving/map_catalog.h"
 #include "server/serving/map_library.h"
 #include "server/serving/rectifier_store.h"
@@ -44,6 +45,7 @@ struct AppState {
   VehicleRegistry vehicles;
   std::unique_ptr<VehicleKeeper> keeper;  ///< null: vehicles are not kept
   FixHistory fixes;
+  LastFrames last_frames;
   std::atomic<bool> draining{false};
   std::function<int()> count_connections = [] { return 0; };  ///< set before serving
   EventSource event_source;                                   ///< of the thread of events

@@ -61,7 +61,8 @@ MapCamera VehicleCameraIn(const LoadedMap& map, const Vehicle& vehicle, Rectifie
   return info.content_version == vehicle.map_version ? vehicle.in_map : CameraInMap(info, vehicle.camera, store);
 }
 
-FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome) {
+FixRecord RecordFix(AppState& state, const LocalizeJob& job, const FrameLabel& label, const LocalizeOutcome& outcome) {
+  const LoadedMap& map = *job.map;
   FixRecord record;
   record.received_s = label.received_s;
   record.stamp_s = label.stamp_s;
@@ -77,6 +78,7 @@ FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& lab
   record = state.fixes.Add(std::move(record));
   if (!record.vehicle.empty()) {
     state.vehicles.SetLastFix(record.vehicle, record);
+    state.last_frames.Put(job, record);
   }
   state.metrics.CountLocalization(FiguresOf(map, label.work, outcome));
   return record;

@@ -7,7 +7,7 @@ const FIXES_KEPT = 50; // of each vehicle
 const LOOSE_FIXES_KEPT = 60; // of each map, of images without a tracked vehicle
 
 /// The fields of a fix record that the page shows; those of 2,000 vehicles are kept.
-function shorten({ sequence, received, status, reason, pose, fix, alternatives, accepted, reject_reason, reanchored }) {
+export function shorten({ sequence, received, status, reason, pose, fix, alternatives, accepted, reject_reason, reanchored }) {
   return {
     sequence, received, status, reason, accepted, reanchored, alternatives, rejectReason: reject_reason,
     pose: pose && { x: pose.x, y: pose.y, yaw: pose.yaw, covariance: pose.covariance },

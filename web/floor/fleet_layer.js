@@ -2,6 +2,7 @@
 // Vehicles on the floor: one canvas of our own above Leaflet's tiles, drawn at the display's rate while anything moves.
 import * as L from "/web/leaflet.esm.min.js";
 
+import { drawInspection } from "/web/floor/inspection.js";
 import { Sprites, floorColours } from "/web/floor/sprites.js";
 import { drawAlternatives, drawFixes, drawInitialPose, drawTrail, putLabel, styleLabels } from "/web/floor/details.js";
 
@@ -18,7 +19,7 @@ const FRAMES_TIMED = 120;
 const FADED = { stale: 0.75 };
 
 export const FleetLayer = L.Layer.extend({
-  /// scene: {vehicles(), loose(), chosen(), showTrail} of the map that is shown.
+  /// scene: {vehicles(), loose(), chosen(), initialPose(), inspection(), showTrail} of the map that is shown.
   initialize(scene) {
     this.scene = scene;
     this.drawn = []; // {vehicle, x, y, yaw} of the last frame; the first this.inView are valid
@@ -124,6 +125,10 @@ export const FleetLayer = L.Layer.extend({
     const to = this.project();
     this.place(to, size);
     const chosen = this.scene.chosen();
+    const inspection = this.scene.inspection();
+    if (inspection) {
+      drawInspection(this.context, to, inspection, this.colours);
+    }
     if (chosen && this.scene.showTrail) {
       drawTrail(this.context, to, chosen, this.colours);
     }

@@ -138,6 +138,11 @@ export class FloorView {
     this.leaflet.setView([y, x], this.leaflet.getZoom(), { animate: false });
   }
 
+  /// Moves so that all points are seen, with some floor around them.
+  lookAt(points) {
+    this.leaflet.fitBounds(L.latLngBounds(points.map(({ x, y }) => [y, x])).pad(0.25), { animate: false });
+  }
+
   /// Moves where the pose is out of sight only.
   bringIntoView({ x, y }) {
     if (!this.leaflet.getBounds().pad(-0.05).contains([y, x])) {

@@ -6,7 +6,9 @@ import { $, h, setText, syncList } from "/web/dom.js";
 const IDS_OFFERED = 200;
 
 export class TryIt {
-  constructor(chosenMap) {
+  /// chosenMap(): name of the map that is shown; onAnswer({title, map, vehicle, get()}): see Inspector.open.
+  constructor(chosenMap, onAnswer) {
+    this.onAnswer = onAnswer;
     this.chosenMap = chosenMap;
     this.file = null;
     $("image").addEventListener("change", (event) => this.select(event.target.files[0]));
@@ -44,7 +46,9 @@ export class TryIt {
     }
     $("localize").disabled = true;
     try {
-      setText($("answer"), JSON.stringify(await api.localize(map, vehicle, this.file), null, 1));
+      const { inspection, ...fix } = await api.localize(map, vehicle, this.file);
+      setText($("answer"), JSON.stringify(fix, null, 1));
+      this.onAnswer({ title: this.file.name, map, vehicle: null, get: async () => ({ fix, inspection }) });
     } catch (error) {
       setText($("answer"), `${error.message} (${error.code})`);
     }

@@ -63,7 +63,7 @@ function factsOf(vehicle, details) {
 }
 
 export class VehiclePanel {
-  /// handlers: onClose(), onFollow(on), onTrail(on), and those of InitialPoseForm.
+  /// handlers: onClose(), onFollow(on), onTrail(on), onInspect(), and those of InitialPoseForm.
   constructor(handlers) {
     this.handlers = handlers;
     this.vehicle = null;
@@ -75,6 +75,7 @@ export class VehiclePanel {
     $("panel-curves").replaceChildren(...Object.values(this.curves).map(({ element }) => element));
     this.form = new InitialPoseForm(handlers);
     $("panel-close").addEventListener("click", () => handlers.onClose());
+    $("panel-inspect").addEventListener("click", () => handlers.onInspect());
     for (const [id, change] of [["panel-follow", handlers.onFollow], ["panel-trail", handlers.onTrail]]) {
       $(id).addEventListener("click", ({ currentTarget }) => change(currentTarget.getAttribute("aria-pressed") !== "true"));
     }
@@ -122,6 +123,7 @@ export class VehiclePanel {
   showFixes({ fixes, id, map }) {
     const newest = [...fixes].reverse();
     $("panel-no-fix").hidden = fixes.length > 0;
+    $("panel-inspect").disabled = fixes.length === 0;
     setText($("panel-no-fix-command"), "curl --data-binary @frame.jpg -H 'Content-Type: image/jpeg' "
       + `'${location.origin}/v1/vehicles/${id}/frames?stamp='$(date +%s.%N)`);
     syncList($("panel-fixes"), newest, {
