@@ -11,6 +11,7 @@ import { drawPoses } from "/web/panels/initial_pose.js";
 import { Inspector } from "/web/panels/inspector.js";
 import { MapList, rankMaps } from "/web/panels/map_list.js";
 import { MapVersions } from "/web/panels/map_versions.js";
+import { Replay } from "/web/panels/replay.js";
 import { TokenDialog, initTheme, readView, writeView } from "/web/panels/settings.js";
 import { TryIt } from "/web/panels/try_it.js";
 import { VehicleList } from "/web/panels/vehicle_list.js";
@@ -18,6 +19,7 @@ import { VehiclePanel } from "/web/panels/vehicle_panel.js";
 import { STATES } from "/web/words.js";
 
 const LISTS_MS = 500; // between two looks at lists and panel
+const PANEL_MS = 100; // between two looks at the panel of a drive that is replayed
 const RESYNC_MS = 60000; // the lists are asked for again, in case an event was missed
 
 const now = () => Date.now() / 1000;
@@ -30,11 +32,14 @@ class Page {
     this.follow = false;
     this.scene = {
       vehicles: () => this.vehiclesOnMap(),
-      loose: () => this.fleet.loose.get(this.view.map) ?? [],
+      loose: () => (this.replay.drive ? [] : this.fleet.loose.get(this.view.map) ?? []),
       chosen: () => this.chosen(),
       initialPose: () => this.chosen()?.initialPose,
       inspection: () => this.inspector.scene(),
-      beforeFrame: () => this.followChosen(),
+      beforeFrame: () => {
+        this.replay.tick();
+        this.followChosen();
+      },
       showTrail: true,
     };
     this.inspector = new Inspector({
@@ -43,6 +48,11 @@ class Page {
         this.setFollow(false);
         this.floor.lookAt(cornersOf(inspection, pose));
       },
+    });
+    this.replay = new Replay({
+      onOpen: (drive) => this.openDrive(drive),
+      onTime: () => this.showReplay(),
+      onClose: () => this.closeDrive(),
     });
     this.floor = new FloorView($("floor"), this.scene, {
       onPosition: (x, y) => setText($("position"), x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`),
@@ -117,13 +127,23 @@ class Page {
     this.show();
   }
 
+  map() {
+    return this.fleet.maps.find(({ name }) => name === this.view.map);
+  }
+
   chosen() {
+    if (this.replay.drive) {
+      return this.replay.drive;
+    }
     const vehicle = this.fleet.vehicles.get(this.view.vehicle);
     return vehicle?.map === this.view.map ? vehicle : null;
   }
 
   /// Cached: it is asked for in every frame.
   vehiclesOnMap() {
+    if (this.replay.drive) {
+      return [this.replay.drive];
+    }
     const { onMap, fleet, view } = this;
     if (onMap.revision !== fleet.revision || onMap.map !== view.map) {
       this.onMap = { map: view.map, revision: fleet.revision, vehicles: fleet.of(view.map) };
@@ -192,6 +212,7 @@ class Page {
   }
 
   showMap(map) {
+    this.replay.showFit(map);
     $("no-map").hidden = Boolean(map);
     $("map-error").hidden = map?.status !== "error";
     if (map?.status === "ready") {
@@ -208,6 +229,7 @@ class Page {
     if (!vehicle) {
       return;
     }
+    this.replay.close();
     this.chooseMap(vehicle.map);
     this.change({ vehicle: id });
     const place = vehicle.pose ?? vehicle.alternatives()[0];
@@ -218,10 +240,40 @@ class Page {
   }
 
   closePanel() {
+    if (this.replay.drive) {
+      this.replay.close();
+      return;
+    }
     const id = this.view.vehicle;
     this.setFollow(false);
     this.change({ vehicle: "" });
     document.querySelector(`#vehicles li[data-key="${CSS.escape(id)}"] button`)?.focus({ preventScroll: true });
+  }
+
+  openDrive(drive) {
+    const first = drive.frames.find(({ fused }) => fused)?.fused;
+    this.inspector.close();
+    this.floor.element.classList.add("replaying");
+    this.replay.showFit(this.map());
+    if (first && this.floor.leaflet) {
+      this.floor.bringIntoView(first);
+    }
+    this.show();
+    $("panel").scrollIntoView({ block: "nearest" });
+  }
+
+  closeDrive() {
+    this.setFollow(false);
+    this.floor.element.classList.remove("replaying");
+    this.show();
+  }
+
+  showReplay() {
+    this.floor.wake();
+    if (performance.now() - (this.panelShown ?? 0) > PANEL_MS) {
+      this.panelShown = performance.now();
+      this.showPanel();
+    }
   }
 
   inspect({ id, map }) {
@@ -264,10 +316,14 @@ class Page {
     this.alerts.show(this.fleet, time);
     this.list.show(this.fleet, this.view, time);
     this.tryIt.offer(this.vehiclesOnMap());
-    this.panel.open(this.chosen());
-    this.panel.show(time);
+    this.showPanel();
     this.inspector.show(this.view.map, this.chosen());
     this.floor.redraw();
+  }
+
+  showPanel() {
+    this.panel.open(this.chosen());
+    this.panel.show(this.replay.drive?.time ?? now());
   }
 }
 

@@ -131,66 +131,6 @@ test("an image can be tried by hand", async () => {
   await page.getByText("(unknown_vehicle)").waitFor();
 });
 
-/// How the image that is laid over the floor correlates with the mosaic beneath, -1 to 1: the canvas against the tiles.
-const agreement = (page) => page.evaluate(() => {
-  const { floor } = globalThis.floorlocPage;
-  const canvas = floor.fleet.canvas;
-  const { width, height } = canvas;
-  const scale = width / floor.element.clientWidth;
-  const frame = floor.element.getBoundingClientRect();
-  const below = new OffscreenCanvas(width, height).getContext("2d");
-  for (const tile of floor.element.querySelectorAll("img.leaflet-tile-loaded")) {
-    const { x, y, width: w, height: h } = tile.getBoundingClientRect();
-    below.drawImage(tile, scale * (x - frame.x), scale * (y - frame.y), scale * w, scale * h);
-  }
-  const [over, under] = [canvas.getContext("2d"), below].map((context) => context.getImageData(0, 0, width, height).data);
-  let [n, a, b, aa, bb, ab] = [0, 0, 0, 0, 0, 0];
-  for (let i = 0; i < over.length; i += 4) {
-    if (over[i + 3] === 255 && under[i + 3] === 255) {
-      const [p, q] = [over[i], under[i]];
-      n += 1;
-      a += p;
-      b += q;
-      aa += p * p;
-      bb += q * q;
-      ab += p * q;
-    }
-  }
-  return (n * ab - a * b) / Math.sqrt((n * aa - a * a) * (n * bb - b * b));
-});
-
-test("the last image of a vehicle lies on the floor where it was found, and at rivals", async () => {
-  const { page } = context;
-  await registerVehicle(server.url, "looked");
-  const { fix } = await sendFrame(server.url, "looked", sampleImage(5), 100);
-  await page.goto(`${server.url}/?map=sample&vehicle=looked`);
-  await page.getByRole("button", { name: "Look into its last image" }).click();
-  const [found, rival] = [0, 1].map((i) => page.getByRole("radio").nth(i));
-  await rival.waitFor();
-  assert.match(await page.locator("#inspector-poses label").first().textContent(),
-    new RegExp(`^the pose that was found: ${fix.inliers} of \\d+ matches agree, expected by chance: 10\\^-\\d+$`));
-  await page.waitForTimeout(300); // tiles of the new view fade in
-  await takeScreenshot(page, "inspector");
-  await page.getByLabel("Matches").uncheck();
-  await page.getByLabel("Map Image").fill("100");
-  await page.getByRole("button", { name: "Trail" }).click();
-  await page.waitForFunction(() => ![...document.querySelectorAll(".leaflet-tile")].some((tile) => !tile.classList.contains("leaflet-tile-loaded")));
-  const right = await agreement(page);
-  assert.ok(right > 0.5, `correlation with the mosaic: ${right}`);
-  await found.focus();
-  await page.keyboard.press("ArrowDown");
-  assert.equal(await rival.isChecked(), true);
-  await page.waitForTimeout(500);
-  const wrong = await agreement(page);
-  assert.ok(Math.abs(wrong) < 0.3, `at the rival: ${wrong}`);
-  await sendFrame(server.url, "looked", sampleImage(6), 101);
-  await page.getByRole("button", { name: "Show the newest image" }).click();
-  await page.getByRole("button", { name: "Show the newest image" }).waitFor({ state: "hidden" });
-  await page.keyboard.press("Escape");
-  assert.equal(await page.locator("#inspector").isHidden(), true);
-  assert.equal(await page.locator("#panel").isVisible(), true);
-});
-
 test("a pose set by hand is confirmed or contradicted by the next image", async () => {
   const { page } = context;
   await registerVehicle(server.url, "set");

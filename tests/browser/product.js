@@ -49,6 +49,14 @@ export function makeMaps(existing = process.env.FLOORLOC_MAP) {
   return { maps, remove: () => rmSync(folder, { recursive: true, force: true }) };
 }
 
+/// Localizes the sample drive in a map; returns the file of its results, fused.jsonl beside the maps folder.
+export function fuseDrive(map) {
+  const out = join(dirname(map), "..", "fused");
+  execFileSync(join(bin, "floorloc-mapbuilder"), ["localize", "--map", map, "--frames", join(root, "maps", "sample", "drive"),
+    "--out", `${out}.tum`, "--results", `${out}.jsonl`, "--fuse"], { stdio: "ignore" });
+  return `${out}.jsonl`;
+}
+
 /// x, y and yaw of a row of a TUM file.
 function planarPose(row) {
   const [, x, y, , , , qz, qw] = row.split(" ").map(Number);

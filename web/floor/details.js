@@ -58,7 +58,7 @@ function drawFix(context, to, pose, fix, colour) {
 
 export function drawTrail(context, { k, ox, oy }, vehicle, colours) {
   context.beginPath();
-  vehicle.motion.forTrail((x, y) => context.lineTo(k * x + ox, oy - k * y));
+  vehicle.motion.forTrail((x, y, begins) => context[begins ? "moveTo" : "lineTo"](k * x + ox, oy - k * y));
   context.lineJoin = "round";
   context.strokeStyle = colours.panel;
   context.lineWidth = 5;

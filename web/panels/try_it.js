@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Localizes an image by hand.
 import * as api from "/web/data/api.js";
-import { $, h, setText, syncList } from "/web/dom.js";
+import { $, acceptFile, h, setText, syncList } from "/web/dom.js";
 
 const IDS_OFFERED = 200;
 
@@ -11,17 +11,8 @@ export class TryIt {
     this.onAnswer = onAnswer;
     this.chosenMap = chosenMap;
     this.file = null;
-    $("image").addEventListener("change", (event) => this.select(event.target.files[0]));
+    acceptFile($("drop"), (file) => this.select(file));
     $("localize").addEventListener("click", () => this.localize());
-    for (const type of ["dragover", "dragleave", "drop"]) {
-      $("drop").addEventListener(type, (event) => {
-        event.preventDefault();
-        $("drop").classList.toggle("over", type === "dragover");
-        if (type === "drop") {
-          this.select(event.dataTransfer.files[0]);
-        }
-      });
-    }
   }
 
   offer(vehicles) {
@@ -33,8 +24,8 @@ export class TryIt {
   }
 
   select(file) {
-    this.file = file ?? null;
-    setText($("image-name"), file ? file.name : "Drop a camera image here, or choose one");
+    this.file = file;
+    setText($("image-name"), file.name);
   }
 
   async localize() {

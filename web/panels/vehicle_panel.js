@@ -44,7 +44,7 @@ function countRejected({ accepted, rejected }) {
   return `${accepted} accepted, ${total} rejected`;
 }
 
-/// [name, text] rows; details: GET /v1/vehicles/{id}, null before it came.
+/// [name, text] rows; details: GET /v1/vehicles/{id}, or what a recorded drive has of it; null before it came.
 function factsOf(vehicle, details) {
   const { pose } = vehicle;
   const fix = vehicle.lastFix();
@@ -56,8 +56,10 @@ function factsOf(vehicle, details) {
     ["Risk of error", fix?.status === "localized" ? sayProbability(fix.pWrong) : "–"],
   ];
   if (details) {
-    facts.push(["Fixes", countRejected(details.fixes)], ["Odometry", sayOdometry(vehicle.odometry)],
-      ["Camera", sayCamera(details.camera_estimate)]);
+    facts.push(["Fixes", countRejected(details.fixes)], ["Odometry", sayOdometry(vehicle.odometry)]);
+  }
+  if (details?.camera_estimate) {
+    facts.push(["Camera", sayCamera(details.camera_estimate)]);
   }
   return facts;
 }
@@ -94,6 +96,7 @@ export class VehiclePanel {
     this.details = null;
     this.asked = { details: 0, diagnosis: 0 };
     $("panel").hidden = !vehicle;
+    $("panel").classList.toggle("recorded", Boolean(vehicle?.recorded));
     $("panel-findings").replaceChildren();
     this.form.open(vehicle);
     if (vehicle) {
@@ -144,6 +147,10 @@ export class VehiclePanel {
   /// Asks the server for what no event tells, not more often than needed.
   async ask() {
     const { vehicle, asked } = this;
+    if (vehicle.recorded) {
+      this.details = vehicle.details;
+      return;
+    }
     const time = performance.now();
     const ask = async (what, interval, get, take) => {
       if (asked[what] && time - asked[what] < interval) {

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an operator looks into: an image over the floor, where images are found, a drive that was recorded.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { join } from "node:path";
+
+import { drawnVehicle, takeScreenshot, usePages } from "./browser.js";
+import { fuseDrive, makeMaps, registerVehicle, sampleImage, sendFrame, startServer } from "./product.js";
+
+const context = usePages();
+let maps;
+let server;
+
+before(async () => {
+  maps = makeMaps();
+  server = await startServer(maps.maps);
+});
+
+after(async () => {
+  assert.equal(await server?.stop(), 0, "the server stops with exit code 0");
+  maps?.remove();
+});
+
+/// How the image that is laid over the floor correlates with the mosaic beneath, -1 to 1: the canvas against the tiles.
+const agreement = (page) => page.evaluate(() => {
+  const { floor } = globalThis.floorlocPage;
+  const canvas = floor.fleet.canvas;
+  const { width, height } = canvas;
+  const scale = width / floor.element.clientWidth;
+  const frame = floor.element.getBoundingClientRect();
+  const below = new OffscreenCanvas(width, height).getContext("2d");
+  for (const tile of floor.element.querySelectorAll("img.leaflet-tile-loaded")) {
+    const { x, y, width: w, height: h } = tile.getBoundingClientRect();
+    below.drawImage(tile, scale * (x - frame.x), scale * (y - frame.y), scale * w, scale * h);
+  }
+  const [over, under] = [canvas.getContext("2d"), below].map((context) => context.getImageData(0, 0, width, height).data);
+  let [n, a, b, aa, bb, ab] = [0, 0, 0, 0, 0, 0];
+  for (let i = 0; i < over.length; i += 4) {
+    if (over[i + 3] === 255 && under[i + 3] === 255) {
+      const [p, q] = [over[i], under[i]];
+      n += 1;
+      a += p;
+      b += q;
+      aa += p * p;
+      bb += q * q;
+      ab += p * q;
+    }
+  }
+  return (n * ab - a * b) / Math.sqrt((n * aa - a * a) * (n * bb - b * b));
+});
+
+test("the last image of a vehicle lies on the floor where it was found, and at rivals", async () => {
+  const { page } = context;
+  await registerVehicle(server.url, "looked");
+  const { fix } = await sendFrame(server.url, "looked", sampleImage(5), 100);
+  await page.goto(`${server.url}/?map=sample&vehicle=looked`);
+  await page.getByRole("button", { name: "Look into its last image" }).click();
+  const [found, rival] = [0, 1].map((i) => page.getByRole("radio").nth(i));
+  await rival.waitFor();
+  assert.match(await page.locator("#inspector-poses label").first().textContent(),
+    new RegExp(`^the pose that was found: ${fix.inliers} of \\d+ matches agree, expected by chance: 10\\^-\\d+$`));
+  await page.waitForTimeout(300); // tiles of the new view fade in
+  await takeScreenshot(page, "inspector");
+  await page.getByLabel("Matches").uncheck();
+  await page.getByLabel("Map Image").fill("100");
+  await page.getByRole("button", { name: "Trail" }).click();
+  await page.waitForFunction(() => ![...document.querySelectorAll(".leaflet-tile")].some((tile) => !tile.classList.contains("leaflet-tile-loaded")));
+  const right = await agreement(page);
+  assert.ok(right > 0.5, `correlation with the mosaic: ${right}`);
+  await found.focus();
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await rival.isChecked(), true);
+  await page.waitForTimeout(500);
+  const wrong = await agreement(page);
+  assert.ok(Math.abs(wrong) < 0.3, `at the rival: ${wrong}`);
+  await sendFrame(server.url, "looked", sampleImage(6), 101);
+  await page.getByRole("button", { name: "Show the newest image" }).click();
+  await page.getByRole("button", { name: "Show the newest image" }).waitFor({ state: "hidden" });
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#inspector").isHidden(), true);
+  assert.equal(await page.locator("#panel").isVisible(), true);
+});
+
+/// Opens a file of results, and stops it.
+async function replay(page, file) {
+  await page.locator("#replay-part").evaluate((part) => { part.open = true; });
+  await page.setInputFiles("#replay-file", file);
+  await page.getByRole("button", { name: "Pause" }).click();
+}
+
+const seek = (page, seconds) => page.getByLabel("Time of the drive").fill(seconds.toFixed(1));
+
+test("a recorded drive is replayed, at any time and speed", async () => {
+  const { page } = context;
+  const file = fuseDrive(join(maps.maps, "sample.floormap"));
+  const lines = readFileSync(file, "utf8").trim().split("\n").map((line) => JSON.parse(line));
+  await page.goto(`${server.url}/?map=sample`);
+  await page.locator("img.leaflet-tile-loaded").first().waitFor();
+  await replay(page, file);
+  const last = lines.findLastIndex(({ fused }) => fused?.state === "localized");
+  await seek(page, lines[last].timestamp - lines[0].timestamp + 0.04); // sliders have steps
+  const drawn = await drawnVehicle(page, "fused.jsonl");
+  assert.equal(drawn.state, "localized");
+  await page.locator("#panel-state").getByText("● localized").waitFor();
+  assert.equal(await page.locator("#panel-fixes li").count(), Math.min(50, last + 1));
+  await page.getByText(new RegExp(`^${lines[last].accepted ? lines.slice(0, last + 1).filter(({ accepted }) => accepted).length : "\\d+"} accepted, `)).waitFor();
+  assert.equal(await page.getByRole("button", { name: "Set its pose" }).isVisible(), false, "of a live vehicle only");
+  await takeScreenshot(page, "replay");
+  await seek(page, 0);
+  await page.selectOption("#replay-speed", "16");
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.waitForFunction(() => {
+    const { drive, playing } = globalThis.floorlocPage.replay;
+    return !playing && drive.time === drive.end;
+  });
+  assert.equal(await page.locator("#replay-time").evaluate(({ value, max }) => Number(max) - Number(value) < 0.1), true);
+  await page.getByRole("button", { name: "End", exact: true }).click();
+  assert.equal(await page.locator("#panel").isVisible(), false);
+  assert.equal(await page.evaluate(() => globalThis.floorlocPage.vehiclesOnMap().some(({ recorded }) => recorded)), false);
+});
+
+test("files that are no drive are refused with a sentence that says why", async () => {
+  const { page } = context;
+  await page.goto(`${server.url}/?map=sample`);
+  await page.locator("#replay-part summary").click();
+  const line = {
+    timestamp: 1, status: "localized", x: 100, y: 100, yaw: 0, covariance: [1, 0, 0, 0, 1, 0, 0, 0, 1], alternatives: [],
+    fused: { x: 100, y: 100, yaw: 0, covariance: [1, 0, 0, 0, 1, 0, 0, 0, 1], state: "localized" },
+  };
+  const cases = [
+    ["", /^The file is empty\. Choose the file that 'floorloc-mapbuilder localize --fuse --results FILE' wrote\.$/],
+    ["\u0000\u0001 JFIF", /^Line 1 is no JSON\. /],
+    ["1800000000.000000000 0.5 0.4 0 0 0 0.1 0.99\n", /^Line 1 is one of a trajectory, as --out writes it\. /],
+    ['{"a": 1}', /^Line 1 has no timestamp and status\. /],
+    [JSON.stringify({ ...line, fused: undefined }), /^Line 1 has no fused pose: the drive was localized without --fuse\. /],
+    [JSON.stringify({ ...line, x: null }), /^Line 1 has a pose without numbers or state\. /],
+    [`${JSON.stringify(line)}\n\n${JSON.stringify({ ...line, timestamp: 0 })}`, /^Line 3 is earlier than the one before it\. /],
+  ];
+  for (const [text, sentence] of cases) {
+    await page.setInputFiles("#replay-file", { name: "file.jsonl", mimeType: "text/plain", buffer: Buffer.from(text) });
+    await page.locator("#replay-said").getByText(sentence).waitFor();
+    assert.equal(await page.locator("#replay").isVisible(), false);
+  }
+  await page.setInputFiles("#replay-file", { name: "far.jsonl", mimeType: "text/plain", buffer: Buffer.from(JSON.stringify(line)) });
+  await page.getByText("Most of far.jsonl is outside of sample: was it localized in another map?").waitFor();
+});
