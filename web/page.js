@@ -12,6 +12,7 @@ import { Inspector } from "/web/panels/inspector.js";
 import { MapList, rankMaps } from "/web/panels/map_list.js";
 import { MapVersions } from "/web/panels/map_versions.js";
 import { Replay } from "/web/panels/replay.js";
+import { Success } from "/web/panels/success.js";
 import { TokenDialog, initTheme, readView, writeView } from "/web/panels/settings.js";
 import { TryIt } from "/web/panels/try_it.js";
 import { VehicleList } from "/web/panels/vehicle_list.js";
@@ -36,6 +37,7 @@ class Page {
       chosen: () => this.chosen(),
       initialPose: () => this.chosen()?.initialPose,
       inspection: () => this.inspector.scene(),
+      success: () => this.success.scene(),
       beforeFrame: () => {
         this.replay.tick();
         this.followChosen();
@@ -48,6 +50,11 @@ class Page {
         this.setFollow(false);
         this.floor.lookAt(cornersOf(inspection, pose));
       },
+    });
+    this.success = new Success({
+      onChange: () => this.floor.redraw(),
+      onLook: (points) => this.floor.leaflet && this.floor.lookAt(points),
+      onToggle: (open) => this.change({ layer: open ? "success" : "" }),
     });
     this.replay = new Replay({
       onOpen: (drive) => this.openDrive(drive),
@@ -99,6 +106,7 @@ class Page {
   listen() {
     $("search").value = this.view.search;
     $("order").value = this.view.order;
+    $("success").open = this.view.layer === "success";
     $("search").addEventListener("input", () => this.change({ search: $("search").value }));
     $("order").addEventListener("change", () => this.change({ order: $("order").value }));
     $("whole-floor").addEventListener("click", () => {
@@ -127,8 +135,8 @@ class Page {
     this.show();
   }
 
-  map() {
-    return this.fleet.maps.find(({ name }) => name === this.view.map);
+  map(name = this.view.map) {
+    return this.fleet.maps.find((map) => map.name === name);
   }
 
   chosen() {
@@ -200,7 +208,7 @@ class Page {
   // --- what a person chooses ---
 
   chooseMap(name) {
-    const map = this.fleet.maps.find((candidate) => candidate.name === name);
+    const map = this.map(name);
     const key = `${name} ${map?.version} ${map?.status}`;
     if (key !== this.shownMap) {
       this.shownMap = key;
@@ -318,6 +326,7 @@ class Page {
     this.tryIt.offer(this.vehiclesOnMap());
     this.showPanel();
     this.inspector.show(this.view.map, this.chosen());
+    this.success.show(this.map());
     this.floor.redraw();
   }
 

@@ -16,6 +16,7 @@
 #include "server/serving/map_catalog.h"
 #include "server/serving/map_library.h"
 #include "server/serving/rectifier_store.h"
+#include "server/serving/success_keeper.h"
 #include "server/serving/vehicle_keeper.h"
 #include "server/serving/vehicle_registry.h"
 #include "server/store/folder_watch.h"
@@ -44,6 +45,8 @@ struct AppState {
   RectifierStore rectifiers;
   VehicleRegistry vehicles;
   std::unique_ptr<VehicleKeeper> keeper;  ///< null: vehicles are not kept
+  SuccessMap success;
+  std::unique_ptr<SuccessKeeper> success_keeper;  ///< null: it is not kept
   FixHistory fixes;
   LastFrames last_frames;
   std::atomic<bool> draining{false};

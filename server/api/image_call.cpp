@@ -21,6 +21,15 @@ LocalizationFigures FiguresOf(const LoadedMap& map, WorkClass work, const Locali
   return figures;
 }
 
+// A vehicle may still be asked for in a version that was served before.
+void CountSuccess(AppState& state, const LocalizeJob& job, const FixRecord& record) {
+  const bool rejected = record.outcome && !record.outcome->accepted;
+  const std::optional<SuccessSample> sample = SampleOf(job, record.result, rejected);
+  if (sample && state.catalog.Find(job.map->name) == job.map) {
+    state.success.Add(record.map, job.map->info(), *sample, record.received_s);
+  }
+}
+
 }  // namespace
 
 const HttpPart* FindPart(const HttpRequest& request, const std::string& name) {
@@ -80,6 +89,7 @@ FixRecord RecordFix(AppState& state, const LocalizeJob& job, const FrameLabel& l
     state.vehicles.SetLastFix(record.vehicle, record);
     state.last_frames.Put(job, record);
   }
+  CountSuccess(state, job, record);
   state.metrics.CountLocalization(FiguresOf(map, label.work, outcome));
   return record;
 }

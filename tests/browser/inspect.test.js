@@ -145,3 +145,50 @@ test("files that are no drive are refused with a sentence that says why", async 
   await page.setInputFiles("#replay-file", { name: "far.jsonl", mimeType: "text/plain", buffer: Buffer.from(JSON.stringify(line)) });
   await page.getByText("Most of far.jsonl is outside of sample: was it localized in another map?").waitFor();
 });
+
+test("squares of the floor say where images are found, and where to survey again", async () => {
+  const { page } = context;
+  await registerVehicle(server.url, "counted");
+  await sendFrame(server.url, "counted", sampleImage(5), 100);
+  await page.goto(`${server.url}/?map=sample`);
+  await page.getByText("Where images are found").click();
+  await page.getByText(/^Of the last \d+ images since .*, \d+ were found\./).waitFor();
+  await page.getByText("Nowhere, by the images so far.").waitFor();
+  assert.equal(new URL(page.url()).searchParams.get("layer"), "success");
+
+  const { extent } = await (await fetch(`${server.url}/v1/maps/sample`)).json();
+  const cells = [];
+  for (let y = Math.floor(2 * extent.y_min) / 2; y < extent.y_max; y += 0.5) {
+    for (let x = Math.floor(2 * extent.x_min) / 2; x < extent.x_max; x += 0.5) {
+      cells.push({ x, y, found: 400 - 30 * cells.length, missed: 5, inliers: 150, survey_again: false });
+    }
+  }
+  const [good, bad] = cells;
+  Object.assign(cells[2], { found: 90, missed: 12 });
+  Object.assign(cells[3], { found: 60, missed: 40 });
+  Object.assign(bad, { found: 8, missed: 32, survey_again: true });
+  await page.route("**/v1/maps/sample/success", (route) => route.fulfill({
+    json: { map: "sample", map_version: "0", since: 1.8e9, cell_m: 0.5, unplaced: 3, cells: cells.filter(({ found }) => found > 0) },
+  }));
+  await page.reload();
+  const place = page.locator("#success-places button");
+  await place.waitFor();
+  assert.equal(await place.textContent(), `✕${(bad.x + 0.25).toFixed(2)}, ${(bad.y + 0.25).toFixed(2)} m: 8 of 40 found (20 %)`);
+  await page.getByText("3 more were missed, nobody knows where.").waitFor();
+  const colourOf = (cell) => page.evaluate(({ x, y }) => {
+    const { fleet } = globalThis.floorlocPage.floor;
+    fleet.draw();
+    const { k, ox, oy } = fleet.project();
+    const scale = globalThis.devicePixelRatio;
+    return [...fleet.context.getImageData(scale * (k * (x + 0.2) + ox), scale * (oy - k * (y + 0.1)), 1, 1).data];
+  }, cell);
+  const [red, green] = [await colourOf(bad), await colourOf(good)];
+  assert.ok(red[0] > 2 * red[1], `red: ${red}`);
+  assert.ok(green[1] > 2 * green[0], `green: ${green}`);
+  await takeScreenshot(page, "success");
+  await place.click();
+  const centre = await page.evaluate(() => globalThis.floorlocPage.floor.leaflet.getCenter());
+  assert.ok(Math.hypot(centre.lng - bad.x - 0.25, centre.lat - bad.y - 0.25) < 0.05);
+  await page.getByText("Where images are found").click();
+  assert.equal(await page.evaluate(() => globalThis.floorlocPage.success.scene()), null);
+});

@@ -52,6 +52,9 @@ export const listVehicles = async () => (await call("/v1/vehicles")).vehicles;
 export const getVehicle = (id) => call(vehiclePath(id));
 export const getLastFrame = (id) => call(`${vehiclePath(id)}/last_frame`);
 export const getDiagnosis = (id) => call(`${vehiclePath(id)}/diagnosis`);
+export const getMap = (map) => call(mapPath(map));
+export const getQuality = (map) => call(`${mapPath(map)}/quality`);
+export const getSuccess = (map) => call(`${mapPath(map)}/success`);
 export const listFixes = async (map) => (await call(`${mapPath(map)}/fixes`)).fixes;
 export const setPose = (id, pose) => send(`${vehiclePath(id)}/initialpose`, pose);
 

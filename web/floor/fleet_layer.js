@@ -3,6 +3,7 @@
 import * as L from "/web/leaflet.esm.min.js";
 
 import { drawInspection } from "/web/floor/inspection.js";
+import { drawSuccess } from "/web/floor/success_layer.js";
 import { Sprites, floorColours } from "/web/floor/sprites.js";
 import { drawAlternatives, drawFixes, drawInitialPose, drawTrail, putLabel, styleLabels } from "/web/floor/details.js";
 
@@ -19,7 +20,7 @@ const FRAMES_TIMED = 120;
 const FADED = { stale: 0.75 };
 
 export const FleetLayer = L.Layer.extend({
-  /// scene: {vehicles(), loose(), chosen(), initialPose(), inspection(), showTrail} of the map that is shown.
+  /// scene: {vehicles(), loose(), chosen(), initialPose(), inspection(), success(), showTrail} of the map that is shown.
   initialize(scene) {
     this.scene = scene;
     this.drawn = []; // {vehicle, x, y, yaw} of the last frame; the first this.inView are valid
@@ -125,6 +126,10 @@ export const FleetLayer = L.Layer.extend({
     const to = this.project();
     this.place(to, size);
     const chosen = this.scene.chosen();
+    const success = this.scene.success();
+    if (success) {
+      drawSuccess(this.context, to, success, this.colours);
+    }
     const inspection = this.scene.inspection();
     if (inspection) {
       drawInspection(this.context, to, inspection, this.colours);

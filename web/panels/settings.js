@@ -3,7 +3,7 @@
 import { getToken, setToken } from "/web/data/api.js";
 import { $, setText } from "/web/dom.js";
 
-const DEFAULTS = { map: "", vehicle: "", state: "", search: "", order: "state" };
+const DEFAULTS = { map: "", vehicle: "", state: "", search: "", order: "state", layer: "" };
 const THEMES = ["system", "light", "dark"];
 const THEME_KEY = "floorloc-theme";
 
