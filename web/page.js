@@ -210,6 +210,9 @@ class Page {
   chooseMap(name) {
     const map = this.map(name);
     const key = `${name} ${map?.version} ${map?.status}`;
+    if (this.replay.drive) {
+      this.replay.drive.map = name;
+    }
     if (key !== this.shownMap) {
       this.shownMap = key;
       this.setDrawing(false);
@@ -259,6 +262,7 @@ class Page {
   }
 
   openDrive(drive) {
+    drive.map = this.view.map;
     const first = drive.frames.find(({ fused }) => fused)?.fused;
     this.inspector.close();
     this.floor.element.classList.add("replaying");

@@ -85,8 +85,7 @@ FixRecord RecordFix(AppState& state, const LocalizeJob& job, const FrameLabel& l
   }
   record.outcome = label.outcome;
   record = state.fixes.Add(std::move(record));
-  if (!record.vehicle.empty()) {
-    state.vehicles.SetLastFix(record.vehicle, record);
+  if (!record.vehicle.empty() && state.vehicles.SetLastFix(record.vehicle, record)) {
     state.last_frames.Put(job, record);
   }
   CountSuccess(state, job, record);

@@ -65,6 +65,21 @@ export async function takeScreenshot(page, name) {
   }
 }
 
+/// The same in both themes, on a desk and on a phone.
+export async function takeScreenshots(page, name) {
+  if (process.env.FLOORLOC_SCREENSHOTS) {
+    const desk = page.viewportSize();
+    for (const colorScheme of ["dark", "light"]) {
+      await page.emulateMedia({ colorScheme });
+      for (const [size, viewport] of [["phone", { width: 390, height: 800 }], ["desk", desk]]) {
+        await page.setViewportSize(viewport);
+        await page.waitForTimeout(700);
+        await takeScreenshot(page, `${name}-${size}-${colorScheme}`);
+      }
+    }
+  }
+}
+
 /// What the canvas of vehicles shows: [{id, state, x, y}] in pixels of the floor.
 export const drawnVehicles = (page) => page.evaluate(() => {
   const { drawn, inView } = globalThis.floorlocPage.floor.fleet ?? { drawn: [], inView: 0 };

@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { join } from "node:path";
 
-import { drawnVehicle, takeScreenshot, usePages } from "./browser.js";
+import { drawnVehicle, takeScreenshots, usePages } from "./browser.js";
 import { fuseDrive, makeMaps, registerVehicle, sampleImage, sendFrame, startServer } from "./product.js";
 
 const context = usePages();
@@ -22,7 +22,8 @@ after(async () => {
   maps?.remove();
 });
 
-/// How the image that is laid over the floor correlates with the mosaic beneath, -1 to 1: the canvas against the tiles.
+/// How the image that is laid over the floor correlates with the mosaic beneath, -1 to 1: the canvas against the tiles, by
+/// what differs from the surroundings, as light and vignetting do not.
 const agreement = (page) => page.evaluate(() => {
   const { floor } = globalThis.floorlocPage;
   const canvas = floor.fleet.canvas;
@@ -35,10 +36,11 @@ const agreement = (page) => page.evaluate(() => {
     below.drawImage(tile, scale * (x - frame.x), scale * (y - frame.y), scale * w, scale * h);
   }
   const [over, under] = [canvas.getContext("2d"), below].map((context) => context.getImageData(0, 0, width, height).data);
+  const detail = (data, i) => data[i] - [16, -16, 16 * width, -16 * width].reduce((sum, step) => sum + data[i + step] / 4, 0);
   let [n, a, b, aa, bb, ab] = [0, 0, 0, 0, 0, 0];
   for (let i = 0; i < over.length; i += 4) {
     if (over[i + 3] === 255 && under[i + 3] === 255) {
-      const [p, q] = [over[i], under[i]];
+      const [p, q] = [detail(over, i), detail(under, i)];
       n += 1;
       a += p;
       b += q;
@@ -59,21 +61,21 @@ test("the last image of a vehicle lies on the floor where it was found, and at r
   const [found, rival] = [0, 1].map((i) => page.getByRole("radio").nth(i));
   await rival.waitFor();
   assert.match(await page.locator("#inspector-poses label").first().textContent(),
-    new RegExp(`^the pose that was found: ${fix.inliers} of \\d+ matches agree, expected by chance: 10\\^-\\d+$`));
+    new RegExp(`^the pose that was found: ${fix.inliers} of \\d+ matches agree, poses like that by chance: none$`));
   await page.waitForTimeout(300); // tiles of the new view fade in
-  await takeScreenshot(page, "inspector");
-  await page.getByLabel("Matches").uncheck();
-  await page.getByLabel("Map Image").fill("100");
+  await takeScreenshots(page, "inspector");
+  await page.getByRole("checkbox", { name: "Matches" }).uncheck();
+  await page.locator("#inspector-blend").fill("100");
   await page.getByRole("button", { name: "Trail" }).click();
   await page.waitForFunction(() => ![...document.querySelectorAll(".leaflet-tile")].some((tile) => !tile.classList.contains("leaflet-tile-loaded")));
   const right = await agreement(page);
-  assert.ok(right > 0.5, `correlation with the mosaic: ${right}`);
+  assert.ok(right > 0.3, `correlation with the mosaic: ${right}`);
   await found.focus();
   await page.keyboard.press("ArrowDown");
   assert.equal(await rival.isChecked(), true);
   await page.waitForTimeout(500);
   const wrong = await agreement(page);
-  assert.ok(Math.abs(wrong) < 0.3, `at the rival: ${wrong}`);
+  assert.ok(wrong < right - 0.1, `at the rival: ${wrong}, before ${right}`);
   await sendFrame(server.url, "looked", sampleImage(6), 101);
   await page.getByRole("button", { name: "Show the newest image" }).click();
   await page.getByRole("button", { name: "Show the newest image" }).waitFor({ state: "hidden" });
@@ -89,7 +91,7 @@ async function replay(page, file) {
   await page.getByRole("button", { name: "Pause" }).click();
 }
 
-const seek = (page, seconds) => page.getByLabel("Time of the drive").fill(seconds.toFixed(1));
+const seek = (page, seconds) => page.getByLabel("Time of the drive").fill(String(Number(seconds.toFixed(1))));
 
 test("a recorded drive is replayed, at any time and speed", async () => {
   const { page } = context;
@@ -104,10 +106,10 @@ test("a recorded drive is replayed, at any time and speed", async () => {
   assert.equal(drawn.state, "localized");
   await page.locator("#panel-state").getByText("● localized").waitFor();
   assert.equal(await page.locator("#panel-fixes li").count(), Math.min(50, last + 1));
-  await page.getByText(new RegExp(`^${lines[last].accepted ? lines.slice(0, last + 1).filter(({ accepted }) => accepted).length : "\\d+"} accepted, `)).waitFor();
+  await page.getByText(`${lines.slice(0, last + 1).filter(({ accepted }) => accepted).length} accepted, `).waitFor();
   assert.equal(await page.getByRole("button", { name: "Set its pose" }).isVisible(), false, "of a live vehicle only");
-  await takeScreenshot(page, "replay");
-  await seek(page, 0);
+  await takeScreenshots(page, "replay");
+  await seek(page, lines.at(-1).timestamp - lines[0].timestamp - 2);
   await page.selectOption("#replay-speed", "16");
   await page.getByRole("button", { name: "Play" }).click();
   await page.waitForFunction(() => {
@@ -158,8 +160,8 @@ test("squares of the floor say where images are found, and where to survey again
 
   const { extent } = await (await fetch(`${server.url}/v1/maps/sample`)).json();
   const cells = [];
-  for (let y = Math.floor(2 * extent.y_min) / 2; y < extent.y_max; y += 0.5) {
-    for (let x = Math.floor(2 * extent.x_min) / 2; x < extent.x_max; x += 0.5) {
+  for (let y = Math.floor(2 * extent.y_min) / 2; y < extent.y_max - 0.25; y += 0.5) {
+    for (let x = Math.floor(2 * extent.x_min) / 2; x < extent.x_max - 0.25; x += 0.5) {
       cells.push({ x, y, found: 400 - 30 * cells.length, missed: 5, inliers: 150, survey_again: false });
     }
   }
@@ -185,7 +187,7 @@ test("squares of the floor say where images are found, and where to survey again
   const [red, green] = [await colourOf(bad), await colourOf(good)];
   assert.ok(red[0] > 2 * red[1], `red: ${red}`);
   assert.ok(green[1] > 2 * green[0], `green: ${green}`);
-  await takeScreenshot(page, "success");
+  await takeScreenshots(page, "success");
   await place.click();
   const centre = await page.evaluate(() => globalThis.floorlocPage.floor.leaflet.getCenter());
   assert.ok(Math.hypot(centre.lng - bad.x - 0.25, centre.lat - bad.y - 0.25) < 0.05);

@@ -38,7 +38,7 @@ function fixOf(json, sequence) {
   return {
     sequence, received: timestamp, status, reason, accepted, rejectReason, reanchored, alternatives, warning,
     pose: status === "localized" ? { x: json.x, y: json.y, yaw: json.yaw, covariance: json.covariance } : undefined,
-    inliers: json.inliers, matches: json.matches, pWrong: json.p_wrong, rms: json.rms_m,
+    inliers: json.inliers ?? 0, matches: json.matches ?? 0, pWrong: json.p_wrong ?? 1, rms: json.rms_m ?? 0,
   };
 }
 
@@ -75,7 +75,7 @@ export class Drive {
 
   add(json, number) {
     const before = this.frames.at(-1);
-    const { timestamp: time, fused, accepted, reanchored } = json;
+    const { timestamp: time, status, fused, accepted, reanchored } = json;
     if (time < before?.time) {
       throw new Error(`Line ${number} is earlier than the one before it. ${WANTED}`);
     }
@@ -85,7 +85,7 @@ export class Drive {
       since: state === before?.state ? before.since : time,
       begins: !before?.fused || Boolean(reanchored), // its pose does not go on from the one before
       accepted: (before?.accepted ?? 0) + (accepted === true),
-      rejected: (before?.rejected ?? 0) + (accepted === false),
+      rejected: (before?.rejected ?? 0) + (status === "localized" && accepted === false),
     });
   }
 

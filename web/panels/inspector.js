@@ -3,7 +3,7 @@
 import { shorten } from "/web/data/fleet.js";
 import { distance, wrapAngle } from "/web/data/geometry.js";
 import { $, h, setText } from "/web/dom.js";
-import { degrees, sayClock, sayLength, sayOutcome } from "/web/words.js";
+import { degrees, sayClock, sayLength, sayOutcome, sayProbability } from "/web/words.js";
 
 const decode = async (base64) => {
   const image = new Image();
@@ -12,7 +12,8 @@ const decode = async (base64) => {
   return image;
 };
 
-const sayChance = (log10) => (log10 > -2 ? (10 ** log10).toFixed(2) : `10^${log10.toFixed(0)}`);
+/// How many such poses chance would make.
+const sayChance = (log10) => (log10 < -6 ? "none" : sayProbability(10 ** log10));
 
 export class Inspector {
   /// handlers: onChange(), it is to be drawn; onLook(inspection, pose), the floor is to show it there.
@@ -81,7 +82,7 @@ export class Inspector {
     const turn = Math.abs(degrees(wrapAngle(pose.yaw - first.yaw))).toFixed(0);
     const place = i === 0 ? (this.found ? "the pose that was found" : "the best pose, which is not accepted")
       : `${sayLength(distance(pose, first))} and ${turn}° from there`;
-    return `${place}: ${pose.inliers} of ${pose.matches.length} matches agree, expected by chance: ${sayChance(pose.log10_nfa)}`;
+    return `${place}: ${pose.inliers} of ${pose.matches.length} matches agree, poses like that by chance: ${sayChance(pose.log10_nfa)}`;
   }
 
   choose(i) {
