@@ -25,10 +25,16 @@ struct CompetingPose {
   double log10_nfa = 0.0;  ///< PoseCandidate::log10_nfa
 };
 
-/// As Localizer::Compete; poses of the result and of the answer are in the map frame. options: scaled to the map's
-/// resolution.
-std::vector<CompetingPose> FindCompetingPoses(const CandidateSearch& search, const FrameObservation& frame,
-                                              const LocalizationResult& result, std::size_t max_poses,
-                                              const Pose2& map_from_origin, const RegistrationOptions& options);
+/// Where competing poses are sought.
+struct CompetingPoseSearch {
+  const CandidateSearch& search;
+  const RegistrationOptions& options;  ///< scaled to the map's resolution
+  Pose2 map_from_origin;               ///< of the search's keypoints
+  std::size_t max_poses = 0;
+};
+
+/// As Localizer::Compete.
+std::vector<CompetingPose> FindCompetingPoses(const CompetingPoseSearch& in, const FrameObservation& frame,
+                                              const LocalizationResult& result);
 
 }  // namespace floorloc

@@ -218,8 +218,8 @@ std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservati
 
 std::vector<CompetingPose> Localizer::Compete(const FrameObservation& frame, const LocalizationResult& result,
                                               std::size_t max_poses) const {
-  return FindCompetingPoses(impl_->search, frame, result, max_poses, impl_->map.keypoints.MapFromOrigin(),
-                            impl_->options.registration);
+  return FindCompetingPoses(
+      {impl_->search, impl_->options.registration, impl_->map.keypoints.MapFromOrigin(), max_poses}, frame, result);
 }
 
 LocalizationResult Localizer::Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
