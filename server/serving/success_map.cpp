@@ -45,16 +45,16 @@ bool MustSurveyAgain(const SuccessSquare& square, const SuccessOptions& options)
 
 SuccessMap::SuccessMap(const SuccessOptions& options) : options_((options.Check(), options)) {}
 
-void SuccessMap::Recall(std::map<std::string, MapSuccess> remembered) {
+void SuccessMap::Recall(const std::map<std::string, MapSuccess>& remembered) {
   const std::lock_guard lock(mutex_);
-  for (auto& [name, success] : remembered) {
+  for (const auto& [name, success] : remembered) {
     if (success.square_m == options_.square_m) {
       Counts& counts = maps_[name];
       for (const SuccessSquare& square : success.squares) {
         counts.squares[{square.y, square.x}] = square;
       }
-      success.squares = {};
-      counts.all = std::move(success);
+      counts.all = success;
+      counts.all.squares = {};
     }
   }
 }

@@ -48,7 +48,7 @@ class SuccessMap {
   explicit SuccessMap(const SuccessOptions& options);
 
   /// Goes on from what an earlier server counted; in squares of another side, it does not.
-  void Recall(std::map<std::string, MapSuccess> remembered);
+  void Recall(const std::map<std::string, MapSuccess>& remembered);
 
   const SuccessOptions& options() const { return options_; }
   /// info: of the map as it is served. Of another version than before: counting starts anew.

@@ -90,6 +90,12 @@ TEST_F(SuccessMapTest, GoesOnFromWhatIsRemembered) {
   EXPECT_TRUE(success_.Of("coarse", "v1").squares.empty());
 }
 
+TEST(SampleOfTest, AnImageWithoutFloorSaysNothingOfTheMap) {
+  LocalizationResult result;
+  result.reason = NotLocalizedReason::kNoFloor;
+  EXPECT_FALSE(SampleOf({}, result, false).has_value());
+}
+
 // By Wilson's interval: 14 of 20 may be 80 % by chance, 13 of 20 are not.
 TEST(MustSurveyAgainTest, WhereSurelyTooFewAreFound) {
   const SuccessOptions options;
