@@ -55,3 +55,23 @@ CREATE TABLE IF NOT EXISTS learnt (
   learnt_values   BLOB NOT NULL,     -- float64[], the first one their format: core/tracking/learnt_values.cpp
   checksum        INTEGER NOT NULL   -- of learnt_values: first eight bytes of their SHA-256, big-endian
 ) WITHOUT ROWID;
+
+-- How many images were found in the version of a map that is asked, since when. This table and the next one are missing
+-- in files of early servers, and made when one is opened.
+CREATE TABLE IF NOT EXISTS success (
+  map      TEXT PRIMARY KEY,  -- name
+  version  TEXT NOT NULL,     -- content version that the images were sought in
+  square_m REAL NOT NULL,     -- side of a square
+  since_s  REAL NOT NULL,     -- of the first image
+  unplaced INTEGER NOT NULL   -- images that were not found, and nobody knows where they were taken
+) WITHOUT ROWID;
+
+-- The same by square of the floor, some seconds old at most; older images count less.
+CREATE TABLE IF NOT EXISTS success_square (
+  map     TEXT NOT NULL,
+  x INTEGER NOT NULL, y INTEGER NOT NULL,  -- lower left corner, in squares from the map's (0, 0)
+  found   INTEGER NOT NULL,
+  missed  INTEGER NOT NULL,
+  inliers INTEGER NOT NULL,                -- sum over those that were found
+  PRIMARY KEY (map, x, y)
+) WITHOUT ROWID;

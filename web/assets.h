@@ -9,7 +9,7 @@ namespace floorloc {
 
 /// A file of the web page, embedded at build time.
 struct WebAsset {
-  std::string_view name;  ///< file name without folder
+  std::string_view name;  ///< path below web/; of other files, without folder
   const char* content_type = "";
   std::string_view hash;  ///< SHA-256 of the content, hex
   std::string_view content;

@@ -24,6 +24,22 @@ export function setText(element, text) {
   }
 }
 
+/// Takes a file that is chosen in a label's input, or dropped onto the label.
+export function acceptFile(label, take) {
+  const accept = (file) => file && take(file);
+  label.querySelector("input").addEventListener("change", ({ target }) => {
+    accept(target.files[0]);
+    target.value = ""; // so that the same file can be chosen again
+  });
+  for (const type of ["dragover", "dragleave", "drop"]) {
+    label.addEventListener(type, (event) => {
+      event.preventDefault();
+      label.classList.toggle("over", type === "dragover");
+      accept(type === "drop" && event.dataTransfer.files[0]);
+    });
+  }
+}
+
 /// Makes the children of parent those of items, and keeps rows (and the focus in them) that stay.
 export function syncList(parent, items, { key, create, update }) {
   const keys = items.map((item) => String(key(item)));

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DASSETS="a;b" -DOUTPUT=F.cpp -P embed.cmake: writes the files as a C++ table.
+# cmake -DASSETS="a;b" -DFOLDER=DIR -DOUTPUT=F.cpp -P embed.cmake: writes the files as a C++ table. Names are relative to
+# the folder; of files elsewhere, without theirs.
 set(arrays "")
 set(rows "")
 set(index 0)
 foreach(asset ${ASSETS})
   file(READ ${asset} hex HEX)
   file(SHA256 ${asset} hash)
-  get_filename_component(name ${asset} NAME)
+  file(RELATIVE_PATH name ${FOLDER} ${asset})
+  if(name MATCHES "^\\.\\.")
+    get_filename_component(name ${asset} NAME)
+  endif()
   get_filename_component(extension ${asset} LAST_EXT)
   if(extension STREQUAL ".html")
     set(type "text/html; charset=utf-8")

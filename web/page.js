@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: takes lists and events from the server, and shows them.
-import { AlertList } from "/web/alerts.js";
-import * as api from "/web/api.js";
+import { AlertList } from "/web/panels/alerts.js";
+import * as api from "/web/data/api.js";
 import { $, setText } from "/web/dom.js";
-import { EventFeed } from "/web/events.js";
-import { Fleet } from "/web/fleet.js";
-import { FloorView } from "/web/floor_view.js";
-import { drawPoses } from "/web/initial_pose.js";
-import { MapList, rankMaps } from "/web/map_list.js";
-import { MapVersions } from "/web/map_versions.js";
-import { TokenDialog, initTheme, readView, writeView } from "/web/settings.js";
-import { TryIt } from "/web/try_it.js";
-import { VehicleList } from "/web/vehicle_list.js";
-import { VehiclePanel } from "/web/vehicle_panel.js";
+import { EventFeed } from "/web/data/events.js";
+import { Fleet } from "/web/data/fleet.js";
+import { FloorView } from "/web/floor/floor_view.js";
+import { cornersOf } from "/web/floor/inspection.js";
+import { drawPoses } from "/web/panels/initial_pose.js";
+import { Inspector } from "/web/panels/inspector.js";
+import { MapList, rankMaps } from "/web/panels/map_list.js";
+import { MapVersions } from "/web/panels/map_versions.js";
+import { Replay } from "/web/panels/replay.js";
+import { Success } from "/web/panels/success.js";
+import { TokenDialog, initTheme, readView, writeView } from "/web/panels/settings.js";
+import { TryIt } from "/web/panels/try_it.js";
+import { VehicleList } from "/web/panels/vehicle_list.js";
+import { VehiclePanel } from "/web/panels/vehicle_panel.js";
 import { STATES } from "/web/words.js";
 
 const LISTS_MS = 500; // between two looks at lists and panel
+const PANEL_MS = 100; // between two looks at the panel of a drive that is replayed
 const RESYNC_MS = 60000; // the lists are asked for again, in case an event was missed
 
 const now = () => Date.now() / 1000;
@@ -28,12 +33,34 @@ class Page {
     this.follow = false;
     this.scene = {
       vehicles: () => this.vehiclesOnMap(),
-      loose: () => this.fleet.loose.get(this.view.map) ?? [],
+      loose: () => (this.replay.drive ? [] : this.fleet.loose.get(this.view.map) ?? []),
       chosen: () => this.chosen(),
       initialPose: () => this.chosen()?.initialPose,
-      beforeFrame: () => this.followChosen(),
+      inspection: () => this.inspector.scene(),
+      success: () => this.success.scene(),
+      beforeFrame: () => {
+        this.replay.tick();
+        this.followChosen();
+      },
       showTrail: true,
     };
+    this.inspector = new Inspector({
+      onChange: () => this.floor.redraw(),
+      onLook: (inspection, pose) => {
+        this.setFollow(false);
+        this.floor.lookAt(cornersOf(inspection, pose));
+      },
+    });
+    this.success = new Success({
+      onChange: () => this.floor.redraw(),
+      onLook: (points) => this.floor.leaflet && this.floor.lookAt(points),
+      onToggle: (open) => this.change({ layer: open ? "success" : "" }),
+    });
+    this.replay = new Replay({
+      onOpen: (drive) => this.openDrive(drive),
+      onTime: () => this.showReplay(),
+      onClose: () => this.closeDrive(),
+    });
     this.floor = new FloorView($("floor"), this.scene, {
       onPosition: (x, y) => setText($("position"), x === null ? "–" : `x ${x.toFixed(3)} m   y ${y.toFixed(3)} m`),
       onChoose: (vehicle) => !this.stopDrawing && vehicle && this.chooseVehicle(vehicle.id),
@@ -64,11 +91,12 @@ class Page {
       onFollow: (on) => this.setFollow(on),
       onTrail: (on) => this.setTrail(on),
       onDraw: (on) => this.setDrawing(on),
+      onInspect: () => this.inspect(this.chosen()),
       onPoseChange: () => this.floor.wake(),
     });
     this.fleet.onFix = (vehicle, fix) => this.panel.form.takeFix(vehicle, fix);
     this.versions = new MapVersions(chosenMap);
-    this.tryIt = new TryIt(chosenMap);
+    this.tryIt = new TryIt(chosenMap, (source) => this.inspector.open(source));
     this.token = new TokenDialog(() => this.feed.reconnect());
     api.onUnauthorized.call = () => this.token.ask(this.connected
       ? "This server wants a token for that. Enter one, and try again."
@@ -78,6 +106,7 @@ class Page {
   listen() {
     $("search").value = this.view.search;
     $("order").value = this.view.order;
+    $("success").open = this.view.layer === "success";
     $("search").addEventListener("input", () => this.change({ search: $("search").value }));
     $("order").addEventListener("change", () => this.change({ order: $("order").value }));
     $("whole-floor").addEventListener("click", () => {
@@ -89,9 +118,11 @@ class Page {
   }
 
   onKey(event) {
-    const typing = event.target.closest?.("input, select, textarea, dialog");
-    if (event.key === "Escape" && !typing && this.chosen()) {
-      this.closePanel();
+    const typing = event.target.closest?.('input:not([type="radio"], [type="range"], [type="checkbox"]), select, textarea, dialog');
+    if (event.key === "Escape" && !typing) {
+      if (!this.inspector.close() && this.chosen()) {
+        this.closePanel();
+      }
     } else if (event.key === "/" && !typing) {
       event.preventDefault();
       $("search").focus();
@@ -104,13 +135,23 @@ class Page {
     this.show();
   }
 
+  map(name = this.view.map) {
+    return this.fleet.maps.find((map) => map.name === name);
+  }
+
   chosen() {
+    if (this.replay.drive) {
+      return this.replay.drive;
+    }
     const vehicle = this.fleet.vehicles.get(this.view.vehicle);
     return vehicle?.map === this.view.map ? vehicle : null;
   }
 
   /// Cached: it is asked for in every frame.
   vehiclesOnMap() {
+    if (this.replay.drive) {
+      return [this.replay.drive];
+    }
     const { onMap, fleet, view } = this;
     if (onMap.revision !== fleet.revision || onMap.map !== view.map) {
       this.onMap = { map: view.map, revision: fleet.revision, vehicles: fleet.of(view.map) };
@@ -167,8 +208,11 @@ class Page {
   // --- what a person chooses ---
 
   chooseMap(name) {
-    const map = this.fleet.maps.find((candidate) => candidate.name === name);
+    const map = this.map(name);
     const key = `${name} ${map?.version} ${map?.status}`;
+    if (this.replay.drive) {
+      this.replay.drive.map = name;
+    }
     if (key !== this.shownMap) {
       this.shownMap = key;
       this.setDrawing(false);
@@ -179,6 +223,7 @@ class Page {
   }
 
   showMap(map) {
+    this.replay.showFit(map);
     $("no-map").hidden = Boolean(map);
     $("map-error").hidden = map?.status !== "error";
     if (map?.status === "ready") {
@@ -195,6 +240,7 @@ class Page {
     if (!vehicle) {
       return;
     }
+    this.replay.close();
     this.chooseMap(vehicle.map);
     this.change({ vehicle: id });
     const place = vehicle.pose ?? vehicle.alternatives()[0];
@@ -205,10 +251,45 @@ class Page {
   }
 
   closePanel() {
+    if (this.replay.drive) {
+      this.replay.close();
+      return;
+    }
     const id = this.view.vehicle;
     this.setFollow(false);
     this.change({ vehicle: "" });
     document.querySelector(`#vehicles li[data-key="${CSS.escape(id)}"] button`)?.focus({ preventScroll: true });
+  }
+
+  openDrive(drive) {
+    drive.map = this.view.map;
+    const first = drive.frames.find(({ fused }) => fused)?.fused;
+    this.inspector.close();
+    this.floor.element.classList.add("replaying");
+    this.replay.showFit(this.map());
+    if (first && this.floor.leaflet) {
+      this.floor.bringIntoView(first);
+    }
+    this.show();
+    $("panel").scrollIntoView({ block: "nearest" });
+  }
+
+  closeDrive() {
+    this.setFollow(false);
+    this.floor.element.classList.remove("replaying");
+    this.show();
+  }
+
+  showReplay() {
+    this.floor.wake();
+    if (performance.now() - (this.panelShown ?? 0) > PANEL_MS) {
+      this.panelShown = performance.now();
+      this.showPanel();
+    }
+  }
+
+  inspect({ id, map }) {
+    this.inspector.open({ title: `Last image of ${id}`, map, vehicle: id, get: () => api.getLastFrame(id) });
   }
 
   setFollow(on) {
@@ -247,9 +328,15 @@ class Page {
     this.alerts.show(this.fleet, time);
     this.list.show(this.fleet, this.view, time);
     this.tryIt.offer(this.vehiclesOnMap());
-    this.panel.open(this.chosen());
-    this.panel.show(time);
+    this.showPanel();
+    this.inspector.show(this.view.map, this.chosen());
+    this.success.show(this.map());
     this.floor.redraw();
+  }
+
+  showPanel() {
+    this.panel.open(this.chosen());
+    this.panel.show(this.replay.drive?.time ?? now());
   }
 }
 

@@ -46,6 +46,9 @@ export function sayDuration(seconds) {
 const CLOCK = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
 export const sayClock = (unixSeconds) => CLOCK.format(unixSeconds * 1000);
 
+const DATE = new Intl.DateTimeFormat(undefined, { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hour12: false });
+export const sayDate = (unixSeconds) => DATE.format(unixSeconds * 1000);
+
 export const degrees = (radians) => (radians * 180) / Math.PI;
 export const radians = (deg) => (deg * Math.PI) / 180;
 

@@ -220,6 +220,12 @@ std::optional<ReadoutMeasurement> Localizer::MeasureReadout(const FrameObservati
   return FitReadout(problem, impl_->options.registration, impl_->options.readout_fit);
 }
 
+std::vector<CompetingPose> Localizer::Compete(const FrameObservation& frame, const LocalizationResult& result,
+                                              std::size_t max_poses) const {
+  return FindCompetingPoses(
+      {impl_->search, impl_->options.registration, impl_->map.keypoints.MapFromOrigin(), max_poses}, frame, result);
+}
+
 LocalizationResult Localizer::Localize(const FrameObservation& frame, const std::optional<PosePrior>& prior) const {
   LocalizationResult result;
   result.used_prior = prior.has_value();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
+#include "core/localization/competing_poses.h"
 #include "core/localization/frame_observation.h"
 #include "core/localization/localization_result.h"
 #include "core/localization/localizer_options.h"
@@ -63,6 +64,12 @@ class Localizer {
   /// Observes and localizes a frame, a large view by a part of it where that suffices. No global search either.
   LocalizationResult Localize(const Rectifier& rectifier, const cv::Mat& raw,
                               const std::optional<PosePrior>& prior) const;
+
+  /// For people who look into a result: the poses that the frame may have, and what its keypoints match under each;
+  /// that of the result first, if it has one, then its alternatives, then the best others that the whole map offers,
+  /// most inliers first, each once, at most max_poses. About as much work as localizing without a prior.
+  std::vector<CompetingPose> Compete(const FrameObservation& frame, const LocalizationResult& result,
+                                     std::size_t max_poses) const;
 
   /// What an image of a moving robot tells of its camera's read-out, relative to that which it was observed with
   /// (FitReadout).

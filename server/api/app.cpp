@@ -45,6 +45,9 @@ MapLibraryOptions LibraryOptions(const ServerConfig& config) {
   return options;
 }
 
+// A kill -9 loses so much of what was counted, of which a little more or less says the same.
+constexpr std::chrono::seconds kSuccessInterval{5};
+
 // Null: there is no state. Without one that can be written, the maps are served all the same.
 std::unique_ptr<StateFile> OpenState(const std::filesystem::path& folder, Persistence* persistence) {
   const std::filesystem::path file = folder / "floorloc-state.sqlite";
@@ -81,6 +84,8 @@ AppState::AppState(const ServerConfig& server_config, const std::filesystem::pat
       library(maps_folder, LibraryOptions(config), catalog, versions),
       rectifiers(StoreOptions(config.limits)),
       vehicles({static_cast<std::size_t>(config.limits.max_vehicles), config.limits.vehicle_timeout_s}),
+      success(SuccessOptions()),
+      last_frames(config.limits.max_kept_frame_bytes),
       event_source(catalog, library.changes(), vehicles, fixes, config.limits.stale_after_s),
       events({}, [this] { return event_source.Collect(); }),
       pool(PoolOptions(config)) {
@@ -89,6 +94,8 @@ AppState::AppState(const ServerConfig& server_config, const std::filesystem::pat
     keeper = std::make_unique<VehicleKeeper>(vehicles, *state_file, VehicleKeeperOptions());
     RestoreVehicles(*this);
     keeper->Begin();
+    success.Recall(RecallSuccess(*state_file, catalog));
+    success_keeper = std::make_unique<SuccessKeeper>(success, *state_file, kSuccessInterval);
   }
   library.SetOnServed([this](const auto& map) { return MoveVehicles(map, vehicles, rectifiers); });
   watch = std::make_unique<FolderWatch>(maps_folder, FolderWatchOptions(), [this] { library.TakeFolder(); });

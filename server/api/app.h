@@ -12,9 +12,11 @@
 #include "server/http/router.h"
 #include "server/serving/compute_pool.h"
 #include "server/serving/fix_history.h"
+#include "server/serving/last_frames.h"
 #include "server/serving/map_catalog.h"
 #include "server/serving/map_library.h"
 #include "server/serving/rectifier_store.h"
+#include "server/serving/success_keeper.h"
 #include "server/serving/vehicle_keeper.h"
 #include "server/serving/vehicle_registry.h"
 #include "server/store/folder_watch.h"
@@ -43,7 +45,10 @@ struct AppState {
   RectifierStore rectifiers;
   VehicleRegistry vehicles;
   std::unique_ptr<VehicleKeeper> keeper;  ///< null: vehicles are not kept
+  SuccessMap success;
+  std::unique_ptr<SuccessKeeper> success_keeper;  ///< null: it is not kept
   FixHistory fixes;
+  LastFrames last_frames;
   std::atomic<bool> draining{false};
   std::function<int()> count_connections = [] { return 0; };  ///< set before serving
   EventSource event_source;                                   ///< of the thread of events

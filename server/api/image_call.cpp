@@ -21,6 +21,15 @@ LocalizationFigures FiguresOf(const LoadedMap& map, WorkClass work, const Locali
   return figures;
 }
 
+// A vehicle may still be asked for in a version that was served before.
+void CountSuccess(AppState& state, const LocalizeJob& job, const FixRecord& record) {
+  const bool rejected = record.outcome && !record.outcome->accepted;
+  const std::optional<SuccessSample> sample = SampleOf(job, record.result, rejected);
+  if (sample && state.catalog.Find(job.map->name) == job.map) {
+    state.success.Add(record.map, job.map->info(), *sample, record.received_s);
+  }
+}
+
 }  // namespace
 
 const HttpPart* FindPart(const HttpRequest& request, const std::string& name) {
@@ -61,7 +70,8 @@ MapCamera VehicleCameraIn(const LoadedMap& map, const Vehicle& vehicle, Rectifie
   return info.content_version == vehicle.map_version ? vehicle.in_map : CameraInMap(info, vehicle.camera, store);
 }
 
-FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome) {
+FixRecord RecordFix(AppState& state, const LocalizeJob& job, const FrameLabel& label, const LocalizeOutcome& outcome) {
+  const LoadedMap& map = *job.map;
   FixRecord record;
   record.received_s = label.received_s;
   record.stamp_s = label.stamp_s;
@@ -75,9 +85,10 @@ FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& lab
   }
   record.outcome = label.outcome;
   record = state.fixes.Add(std::move(record));
-  if (!record.vehicle.empty()) {
-    state.vehicles.SetLastFix(record.vehicle, record);
+  if (!record.vehicle.empty() && state.vehicles.SetLastFix(record.vehicle, record)) {
+    state.last_frames.Put(job, record);
   }
+  CountSuccess(state, job, record);
   state.metrics.CountLocalization(FiguresOf(map, label.work, outcome));
   return record;
 }

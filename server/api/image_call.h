@@ -34,7 +34,7 @@ VehicleState RequireVehicle(const AppState& state, const std::string& id);
 /// version. Throws Problem as RectifierStore::Get does. To be called in the compute pool: it may have to build tables.
 MapCamera VehicleCameraIn(const LoadedMap& map, const Vehicle& vehicle, RectifierStore& store);
 
-/// Adds a localization to the fix history and the metrics.
-FixRecord RecordFix(AppState& state, const LoadedMap& map, const FrameLabel& label, const LocalizeOutcome& outcome);
+/// Adds a localization to the fix history and the metrics, and keeps the image as the vehicle's last one.
+FixRecord RecordFix(AppState& state, const LocalizeJob& job, const FrameLabel& label, const LocalizeOutcome& outcome);
 
 }  // namespace floorloc

@@ -7,6 +7,7 @@
 
 #include "core/io/jpeg_quality.h"
 #include "server/api/camera_json.h"
+#include "server/api/inspection_json.h"
 #include "server/wire/names.h"
 #include "server/wire/number_text.h"
 #include "server/wire/problem.h"
@@ -89,10 +90,11 @@ std::optional<double> QueryNumber(const HttpRequest& request, const std::string&
 }
 
 LocalizeRequest ReadQuery(const HttpRequest& request) {
-  static const std::set<std::string> kKnown = {"vehicle", "prior", "radius", "twist", "stamp"};
+  static const std::set<std::string> kKnown = {"vehicle", "prior", "radius", "twist", "stamp", "inspect"};
   for (const auto& [name, value] : request.query) {
     if (!kKnown.contains(name)) {
-      throw JsonError("'" + name + "' is not a query parameter of localize: vehicle, prior, radius, twist, stamp.");
+      throw JsonError("'" + name +
+                      "' is not a query parameter of localize: vehicle, prior, radius, twist, stamp, inspect.");
     }
   }
   LocalizeRequest localize;
@@ -104,6 +106,12 @@ LocalizeRequest ReadQuery(const HttpRequest& request) {
   }
   if (const std::optional<std::string> twist = request.QueryValue("twist")) {
     localize.twist = MakeTwist(ParseNumberList(*twist));
+  }
+  if (const std::optional<std::string> inspect = request.QueryValue("inspect")) {
+    localize.inspect = *inspect == "true";
+    if (!localize.inspect && *inspect != "false") {
+      throw JsonError("inspect is true or false.");
+    }
   }
   CheckComplete(localize, radius_m.has_value());
   return localize;
@@ -159,6 +167,9 @@ LocalizeRequest ParseLocalizeJson(const std::string& text) {
   }
   if (object.Has("twist")) {
     request.twist = ParseTwistObject(object.Object("twist"));
+  }
+  if (object.Has("inspect")) {
+    request.inspect = object.Bool("inspect");
   }
   object.RejectUnknownKeys();
   CheckComplete(request, has_radius);
@@ -229,6 +240,9 @@ std::string FormatLocalizeResponse(const FixRecord& record, const LocalizeOutcom
   AddStatus(record, answer);
   answer["camera_correction"] = FormatCorrection(outcome.correction);
   answer["timing_ms"] = FormatTiming(outcome);
+  if (outcome.inspection) {
+    answer["inspection"] = FormatInspection(*outcome.inspection);
+  }
   return ToText(answer);
 }
 

@@ -25,9 +25,11 @@ struct LocalizeRequest {
   std::optional<PosePrior> prior;
   std::optional<Eigen::Vector3d> twist;  ///< (vx, vy, wz) of the base at the image's time, m/s and rad/s
   std::optional<double> stamp_s;
+  bool inspect = false;  ///< answer with an inspection
 };
 
-/// From the query: vehicle, prior=x,y,yaw, radius, twist=vx,vy,wz, stamp. Throws Problem 400 invalid_parameter.
+/// From the query: vehicle, prior=x,y,yaw, radius, twist=vx,vy,wz, stamp, inspect. Throws Problem 400
+/// invalid_parameter.
 LocalizeRequest ParseLocalizeQuery(const HttpRequest& request);
 /// From the part `request`: the same fields, or camera and floor; and
 /// correct_camera. Throws JsonError.

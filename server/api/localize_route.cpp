@@ -54,23 +54,23 @@ JobLabel LabelOf(const HttpRequest& request, bool near_prior) {
                    near_prior ? WorkClass::kTracking : WorkClass::kSearch);
 }
 
-LocalizeOutcome Localize(AppState& state, const JobLabel& label, const LocalizeCall& call, LocalizeJob job) {
+LocalizeOutcome Localize(AppState& state, const JobLabel& label, const LocalizeCall& call, LocalizeJob* job) {
   const LocalizeRequest& request = call.request;
   std::shared_ptr<const Vehicle> vehicle;
   if (!request.vehicle.empty()) {
     const VehicleState known = RequireVehicle(state, request.vehicle);
     vehicle = known.vehicle;
-    job.mask = known.session->Mask();
+    job->mask = known.session->Mask();
   }
   const CameraModel& model = (vehicle ? vehicle->camera.camera : *request.camera).camera;
-  CheckImageHeader(job.bytes, model, state.config.limits.max_image_pixels);
+  CheckImageHeader(job->bytes, model, state.config.limits.max_image_pixels);
   CheckMaskHeader(request.mask, model);
   RequireTime(state, label);
   const auto queued = std::chrono::steady_clock::now();
   return RunInPool(state, label, [&] {
     const double waited_ms = MillisecondsSince(queued);
-    job.camera = CameraOf(request, vehicle.get(), *job.map, state.rectifiers);
-    LocalizeOutcome outcome = RunLocalization(job);
+    job->camera = CameraOf(request, vehicle.get(), *job->map, state.rectifiers);
+    LocalizeOutcome outcome = RunLocalization(*job);
     outcome.queue_ms = waited_ms;
     return outcome;
   });
@@ -81,17 +81,18 @@ HttpResponse HandleLocalize(AppState& state, const HttpRequest& request) {
   const LocalizeCall call = ParseCall(request);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(call.image->data());
   const JobLabel label = LabelOf(request, call.request.prior.has_value());
-  const LocalizeOutcome outcome = Localize(state, label, call,
-                                           {.map = map,
-                                            .camera = {},
-                                            .bytes = {bytes, call.image->size()},
-                                            .prior = call.request.prior,
-                                            .motion = {call.request.twist, std::nullopt}});
+  LocalizeJob job{.map = map,
+                  .camera = {},
+                  .bytes = {bytes, call.image->size()},
+                  .prior = call.request.prior,
+                  .motion = {call.request.twist, std::nullopt},
+                  .inspect = call.request.inspect};
+  const LocalizeOutcome outcome = Localize(state, label, call, &job);
   const double now_s = UnixTimeNow();
   const std::optional<double>& stamp_s = call.request.stamp_s;
   const FrameLabel frame = {
       call.request.vehicle, now_s, stamp_s ? *stamp_s + outcome.to_middle_row_s : now_s, label.work, {}};
-  return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, *map, frame, outcome), outcome));
+  return JsonResponse(200, FormatLocalizeResponse(RecordFix(state, job, frame, outcome), outcome));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/api/map_json.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "server/api/camera_json.h"
@@ -189,6 +190,26 @@ std::string FormatQuality(const LoadedMap& map) {
                  {"map_version", map.info().content_version},
                  {"cell_m", kCellM},
                  {"cells", std::move(cells)}});
+}
+
+std::string FormatSuccess(const LoadedMap& map, const SuccessMap& counted) {
+  const MapSuccess success = counted.Of(map.name, map.info().content_version);
+  nlohmann::json squares = nlohmann::json::array();
+  for (const SuccessSquare& square : success.squares) {
+    squares.push_back({{"x", success.square_m * square.x},
+                       {"y", success.square_m * square.y},
+                       {"found", square.found},
+                       {"missed", square.missed},
+                       {"inliers", static_cast<double>(square.inliers) /
+                                       static_cast<double>(std::max<std::int64_t>(1, square.found))},
+                       {"survey_again", MustSurveyAgain(square, counted.options())}});
+  }
+  return ToText({{"map", map.name},
+                 {"map_version", success.version},
+                 {"since", success.since_s > 0.0 ? nlohmann::json(success.since_s) : nlohmann::json()},
+                 {"cell_m", success.square_m},
+                 {"unplaced", success.unplaced},
+                 {"cells", std::move(squares)}});
 }
 
 std::string FormatReport(const LoadedMap& map) {

@@ -7,6 +7,7 @@
 
 #include "server/serving/map_catalog.h"
 #include "server/serving/map_library.h"
+#include "server/serving/success_map.h"
 
 namespace floorloc {
 
@@ -20,6 +21,8 @@ std::string FormatVersions(const LoadedMap& map, const MapLibrary& library);
 std::string FormatVersion(const MapVersion& version, const std::string& active);
 std::string FormatActivation(const MapChange& change);
 /// The build report stored in the map; {} when it has none.
+/// The answer of GET /v1/maps/{map}/success.
+std::string FormatSuccess(const LoadedMap& map, const SuccessMap& counted);
 std::string FormatReport(const LoadedMap& map);
 /// Per square metre of floor: keypoints, and how good they are.
 std::string FormatQuality(const LoadedMap& map);

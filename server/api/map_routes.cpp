@@ -126,6 +126,9 @@ void AddMapRoutes(AppState& state, Router& router) {
   router.Add({"GET", "/v1/maps/{map}/quality", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return JsonResponse(200, FormatQuality(*RequireMap(state, request)));
               }});
+  router.Add({"GET", "/v1/maps/{map}/success", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return JsonResponse(200, FormatSuccess(*RequireMap(state, request), state.success));
+              }});
   router.Add({"GET", "/v1/maps/{map}/fixes", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return HandleFixes(state, request);
               }});

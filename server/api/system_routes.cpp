@@ -85,6 +85,10 @@ void AddWebRoutes(Router& router) {
   router.Add({"GET", "/web/{file}", RouteAccess::kPublic, {}, [](const HttpRequest& request) {
                 return HandleAsset(request.path_parameters.at("file"), request);
               }});
+  router.Add({"GET", "/web/{folder}/{file}", RouteAccess::kPublic, {}, [](const HttpRequest& request) {
+                const auto& path = request.path_parameters;
+                return HandleAsset(path.at("folder") + "/" + path.at("file"), request);
+              }});
 }
 
 }  // namespace floorloc

@@ -81,13 +81,13 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   RequireTime(state, MakeLabel(request, client, WorkClass::kTracking));
   const FrameSlot slot = AcquireSlot(state, vehicle, call.request);
   FrameReport report;
-  const JobLabel job = MakeLabel(request, client, slot.prior ? WorkClass::kTracking : WorkClass::kSearch);
+  const JobLabel label = MakeLabel(request, client, slot.prior ? WorkClass::kTracking : WorkClass::kSearch);
   const auto queued = std::chrono::steady_clock::now();
-  const LocalizeOutcome outcome = RunInPool(state, job, [&] {
+  LocalizeJob job{map, {}, call.image, slot.prior, slot.motion, slot.camera_prior, slot.mask};
+  const LocalizeOutcome outcome = RunInPool(state, label, [&] {
     const double waited_ms = MillisecondsSince(queued);
-    const MapCamera camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
-    LocalizeOutcome localized =
-        RunLocalization({map, camera, call.image, slot.prior, slot.motion, slot.camera_prior, slot.mask});
+    job.camera = VehicleCameraIn(*map, *vehicle.vehicle, state.rectifiers);
+    LocalizeOutcome localized = RunLocalization(job);
     const auto fusion = std::chrono::steady_clock::now();
     report = vehicle.session->FinishFrame(slot, localized.features, localized.result, localized.floor);
     localized.queue_ms = waited_ms;
@@ -99,8 +99,8 @@ HttpResponse HandleFrame(AppState& state, const HttpRequest& request) {
   if (report.fix) {
     CountFix(state, map->name, *report.fix);
   }
-  const FrameLabel label = {vehicle.vehicle->id, UnixTimeNow(), ToSeconds(slot.image_ns), job.work, report.fix};
-  return JsonResponse(200, FormatFrameResponse(report, RecordFix(state, *map, label, outcome), outcome));
+  const FrameLabel frame = {vehicle.vehicle->id, UnixTimeNow(), ToSeconds(slot.image_ns), label.work, report.fix};
+  return JsonResponse(200, FormatFrameResponse(report, RecordFix(state, job, frame, outcome), outcome));
 }
 
 HttpResponse HandleOdometry(AppState& state, const HttpRequest& request) {

@@ -4,6 +4,8 @@
 #include "server/api/admission.h"
 #include "server/api/diagnosis_json.h"
 #include "server/api/image_call.h"
+#include "server/api/inspection_json.h"
+#include "server/api/localize_json.h"
 #include "server/api/ros_json.h"
 #include "server/api/routes.h"
 #include "server/api/vehicle_json.h"
@@ -41,6 +43,7 @@ HttpResponse RegisterVehicle(AppState& state, const HttpRequest& request) {
   const JobLabel label = MakeLabel(request, "address/" + request.remote_address, WorkClass::kSearch);
   RunInPool(state, label, [&] { BindToMap(map, state.rectifiers, &vehicle); });
   const Registration registration = Register(state, std::move(vehicle), request.body);
+  state.last_frames.Remove(registration.evicted);
   return JsonResponse(registration.created ? 201 : 200,
                       ToText(FormatVehicle(registration.state, state.config.limits.stale_after_s)));
 }
@@ -60,6 +63,27 @@ HttpResponse HandleDiagnosis(const AppState& state, const HttpRequest& request) 
   return JsonResponse(200, FormatDiagnosis(RequireVehicle(state, request.path_parameters.at("id"))));
 }
 
+// The image is localized once more: nothing is prepared for people who may never look.
+HttpResponse HandleLastFrame(AppState& state, const HttpRequest& request) {
+  const std::string& id = request.path_parameters.at("id");
+  RequireVehicle(state, id);
+  const std::shared_ptr<const KeptFrame> frame = state.last_frames.Find(id);
+  LocalizeJob job = frame == nullptr ? LocalizeJob() : frame->Job();
+  if (job.map == nullptr) {
+    throw Problem(
+        404, "no_last_frame",
+        "No image of this vehicle is kept: it has sent none since the server started or its map was replaced, "
+        "or others needed the memory (limits.max_kept_frame_bytes).");
+  }
+  job.inspect = true;
+  const JobLabel label = MakeLabel(request, "address/" + request.remote_address, WorkClass::kSearch);
+  const LocalizeOutcome outcome = RunInPool(state, label, [&] { return RunLocalization(job); });
+  return JsonResponse(200, ToText({{"map", job.map->name},
+                                   {"map_version", job.map->info().content_version},
+                                   {"fix", FormatFixRecord(frame->fix())},
+                                   {"inspection", FormatInspection(*outcome.inspection)}}));
+}
+
 HttpResponse HandleVehicles(const AppState& state) {
   nlohmann::json vehicles = nlohmann::json::array();
   for (const VehicleState& vehicle : state.vehicles.All()) {
@@ -73,6 +97,7 @@ HttpResponse RemoveVehicle(AppState& state, const HttpRequest& request) {
   if (!(state.keeper != nullptr ? state.keeper->Remove(id) : state.vehicles.Remove(id))) {
     throw UnknownVehicle();
   }
+  state.last_frames.Remove(id);
   return {204, "", "", {}};
 }
 
@@ -90,6 +115,9 @@ void AddVehicleRoutes(AppState& state, Router& router) {
               }});
   router.Add({"GET", "/v1/vehicles/{id}/diagnosis", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
                 return HandleDiagnosis(state, request);
+              }});
+  router.Add({"GET", "/v1/vehicles/{id}/last_frame", RouteAccess::kRead, {}, [&state](const HttpRequest& request) {
+                return HandleLastFrame(state, request);
               }});
   router.Add({"DELETE", "/v1/vehicles/{id}", RouteAccess::kChange, {}, [&state](const HttpRequest& request) {
                 return RemoveVehicle(state, request);

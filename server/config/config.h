@@ -17,11 +17,13 @@ struct ServerLimits {
   std::int64_t max_image_pixels = 25'000'000;              ///< of a camera image and of a rectified image
   std::size_t max_rectifier_bytes = std::size_t{1} << 30;  ///< lookup tables of all cameras
   int max_vehicles = 2000;
-  double vehicle_timeout_s = 86400.0;                    ///< a vehicle without messages for longer expires; 0: never
-  double stale_after_s = 10.0;                           ///< a vehicle's pose is stale when it was silent for longer
-  double max_requests_per_s = 0.0;                       ///< per client address; 0: no limit
-  int max_failed_logins = 10;                            ///< per client address and minute; 0: no limit
-  int max_versions = 16;                                 ///< kept of one map
+  double vehicle_timeout_s = 86400.0;  ///< a vehicle without messages for longer expires; 0: never
+  double stale_after_s = 10.0;         ///< a vehicle's pose is stale when it was silent for longer
+  double max_requests_per_s = 0.0;     ///< per client address; 0: no limit
+  int max_failed_logins = 10;          ///< per client address and minute; 0: no limit
+  int max_versions = 16;               ///< kept of one map
+  /// Last images of vehicles, for people who look into them: 800 of 160 kB. 0: none is kept.
+  std::size_t max_kept_frame_bytes = std::size_t{128} << 20;
   std::uint64_t max_map_bytes = std::uint64_t{8} << 30;  ///< of one map file: 8 GiB are some 10,000 m2
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.

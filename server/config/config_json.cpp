@@ -52,6 +52,7 @@ void ReadLimits(JsonObject object, ServerLimits& limits) {
   ReadWhole(object, "max_bodies_bytes", {1, kMaxBytes}, limits.http.max_bodies_bytes);
   ReadWhole(object, "max_image_pixels", {1, 1'000'000'000}, limits.max_image_pixels);
   ReadWhole(object, "max_rectifier_bytes", {1, kMaxBytes}, limits.max_rectifier_bytes);
+  ReadWhole(object, "max_kept_frame_bytes", {0, kMaxBytes}, limits.max_kept_frame_bytes);
   ReadWhole(object, "max_connections", {1, 100'000}, limits.http.max_connections);
   ReadWhole(object, "max_connections_per_address", {1, 100'000}, limits.http.max_connections_per_address);
   ReadWhole(object, "reserved_connections", {0, 1000}, limits.http.reserved_connections);

@@ -65,6 +65,9 @@ LocalizeOutcome RunLocalization(const LocalizeJob& job) {
                                             .motion = job.motion,
                                             .left_out = job.mask.left_out,
                                             .jpeg_quality = EstimateJpegQuality(job.bytes)});
+  if (job.inspect) {
+    outcome.inspection = Inspect(*job.map->localizer, *job.camera.rectifier, image, found);
+  }
   outcome.result = std::move(found.result);
   outcome.features = std::move(found.observation.features);
   outcome.floor = std::move(found.observation.floor);

@@ -10,6 +10,7 @@
 #include "core/localization/localizer.h"
 #include "core/localization/moving_frame.h"
 #include "core/odometry/learned_mask.h"
+#include "server/serving/inspection.h"
 #include "server/serving/map_camera.h"
 #include "server/serving/map_catalog.h"
 
@@ -24,12 +25,14 @@ struct LocalizeJob {
   FrameMotion motion = {};                                 ///< of the robot while the image is read out
   std::optional<CameraPrior> camera_prior = std::nullopt;  ///< what the vehicle's earlier fixes tell of its camera
   LearnedMaskState mask = {};                              ///< what it learnt of its view; is left out of the image
+  bool inspect = false;                                    ///< set LocalizeOutcome::inspection
 };
 
 struct LocalizeOutcome {
   LocalizationResult result;
-  Features features;                            ///< of the image, base frame
-  GroundImage floor;                            ///< the rectified image, with what was left out
+  Features features;  ///< of the image, base frame
+  GroundImage floor;  ///< the rectified image, with what was left out
+  std::optional<Inspection> inspection = std::nullopt;
   std::optional<AppliedCorrection> correction;  ///< of the camera, by the map
   double masked_share = 0.0;                    ///< of the floor region in view, that was left out
   const char* search = "global";                ///< "prior" or "global"

@@ -69,17 +69,12 @@ VehicleKeeper::VehicleKeeper(VehicleRegistry& registry, StateFile& state, const 
     : registry_(registry), state_(state), options_((options.Check(), options)) {}
 
 void VehicleKeeper::Begin() {
-  thread_ = std::thread([this] { Run(); });
+  writer_ = std::make_unique<Periodic>(options_.interval, [this] { WriteBehind(false); });
 }
 
 VehicleKeeper::~VehicleKeeper() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  if (thread_.joinable()) {
-    thread_.join();
+  if (writer_ != nullptr) {
+    writer_.reset();
     WriteBehind(true);
   }
 }
@@ -114,15 +109,6 @@ std::vector<RememberedVehicle> VehicleKeeper::ReadAll() const {
   std::vector<RememberedVehicle> vehicles;
   state_.Read([&](const SqliteConnection& connection) { vehicles = ReadVehicles(connection); });
   return vehicles;
-}
-
-void VehicleKeeper::Run() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, options_.interval, [this] { return stopping_; })) {
-    lock.unlock();
-    WriteBehind(false);
-    lock.lock();
-  }
 }
 
 bool VehicleKeeper::LearningIsDue(const Written& written, std::int64_t changes) const {

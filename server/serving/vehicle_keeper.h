@@ -2,13 +2,13 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 
+#include "server/serving/periodic.h"
 #include "server/serving/vehicle_registry.h"
 #include "server/store/state_file.h"
 #include "server/store/vehicle_table.h"
@@ -62,7 +62,6 @@ class VehicleKeeper {
     Clock::time_point learnt;
   };
 
-  void Run();
   void WriteBehind(bool all);
   bool LearningIsDue(const Written& written, std::int64_t changes) const;
   void Try(const std::function<void(const SqliteConnection&)>& change);
@@ -72,10 +71,7 @@ class VehicleKeeper {
   const VehicleKeeperOptions options_;
   std::mutex order_mutex_;                  // held while a vehicle is put or removed here and there
   std::map<std::string, Written> written_;  // of the thread
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stopping_ = false;  // guarded by mutex_
-  std::thread thread_;
+  std::unique_ptr<Periodic> writer_;        // once begun
 };
 
 /// What is remembered of a vehicle now.

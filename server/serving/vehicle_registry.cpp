@@ -114,12 +114,14 @@ std::size_t VehicleRegistry::size() const {
   return vehicles_.size();
 }
 
-void VehicleRegistry::SetLastFix(const std::string& id, const FixRecord& fix) {
+bool VehicleRegistry::SetLastFix(const std::string& id, const FixRecord& fix) {
   const std::lock_guard lock(mutex_);
   const auto it = vehicles_.find(id);
-  if (it != vehicles_.end()) {
-    it->second.last_fix = fix;
+  if (it == vehicles_.end()) {
+    return false;
   }
+  it->second.last_fix = fix;
+  return true;
 }
 
 }  // namespace floorloc

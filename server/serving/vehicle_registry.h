@@ -83,8 +83,8 @@ class VehicleRegistry {
   std::vector<VehicleState> All() const;
   std::size_t size() const;
 
-  /// Stores the latest fix for display; does nothing when the vehicle is no longer registered.
-  void SetLastFix(const std::string& id, const FixRecord& fix);
+  /// Stores the latest fix for display. False when the vehicle is no longer registered.
+  bool SetLastFix(const std::string& id, const FixRecord& fix);
 
  private:
   std::string EvictLocked();

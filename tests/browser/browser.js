@@ -27,7 +27,7 @@ async function useFolder(page) {
     return route.fulfill({ path, headers: { "content-security-policy": headers["content-security-policy"] } });
   };
   await page.route((url) => url.pathname === "/", (route) => answer(route, join(folder, "index.html")));
-  await page.route("**/web/*", (route) => answer(route, join(folder, new URL(route.request().url()).pathname.slice(5))));
+  await page.route("**/web/**", (route) => answer(route, join(folder, new URL(route.request().url()).pathname.slice(5))));
 }
 
 /// Registers hooks; the returned object has the browser and the page of the test that runs.
@@ -62,6 +62,21 @@ export async function takeScreenshot(page, name) {
   if (folder) {
     mkdirSync(folder, { recursive: true });
     await page.screenshot({ path: join(folder, `${name}.png`) });
+  }
+}
+
+/// The same in both themes, on a desk and on a phone.
+export async function takeScreenshots(page, name) {
+  if (process.env.FLOORLOC_SCREENSHOTS) {
+    const desk = page.viewportSize();
+    for (const colorScheme of ["dark", "light"]) {
+      await page.emulateMedia({ colorScheme });
+      for (const [size, viewport] of [["phone", { width: 390, height: 800 }], ["desk", desk]]) {
+        await page.setViewportSize(viewport);
+        await page.waitForTimeout(700);
+        await takeScreenshot(page, `${name}-${size}-${colorScheme}`);
+      }
+    }
   }
 }
 

@@ -124,6 +124,8 @@ test("an image can be tried by hand", async () => {
   await page.fill("#vehicle", "by-hand");
   await page.click("#localize");
   await page.getByText('"status": "localized"').waitFor();
+  await page.locator("#inspector").getByText("000008.jpg").waitFor();
+  await page.getByText(/the pose that was found: \d+ of \d+ matches agree/).waitFor();
   await page.fill("#vehicle", "nobody");
   await page.click("#localize");
   await page.getByText("(unknown_vehicle)").waitFor();

@@ -13,16 +13,17 @@ const SURVEY_FRAMES = 40;
 export const sampleImage = (number) =>
   join(root, "maps", "sample", "survey", "images", `${String(number).padStart(6, "0")}.jpg`);
 
-/// The first frames of the sample survey, so that the map is built in seconds.
-function shortSurvey(folder, count) {
-  const sample = join(root, "maps", "sample", "survey");
-  const survey = join(folder, `survey-${count}`);
+/// The first frames of the sample survey, so that the map is built in seconds; or the last ones of a drive (count < 0).
+function shortSurvey(folder, count, name = "survey") {
+  const sample = join(root, "maps", "sample", name);
+  const survey = join(folder, `${name}-${count}`);
   mkdirSync(survey);
   for (const name of ["camera.yaml", "floor.yaml", "odometry.tum"]) {
     copyFileSync(join(sample, name), join(survey, name));
   }
-  const frames = readFileSync(join(sample, "frames.csv"), "utf8").split("\n").slice(0, count + 1);
-  writeFileSync(join(survey, "frames.csv"), `${frames.join("\n")}\n`);
+  const [head, ...frames] = readFileSync(join(sample, "frames.csv"), "utf8").trim().split("\n");
+  const kept = count < 0 ? frames.slice(count) : frames.slice(0, count);
+  writeFileSync(join(survey, "frames.csv"), `${[head, ...kept].join("\n")}\n`);
   symlinkSync(join(sample, "images"), join(survey, "images"));
   return survey;
 }
@@ -47,6 +48,15 @@ export function makeMaps(existing = process.env.FLOORLOC_MAP) {
     renameSync(buildMap(folder, "sample.floormap"), map);
   }
   return { maps, remove: () => rmSync(folder, { recursive: true, force: true }) };
+}
+
+/// Localizes the end of the sample drive in a map; returns the file of its results, fused.jsonl beside the maps folder.
+export function fuseDrive(map) {
+  const folder = join(dirname(map), "..");
+  const out = join(folder, "fused");
+  execFileSync(join(bin, "floorloc-mapbuilder"), ["localize", "--map", map, "--frames", shortSurvey(folder, -10, "drive"),
+    "--out", `${out}.tum`, "--results", `${out}.jsonl`, "--fuse"], { stdio: "ignore" });
+  return `${out}.jsonl`;
 }
 
 /// x, y and yaw of a row of a TUM file.

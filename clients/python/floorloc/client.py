@@ -16,8 +16,8 @@ from .events import Event, EventStream
 from .image_body import content_type_of, multipart
 from .retry import Retry, parse_retry_after
 from .types import (
-    Calibration, Camera, Diagnosis, FixList, Floor, FrameAnswer, Gate, Increment, LocalizeAnswer, Map, MapList,
-    OdometryAnswer, RosVehicle, TrackingAnswer, Vehicle, VehicleList,
+    Calibration, Camera, Diagnosis, FixList, Floor, FrameAnswer, Gate, Increment, LastFrame, LocalizeAnswer, Map,
+    MapList, MapSuccess, OdometryAnswer, RosVehicle, TrackingAnswer, Vehicle, VehicleList,
 )
 from .vehicle import VehicleClient
 
@@ -73,21 +73,23 @@ class Client:
     def localize(self, map: str, image: bytes, *, vehicle: Optional[str] = None,
                  calibration: Optional[Calibration] = None, prior: Optional[Sequence[Number]] = None,
                  radius: Optional[float] = None, twist: Optional[Sequence[Number]] = None,
-                 stamp: Optional[Stamp] = None, deadline_s: Optional[float] = None) -> LocalizeAnswer:
+                 stamp: Optional[Stamp] = None, inspect: Optional[bool] = None,
+                 deadline_s: Optional[float] = None) -> LocalizeAnswer:
         """Localizes one JPEG or PNG, stateless, with the camera of a registered vehicle or with this calibration.
 
         prior: (x, y, yaw) in the map, m and rad, within radius metres of which the robot is sought first. twist: its
-        velocity (vx, vy, wz), base frame, for rolling shutters. A deadline is told to the server, which otherwise
-        refuses at once what would take longer than its own (80 ms by default).
+        velocity (vx, vy, wz), base frame, for rolling shutters. inspect: the answer has `inspection`. A deadline is
+        told to the server, which otherwise refuses at once what would take longer than its own (80 ms by default).
         """
         path = f"/v1/maps/{_quoted(map)}/localize"
         if calibration is None:
             query = {"vehicle": vehicle, "prior": _commas(prior), "radius": radius, "twist": _commas(twist),
-                     "stamp": stamp}
+                     "stamp": stamp, "inspect": None if inspect is None else str(inspect).lower()}
             return self.call("POST", path, query=query, body=image, content_type=content_type_of(image),
                              deadline_s=deadline_s, tell_server=True)
         velocity = None if twist is None else dict(zip(("vx", "vy", "wz"), twist))
-        request = _given(vehicle=vehicle, prior=_listed(prior), radius=radius, twist=velocity, stamp=stamp)
+        request = _given(vehicle=vehicle, prior=_listed(prior), radius=radius, twist=velocity, stamp=stamp,
+                         inspect=inspect)
         body, content_type = multipart(image, {**calibration, **request})
         return self.call("POST", path, body=body, content_type=content_type, deadline_s=deadline_s, tell_server=True)
 
@@ -133,6 +135,9 @@ class Client:
     def get_diagnosis(self, vehicle: str) -> Diagnosis:
         return self.call("GET", f"{_vehicle(vehicle)}/diagnosis")
 
+    def get_last_frame(self, vehicle: str) -> LastFrame:
+        return self.call("GET", f"{_vehicle(vehicle)}/last_frame")
+
     def delete_vehicle(self, vehicle: str) -> bool:
         """False when there was none."""
         try:
@@ -150,6 +155,9 @@ class Client:
 
     def get_map(self, map: str) -> Map:
         return self.call("GET", f"/v1/maps/{_quoted(map)}")
+
+    def get_success(self, map: str) -> MapSuccess:
+        return self.call("GET", f"/v1/maps/{_quoted(map)}/success")
 
     def list_fixes(self, map: str, since: int = 0) -> FixList:
         return self.call("GET", f"/v1/maps/{_quoted(map)}/fixes", query={"since": since})

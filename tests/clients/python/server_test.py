@@ -95,6 +95,7 @@ class ServerTest(unittest.TestCase):
         self.assert_fits("Vehicle", info)
         self.assertEqual((round(info["pose"]["x"], 6), info["messages"]["duplicate"]), (1.0, 1))
         self.assert_fits("Diagnosis", self.client.get_diagnosis("b"))
+        self.assert_fits("LastFrame", self.client.get_last_frame("b"))
 
     def test_poses_for_ros_are_those_that_the_client_makes(self):
         vehicle = self.register("c")
@@ -130,6 +131,7 @@ class ServerTest(unittest.TestCase):
         self.assert_fits("Map", self.client.get_map("hall"))
         self.assert_fits("VehicleList", self.client.list_vehicles())
         self.assert_fits("FixList", self.client.list_fixes("hall"))
+        self.assert_fits("MapSuccess", self.client.get_success("hall"))
         self.assertTrue(self.client.call("GET", "/v1/maps/hall/tiles/0/0/0.jpg").startswith(b"\xff\xd8"))
         self.assertIn(b"openapi: 3.1", self.client.call("GET", "/openapi.yaml"))
         with self.assertRaises(FloorlocError) as caught:

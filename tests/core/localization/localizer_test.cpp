@@ -167,6 +167,32 @@ TEST(RepeatingFloorTest, AWrongPriorIsNotConfirmedByAliasedFloor) {
   }
 }
 
+TEST(RepeatingFloorTest, TheCopyCompetesWithWhereTheFrameIs) {
+  constexpr double kShiftM = 3.0;
+  const Localizer localizer(WithNearDuplicate(TheMap(), kShiftM), LocalizerOptions{});
+  const Rectifier rectifier(Floor().camera());
+  const Pose2 truth = RandomPoses(1, 9).front();
+  const FrameObservation frame = localizer.Observe(rectifier, GrayView(Floor(), truth, 9));
+  const LocalizationResult result = localizer.Localize(frame, PosePrior{truth});
+  const std::vector<CompetingPose> poses = localizer.Compete(frame, result, 2);
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_EQ(poses[0].map_from_base.translation(), result.map_from_base.translation());
+  EXPECT_NEAR(poses[1].map_from_base.x(), truth.x() + kShiftM, kMaxErrorM);
+  for (const CompetingPose& pose : poses) {
+    EXPECT_GE(pose.inliers, 20);
+    EXPECT_EQ(std::count_if(pose.matches.begin(), pose.matches.end(), [](const PointMatch& m) { return m.inlier; }),
+              pose.inliers);
+    for (const PointMatch& match : pose.matches) {
+      const double apart_m = (pose.map_from_base * match.base_m - match.map_m).norm();
+      EXPECT_EQ(apart_m <= localizer.options().registration.inlier_radius_m, match.inlier) << apart_m;
+    }
+  }
+  EXPECT_EQ(localizer.Compete(frame, result, 1).size(), 1U);
+  const std::vector<CompetingPose> without_result = localizer.Compete(frame, {}, 2);
+  ASSERT_FALSE(without_result.empty());
+  EXPECT_LT((without_result[0].map_from_base.translation() - truth.translation()).norm(), kMaxErrorM);
+}
+
 // The angles of keypoints in blurred or worn images are wrong: where the heading is known they must not matter.
 TEST_P(LocalizerTest, ViewsNearAPriorNeedNoAnglesOfKeypoints) {
   const Localizer localizer(TheMap(), LocalizerOptions{}, Tiles());

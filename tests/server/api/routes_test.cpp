@@ -168,9 +168,10 @@ TEST(DocumentTest, DocumentAndRoutesAgree) {
   client.Post("/v1/vehicles/a/odometry", R"({"stamp":1.1,"dx":0,"dy":0,"dyaw":0})", "application/json");
   client.Post("/v1/vehicles/a/initialpose", R"({"x":0,"y":0,"yaw":0})", "application/json");
   for (const std::string target :
-       {"/", "/web/index.html", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps", "/v1/maps/hall",
-        "/v1/maps/hall/versions", "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report", "/v1/maps/hall/quality",
-        "/v1/maps/hall/fixes", "/v1/vehicles", "/v1/vehicles/a", "/v1/vehicles/a/diagnosis"}) {
+       {"/", "/web/index.html", "/web/data/api.js", "/livez", "/readyz", "/metrics", "/openapi.yaml", "/v1/maps",
+        "/v1/maps/hall", "/v1/maps/hall/versions", "/v1/maps/hall/tiles/0/0/0.jpg", "/v1/maps/hall/report",
+        "/v1/maps/hall/quality", "/v1/maps/hall/fixes", "/v1/maps/hall/success", "/v1/vehicles", "/v1/vehicles/a",
+        "/v1/vehicles/a/diagnosis", "/v1/vehicles/a/last_frame"}) {
     client.Get(target);
   }
   client.Stream("/v1/events", [](const std::string& text) { return !text.empty(); });

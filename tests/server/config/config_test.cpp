@@ -22,7 +22,7 @@ TEST(ConfigTest, ReadsEveryKey) {
   const ServerConfig config = ParseServerConfig(R"({
     "threads": 3, "queue_length": 7, "queue_timeout_s": 0.5, "deadline_ms": 120, "drain_s": 2, "open": true, "protect_reads": true,
     "log_level": "warning", "log_format": "json", "access_log": true, "token_file": "token", "localizer": {"max_p_wrong": 1e-6},
-    "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40,
+    "limits": {"max_body_bytes": 10, "max_bodies_bytes": 20, "max_image_pixels": 30, "max_rectifier_bytes": 40, "max_kept_frame_bytes": 0,
                "max_connections": 50, "max_connections_per_address": 51, "reserved_connections": 52,
                "max_failed_logins": 53, "max_vehicles": 60, "vehicle_timeout_s": 65, "stale_after_s": 66, "max_requests_per_s": 70.5, "idle_timeout_s": 80,
                "request_timeout_s": 90}})");
@@ -42,6 +42,7 @@ TEST(ConfigTest, ReadsEveryKey) {
   EXPECT_EQ(config.limits.http.max_bodies_bytes, 20U);
   EXPECT_EQ(config.limits.max_image_pixels, 30);
   EXPECT_EQ(config.limits.max_rectifier_bytes, 40U);
+  EXPECT_EQ(config.limits.max_kept_frame_bytes, 0U);
   EXPECT_EQ(config.limits.http.max_connections, 50);
   EXPECT_EQ(config.limits.http.max_connections_per_address, 51);
   EXPECT_EQ(config.limits.http.reserved_connections, 52);

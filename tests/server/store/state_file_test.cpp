@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/io/input_error.h"
+#include "server/store/success_table.h"
 #include "server/store/vehicle_table.h"
 #include "server/store/version_table.h"
 #include "tests/synthetic/temporary_folder.h"
@@ -31,6 +32,35 @@ class StateFileTest : public testing::Test {
   TemporaryFolder folder_;
   std::filesystem::path file_ = folder_.path() / "state.sqlite";
 };
+
+TEST_F(StateFileTest, RemembersWhereImagesWereFoundInOneVersionOfAMap) {
+  StateFile state(file_, Mode::kWrite);
+  state.Write(kProcess, [&](const SqliteConnection& connection) {
+    WriteSuccess(connection, "hall", {"v1", 0.5, 10.0, 3, {}});
+    WriteSuccessSquare(connection, "hall", {-2, 7, 5, 1, 600});
+    WriteSuccess(connection, "hall", {"v1", 0.5, 10.0, 4, {}});
+    WriteSuccessSquare(connection, "hall", {-2, 7, 6, 1, 700});
+    WriteSuccessSquare(connection, "hall", {1, 7, -6, 1, 700});  // as no server writes it
+  });
+  state.Read([&](const SqliteConnection& connection) {
+    const MapSuccess hall = ReadSuccess(connection).at("hall");
+    EXPECT_EQ(hall.version, "v1");
+    EXPECT_EQ(hall.since_s, 10.0);
+    EXPECT_EQ(hall.unplaced, 4);
+    ASSERT_EQ(hall.squares.size(), 1U);
+    EXPECT_EQ(hall.squares[0].x, -2);
+    EXPECT_EQ(hall.squares[0].y, 7);
+    EXPECT_EQ(hall.squares[0].found, 6);
+    EXPECT_EQ(hall.squares[0].inliers, 700);
+  });
+  state.Write(kProcess, [&](const SqliteConnection& connection) {
+    WriteSuccess(connection, "hall", {"v2", 0.5, 20.0, 0, {}});
+  });
+  state.Read(
+      [&](const SqliteConnection& connection) { EXPECT_TRUE(ReadSuccess(connection).at("hall").squares.empty()); });
+  state.Write(kProcess, [&](const SqliteConnection& connection) { DeleteSuccess(connection, "hall"); });
+  state.Read([&](const SqliteConnection& connection) { EXPECT_TRUE(ReadSuccess(connection).empty()); });
+}
 
 TEST_F(StateFileTest, RemembersVersionsAndVehicles) {
   const MapVersion version{"v1", "id", "2026", "0.1", {"a", "b"}, 3.5, 1000, 12.5, "upload"};

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from typing import List, Literal, Optional, TypedDict
 
+from .requests import Rectangle
+
 
 class Pose(TypedDict):
     map: str
@@ -33,6 +35,28 @@ class Alternative(TypedDict):
     yaw: float
     inliers: int
     weight: float
+
+
+class PointMatch(TypedDict):
+    base: List[float]
+    map: List[float]
+    inlier: bool
+
+
+class CompetingPose(TypedDict):
+    x: float
+    y: float
+    yaw: float
+    inliers: int
+    log10_nfa: float
+    matches: List[PointMatch]
+
+
+class Inspection(TypedDict):
+    image: str
+    region: Rectangle
+    keypoints: List[List[float]]
+    poses: List[CompetingPose]
 
 
 class LatticePose(TypedDict):
@@ -89,6 +113,7 @@ class LocalizeAnswer(_LocalizeAnswerRequired, total=False):
                     "contradicts_prior", "view_disagrees", "no_floor", "other_floor"]
     pose: Pose
     lattice: LatticePose
+    inspection: Inspection
 
 
 class _FixRecordRequired(TypedDict):
@@ -110,6 +135,13 @@ class FixRecord(_FixRecordRequired, total=False):
     reanchored: bool
     reject_reason: Literal["wrong_fix_risk", "jump_distance", "jump_angle", "mahalanobis", "too_old", "duplicate",
                            "invalid"]
+
+
+class LastFrame(TypedDict):
+    map: str
+    map_version: str
+    fix: FixRecord
+    inspection: Inspection
 
 
 class FixList(TypedDict):

@@ -103,3 +103,21 @@ class Map(_MapRequired, total=False):
     extractor: Dict[str, Any]
     camera: Camera
     floor: Floor
+
+
+class SuccessSquare(TypedDict):
+    x: float
+    y: float
+    found: int
+    missed: int
+    inliers: float
+    survey_again: bool
+
+
+class MapSuccess(TypedDict):
+    map: str
+    map_version: str
+    since: Optional[float]
+    cell_m: float
+    unplaced: int
+    cells: List[SuccessSquare]

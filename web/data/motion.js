@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The motion of a vehicle between its poses, each at its own time.
+import { between } from "/web/data/geometry.js";
 
 const SAMPLES = 12;
 const SHORTEST_DELAY_S = 0.12;
@@ -7,11 +8,6 @@ const LONGEST_DELAY_S = 1.2;
 const CLOCK_STEP_S = 1.5; // a clock that is further off than its messages are late was set
 const TRAIL_POINTS = 400;
 const TRAIL_STEP_M = 0.03;
-
-function turn(from, to, share) {
-  const difference = Math.atan2(Math.sin(to - from), Math.cos(to - from));
-  return from + share * difference;
-}
 
 /// Poses are drawn a little late, so that the next one is there when it is needed: about one and a half intervals. The
 /// vehicle's clock is not ours: its offset is the least that a message took.
@@ -88,9 +84,7 @@ export class Motion {
     const from = samples[Math.max(0, after - 1)];
     const span = to.stamp - from.stamp;
     const share = span > 0 ? Math.min(1, Math.max(0, (time - from.stamp) / span)) : 1;
-    out.x = from.x + share * (to.x - from.x);
-    out.y = from.y + share * (to.y - from.y);
-    out.yaw = share === 1 ? to.yaw : turn(from.yaw, to.yaw, share);
+    between(from, to, share, out);
     return true;
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Server-sent events by fetch: EventSource can't send a token. Connects again by itself, and asks for what it missed.
-import { openEvents } from "/web/api.js";
+import { openEvents } from "/web/data/api.js";
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;

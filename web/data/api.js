@@ -50,7 +50,11 @@ const vehiclePath = (id) => `/v1/vehicles/${encodeURIComponent(id)}`;
 export const listMaps = async () => (await call("/v1/maps")).maps;
 export const listVehicles = async () => (await call("/v1/vehicles")).vehicles;
 export const getVehicle = (id) => call(vehiclePath(id));
+export const getLastFrame = (id) => call(`${vehiclePath(id)}/last_frame`);
 export const getDiagnosis = (id) => call(`${vehiclePath(id)}/diagnosis`);
+export const getMap = (map) => call(mapPath(map));
+export const getQuality = (map) => call(`${mapPath(map)}/quality`);
+export const getSuccess = (map) => call(`${mapPath(map)}/success`);
 export const listFixes = async (map) => (await call(`${mapPath(map)}/fixes`)).fixes;
 export const setPose = (id, pose) => send(`${vehiclePath(id)}/initialpose`, pose);
 
@@ -68,7 +72,7 @@ export const tileTemplate = (map) => `${mapPath(map.name)}/tiles/{z}/{x}/{y}.jpg
 export const fetchTile = async (url, signal) => (await request(url, { signal, cache: "default" })).blob();
 
 export function localize(map, vehicle, file) {
-  const path = `${mapPath(map)}/localize?vehicle=${encodeURIComponent(vehicle)}`;
+  const path = `${mapPath(map)}/localize?inspect=true&vehicle=${encodeURIComponent(vehicle)}`;
   return call(path, { method: "POST", body: file, headers: { "Content-Type": file.type || "image/jpeg" } });
 }
 

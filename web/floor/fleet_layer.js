@@ -2,8 +2,10 @@
 // Vehicles on the floor: one canvas of our own above Leaflet's tiles, drawn at the display's rate while anything moves.
 import * as L from "/web/leaflet.esm.min.js";
 
-import { Sprites, floorColours } from "/web/sprites.js";
-import { drawAlternatives, drawFixes, drawInitialPose, drawTrail } from "/web/details.js";
+import { drawInspection } from "/web/floor/inspection.js";
+import { drawSuccess } from "/web/floor/success_layer.js";
+import { Sprites, floorColours } from "/web/floor/sprites.js";
+import { drawAlternatives, drawFixes, drawInitialPose, drawTrail, putLabel, styleLabels } from "/web/floor/details.js";
 
 const TEXT_PX = 15; // of the page for which the sizes below are
 const LARGE_PX = 30;
@@ -18,7 +20,7 @@ const FRAMES_TIMED = 120;
 const FADED = { stale: 0.75 };
 
 export const FleetLayer = L.Layer.extend({
-  /// scene: {vehicles(), loose(), chosen(), showTrail} of the map that is shown.
+  /// scene: {vehicles(), loose(), chosen(), initialPose(), inspection(), success(), showTrail} of the map that is shown.
   initialize(scene) {
     this.scene = scene;
     this.drawn = []; // {vehicle, x, y, yaw} of the last frame; the first this.inView are valid
@@ -124,6 +126,14 @@ export const FleetLayer = L.Layer.extend({
     const to = this.project();
     this.place(to, size);
     const chosen = this.scene.chosen();
+    const success = this.scene.success();
+    if (success) {
+      drawSuccess(this.context, to, success, this.colours);
+    }
+    const inspection = this.scene.inspection();
+    if (inspection) {
+      drawInspection(this.context, to, inspection, this.colours);
+    }
     if (chosen && this.scene.showTrail) {
       drawTrail(this.context, to, chosen, this.colours);
     }
@@ -230,19 +240,12 @@ export const FleetLayer = L.Layer.extend({
   drawLabels(chosen) {
     const { context } = this;
     const all = this.inView < LABELLED;
-    context.font = `600 ${12 * this.size}px system-ui, 'DejaVu Sans', sans-serif`;
-    context.textBaseline = "middle";
-    context.lineWidth = 3;
-    context.lineJoin = "round";
-    context.strokeStyle = this.colours.panel;
-    context.fillStyle = this.colours.ink;
+    styleLabels(context, this.colours, 12 * this.size);
     this.stats.labels = 0;
     for (let i = 0; i < this.inView; i += 1) {
       const { vehicle, x, y } = this.drawn[i];
       if (all || vehicle === chosen) {
-        const text = vehicle.state === "stale" ? `${vehicle.id} (silent)` : vehicle.id;
-        context.strokeText(text, x + 19 * this.size, y);
-        context.fillText(text, x + 19 * this.size, y);
+        putLabel(context, vehicle.state === "stale" ? `${vehicle.id} (silent)` : vehicle.id, x + 19 * this.size, y);
         this.stats.labels += 1;
       }
     }

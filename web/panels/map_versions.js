@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The versions of the map that is shown: list, activate, roll back, delete, upload.
-import * as api from "/web/api.js";
+import * as api from "/web/data/api.js";
 import { $, h, setText } from "/web/dom.js";
 import { sayClock, sayDuration } from "/web/words.js";
 

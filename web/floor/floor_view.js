@@ -2,8 +2,8 @@
 // The floor in metres: Leaflet with CRS.Simple, in which the map point (x, y) is LatLng [y, x].
 import * as L from "/web/leaflet.esm.min.js";
 
-import { fetchTile, getToken, tileTemplate } from "/web/api.js";
-import { FleetLayer } from "/web/fleet_layer.js";
+import { fetchTile, getToken, tileTemplate } from "/web/data/api.js";
+import { FleetLayer } from "/web/floor/fleet_layer.js";
 
 const EMPTY_TILE = "data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw==";
 const ZOOMS_BEYOND = 4; // of the finest level, enlarged
@@ -136,6 +136,11 @@ export class FloorView {
   /// Moves so that the pose is in the middle.
   goTo({ x, y }) {
     this.leaflet.setView([y, x], this.leaflet.getZoom(), { animate: false });
+  }
+
+  /// Moves so that all points are seen, with some floor around them.
+  lookAt(points) {
+    this.leaflet.fitBounds(L.latLngBounds(points.map(({ x, y }) => [y, x])).pad(0.25), { animate: false });
   }
 
   /// Moves where the pose is out of sight only.

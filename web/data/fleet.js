@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the page knows of maps and vehicles: lists of the server, kept current by its events.
-import { covarianceEllipse } from "/web/ellipse.js";
-import { Motion } from "/web/motion.js";
+import { covarianceEllipse, distance } from "/web/data/geometry.js";
+import { Motion } from "/web/data/motion.js";
 
 const FIXES_KEPT = 50; // of each vehicle
 const LOOSE_FIXES_KEPT = 60; // of each map, of images without a tracked vehicle
 
 /// The fields of a fix record that the page shows; those of 2,000 vehicles are kept.
-function shorten({ sequence, received, status, reason, pose, fix, alternatives, accepted, reject_reason, reanchored }) {
+export function shorten({ sequence, received, status, reason, pose, fix, alternatives, accepted, reject_reason, reanchored }) {
   return {
     sequence, received, status, reason, accepted, reanchored, alternatives, rejectReason: reject_reason,
     pose: pose && { x: pose.x, y: pose.y, yaw: pose.yaw, covariance: pose.covariance },
@@ -44,7 +44,7 @@ class Vehicle {
     this.status = status;
     if (pose) {
       this.path += this.lastStep;
-      this.lastStep = this.pose && epoch === this.epoch ? Math.hypot(pose.x - this.pose.x, pose.y - this.pose.y) : 0;
+      this.lastStep = this.pose && epoch === this.epoch ? distance(pose, this.pose) : 0;
       this.epoch = epoch;
       this.pose = pose;
       this.ellipse = covarianceEllipse(pose.covariance);

@@ -26,15 +26,20 @@ export function arrowPath(context, length) {
   context.closePath();
 }
 
+export function crossPath(context, r) {
+  context.beginPath();
+  context.moveTo(-r, -r);
+  context.lineTo(r, r);
+  context.moveTo(r, -r);
+  context.lineTo(-r, r);
+}
+
 function markState(context, state, size) {
   context.lineWidth = Math.max(1.4, size / 14);
   const r = size / 6;
   context.beginPath();
   if (state === "lost") {
-    context.moveTo(-r, -r);
-    context.lineTo(r, r);
-    context.moveTo(r, -r);
-    context.lineTo(-r, r);
+    crossPath(context, r);
   } else if (state === "tracking_odometry") {
     context.moveTo(-0.16 * size, 0);
     context.lineTo(0.3 * size, 0);

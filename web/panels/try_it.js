@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Localizes an image by hand.
-import * as api from "/web/api.js";
-import { $, h, setText, syncList } from "/web/dom.js";
+import * as api from "/web/data/api.js";
+import { $, acceptFile, h, setText, syncList } from "/web/dom.js";
 
 const IDS_OFFERED = 200;
 
 export class TryIt {
-  constructor(chosenMap) {
+  /// chosenMap(): name of the map that is shown; onAnswer({title, map, vehicle, get()}): see Inspector.open.
+  constructor(chosenMap, onAnswer) {
+    this.onAnswer = onAnswer;
     this.chosenMap = chosenMap;
     this.file = null;
-    $("image").addEventListener("change", (event) => this.select(event.target.files[0]));
+    acceptFile($("drop"), (file) => this.select(file));
     $("localize").addEventListener("click", () => this.localize());
-    for (const type of ["dragover", "dragleave", "drop"]) {
-      $("drop").addEventListener(type, (event) => {
-        event.preventDefault();
-        $("drop").classList.toggle("over", type === "dragover");
-        if (type === "drop") {
-          this.select(event.dataTransfer.files[0]);
-        }
-      });
-    }
   }
 
   offer(vehicles) {
@@ -31,8 +24,8 @@ export class TryIt {
   }
 
   select(file) {
-    this.file = file ?? null;
-    setText($("image-name"), file ? file.name : "Drop a camera image here, or choose one");
+    this.file = file;
+    setText($("image-name"), file.name);
   }
 
   async localize() {
@@ -44,7 +37,9 @@ export class TryIt {
     }
     $("localize").disabled = true;
     try {
-      setText($("answer"), JSON.stringify(await api.localize(map, vehicle, this.file), null, 1));
+      const { inspection, ...fix } = await api.localize(map, vehicle, this.file);
+      setText($("answer"), JSON.stringify(fix, null, 1));
+      this.onAnswer({ title: this.file.name, map, vehicle: null, get: async () => ({ fix, inspection }) });
     } catch (error) {
       setText($("answer"), `${error.message} (${error.code})`);
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person chose: map, vehicle, filters in the URL; theme in the browser; token in the tab.
-import { getToken, setToken } from "/web/api.js";
+import { getToken, setToken } from "/web/data/api.js";
 import { $, setText } from "/web/dom.js";
 
-const DEFAULTS = { map: "", vehicle: "", state: "", search: "", order: "state" };
+const DEFAULTS = { map: "", vehicle: "", state: "", search: "", order: "state", layer: "" };
 const THEMES = ["system", "light", "dark"];
 const THEME_KEY = "floorloc-theme";
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vehicle: state, numbers, what is wrong with it, and its last images.
-import * as api from "/web/api.js";
+import * as api from "/web/data/api.js";
 import { $, h, setText, syncList } from "/web/dom.js";
-import { InitialPoseForm } from "/web/initial_pose.js";
-import { Sparkline } from "/web/sparkline.js";
+import { InitialPoseForm } from "/web/panels/initial_pose.js";
+import { Sparkline } from "/web/panels/sparkline.js";
 import { STATES, degrees, sayClock, sayDuration, sayLength, sayOutcome, sayPose, sayProbability } from "/web/words.js";
 
 const DETAILS_MS = 2000;
@@ -44,7 +44,7 @@ function countRejected({ accepted, rejected }) {
   return `${accepted} accepted, ${total} rejected`;
 }
 
-/// [name, text] rows; details: GET /v1/vehicles/{id}, null before it came.
+/// [name, text] rows; details: GET /v1/vehicles/{id}, or what a recorded drive has of it; null before it came.
 function factsOf(vehicle, details) {
   const { pose } = vehicle;
   const fix = vehicle.lastFix();
@@ -56,14 +56,16 @@ function factsOf(vehicle, details) {
     ["Risk of error", fix?.status === "localized" ? sayProbability(fix.pWrong) : "–"],
   ];
   if (details) {
-    facts.push(["Fixes", countRejected(details.fixes)], ["Odometry", sayOdometry(vehicle.odometry)],
-      ["Camera", sayCamera(details.camera_estimate)]);
+    facts.push(["Fixes", countRejected(details.fixes)], ["Odometry", sayOdometry(vehicle.odometry)]);
+  }
+  if (details?.camera_estimate) {
+    facts.push(["Camera", sayCamera(details.camera_estimate)]);
   }
   return facts;
 }
 
 export class VehiclePanel {
-  /// handlers: onClose(), onFollow(on), onTrail(on), and those of InitialPoseForm.
+  /// handlers: onClose(), onFollow(on), onTrail(on), onInspect(), and those of InitialPoseForm.
   constructor(handlers) {
     this.handlers = handlers;
     this.vehicle = null;
@@ -75,6 +77,7 @@ export class VehiclePanel {
     $("panel-curves").replaceChildren(...Object.values(this.curves).map(({ element }) => element));
     this.form = new InitialPoseForm(handlers);
     $("panel-close").addEventListener("click", () => handlers.onClose());
+    $("panel-inspect").addEventListener("click", () => handlers.onInspect());
     for (const [id, change] of [["panel-follow", handlers.onFollow], ["panel-trail", handlers.onTrail]]) {
       $(id).addEventListener("click", ({ currentTarget }) => change(currentTarget.getAttribute("aria-pressed") !== "true"));
     }
@@ -93,6 +96,7 @@ export class VehiclePanel {
     this.details = null;
     this.asked = { details: 0, diagnosis: 0 };
     $("panel").hidden = !vehicle;
+    $("panel").classList.toggle("recorded", Boolean(vehicle?.recorded));
     $("panel-findings").replaceChildren();
     this.form.open(vehicle);
     if (vehicle) {
@@ -122,6 +126,7 @@ export class VehiclePanel {
   showFixes({ fixes, id, map }) {
     const newest = [...fixes].reverse();
     $("panel-no-fix").hidden = fixes.length > 0;
+    $("panel-inspect").disabled = fixes.length === 0;
     setText($("panel-no-fix-command"), "curl --data-binary @frame.jpg -H 'Content-Type: image/jpeg' "
       + `'${location.origin}/v1/vehicles/${id}/frames?stamp='$(date +%s.%N)`);
     syncList($("panel-fixes"), newest, {
@@ -142,6 +147,10 @@ export class VehiclePanel {
   /// Asks the server for what no event tells, not more often than needed.
   async ask() {
     const { vehicle, asked } = this;
+    if (vehicle.recorded) {
+      this.details = vehicle.details;
+      return;
+    }
     const time = performance.now();
     const ask = async (what, interval, get, take) => {
       if (asked[what] && time - asked[what] < interval) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn of single vehicles: fixes, trail, alternatives, a pose set by hand. to: {k, ox, oy}, pixels from metres.
-import { covarianceEllipse } from "/web/ellipse.js";
-import { arrowPath } from "/web/sprites.js";
+import { covarianceEllipse } from "/web/data/geometry.js";
+import { arrowPath, crossPath } from "/web/floor/sprites.js";
 import { STATES } from "/web/words.js";
 
 const FIX_PX = 20;
@@ -50,11 +50,7 @@ function drawFix(context, to, pose, fix, colour) {
     context.fill();
     context.stroke();
     if (fix.accepted === false) {
-      context.beginPath();
-      context.moveTo(-7, -7);
-      context.lineTo(7, 7);
-      context.moveTo(7, -7);
-      context.lineTo(-7, 7);
+      crossPath(context, 7);
       context.stroke();
     }
   });
@@ -62,7 +58,7 @@ function drawFix(context, to, pose, fix, colour) {
 
 export function drawTrail(context, { k, ox, oy }, vehicle, colours) {
   context.beginPath();
-  vehicle.motion.forTrail((x, y) => context.lineTo(k * x + ox, oy - k * y));
+  vehicle.motion.forTrail((x, y, begins) => context[begins ? "moveTo" : "lineTo"](k * x + ox, oy - k * y));
   context.lineJoin = "round";
   context.strokeStyle = colours.panel;
   context.lineWidth = 5;
@@ -74,14 +70,24 @@ export function drawTrail(context, { k, ox, oy }, vehicle, colours) {
   context.stroke();
 }
 
-function label(context, { k, ox, oy }, pose, text, colours) {
-  context.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+/// How labels look, before putLabel.
+export function styleLabels(context, colours, px) {
+  context.font = `600 ${px}px system-ui, 'DejaVu Sans', sans-serif`;
   context.textBaseline = "middle";
   context.lineWidth = 3;
+  context.lineJoin = "round";
   context.strokeStyle = colours.panel;
   context.fillStyle = colours.ink;
-  context.strokeText(text, k * pose.x + ox + 17, oy - k * pose.y);
-  context.fillText(text, k * pose.x + ox + 17, oy - k * pose.y);
+}
+
+export function putLabel(context, text, x, y) {
+  context.strokeText(text, x, y);
+  context.fillText(text, x, y);
+}
+
+function label(context, { k, ox, oy }, pose, text, colours) {
+  styleLabels(context, colours, 12);
+  putLabel(context, text, k * pose.x + ox + 17, oy - k * pose.y);
 }
 
 /// The places where an ambiguous vehicle may be: the likelier, the less faded.

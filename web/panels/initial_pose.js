@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A pose set by hand: drawn on the floor or typed; the next image confirms or contradicts it.
-import * as api from "/web/api.js";
+import * as api from "/web/data/api.js";
+import { distance, wrapAngle } from "/web/data/geometry.js";
 import { $, setText } from "/web/dom.js";
 import { degrees, radians, sayLength, sayOutcome } from "/web/words.js";
 
@@ -9,8 +10,8 @@ const NEAR_RAD = 0.3;
 const SHORTEST_DRAG_PX = 12;
 
 function difference(a, b) {
-  const turn = Math.atan2(Math.sin(a.yaw - b.yaw), Math.cos(a.yaw - b.yaw));
-  const metres = Math.hypot(a.x - b.x, a.y - b.y);
+  const turn = wrapAngle(a.yaw - b.yaw);
+  const metres = distance(a, b);
   return { metres, turn: Math.abs(turn), text: `${sayLength(metres)}, ${Math.abs(degrees(turn)).toFixed(1)}°` };
 }
 
