@@ -37,7 +37,7 @@ std::optional<Eigen::Vector3d> TwistAtFrame(const PoseFuser& fuser, const LastMo
   const std::int64_t window_ns = std::max(Nanoseconds(options.window_s), interval_ns);
   const std::int64_t to_ns = std::min(stamp_ns + window_ns / 2, std::max(*last.until_ns, stamp_ns - max_age_ns));
   const std::int64_t from_ns = to_ns - window_ns;
-  const std::optional<Eigen::Vector3d> twist = MeanTwist(fuser, from_ns, to_ns);
+  std::optional<Eigen::Vector3d> twist = MeanTwist(fuser, from_ns, to_ns);
   if (!twist) {
     return interval_ns > 0 ? std::optional<Eigen::Vector3d>(last.wheels->motion.Log() / Seconds(interval_ns))
                            : std::nullopt;
