@@ -14,8 +14,10 @@ PlaceScorer::PlaceScorer(SampleScales scales, double strong_deviations)
     const bool compared = rest.gain[i] > 0.0F && scales.deviation[i] > 0.0F && !std::isnan(distortions_[i](0));
     const float strong = static_cast<float>(strong_deviations) * scales.deviation[i];
     samples_.push_back(compared ? Sample{rest.gain[i], rest.value[i], 1.0F / (strong * strong)} : Sample{});
-    distortions_[i] = compared ? Distortion(rest.gain[i] * distortions_[i]) : Distortion::Zero();
-    AddSample(i, 1.0, &all_);
+    if (compared) {
+      distortions_[i] *= rest.gain[i];
+      AddSample(i, 1.0, &all_);
+    }
   }
 }
 

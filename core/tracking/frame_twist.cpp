@@ -2,14 +2,13 @@
 #include "core/tracking/frame_twist.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "core/fusion/measurements.h"
 #include "core/geometry/option_check.h"
 
 namespace floorloc {
 namespace {
 
-std::int64_t Nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
 double Seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 std::optional<Eigen::Vector3d> MeanTwist(const PoseFuser& fuser, std::int64_t from_ns, std::int64_t to_ns) {
@@ -29,12 +28,12 @@ void FrameTwistOptions::Check() const {
 
 std::optional<Eigen::Vector3d> TwistAtFrame(const PoseFuser& fuser, const LastMotion& last, std::int64_t stamp_ns,
                                             const FrameTwistOptions& options) {
-  const std::int64_t max_age_ns = Nanoseconds(options.max_age_s);
+  const std::int64_t max_age_ns = ToNanoseconds(options.max_age_s);
   if (!last.until_ns || *last.until_ns + max_age_ns < stamp_ns) {
     return std::nullopt;
   }
   const std::int64_t interval_ns = last.wheels ? last.wheels->to_ns - last.wheels->from_ns : 0;
-  const std::int64_t window_ns = std::max(Nanoseconds(options.window_s), interval_ns);
+  const std::int64_t window_ns = std::max(ToNanoseconds(options.window_s), interval_ns);
   const std::int64_t to_ns = std::min(stamp_ns + window_ns / 2, std::max(*last.until_ns, stamp_ns - max_age_ns));
   const std::int64_t from_ns = to_ns - window_ns;
   std::optional<Eigen::Vector3d> twist = MeanTwist(fuser, from_ns, to_ns);

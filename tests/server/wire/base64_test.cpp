@@ -20,7 +20,13 @@ TEST(Base64Test, EncodesAndDecodesTheVectorsOfTheStandard) {
                                                                     {"\xFB\xFF", "+/8="}};
   for (const auto& [bytes, text] : vectors) {
     EXPECT_EQ(EncodeBase64(std::vector<std::uint8_t>(bytes.begin(), bytes.end())), text);
-    EXPECT_EQ(DecodeBase64(text), bytes);
+    EXPECT_EQ(DecodeBase64(text), bytes) << text;
+  }
+}
+
+TEST(Base64Test, RejectsWhatIsNoBase64) {
+  for (const char* text : {"Zg=", "Zg", "Z===", "Zg==Zg==", "Zm9v\n", "Zm9 ", "=Zm9", "Zm-_"}) {
+    EXPECT_FALSE(DecodeBase64(text).has_value()) << text;
   }
 }
 
