@@ -157,6 +157,16 @@ test("an ambiguous vehicle shows where it may be", async () => {
   await drawnVehicle(page, "agv-3", "localized");
 });
 
+test("the first images of a vehicle are its own, though they come before the list that has it", async () => {
+  const page = await open();
+  const newcomer = makeVehicle("newcomer", { x: 1, y: 0.8 });
+  const first = [0, 1, 2].map(() => makeFix(newcomer));
+  stub.vehicles.push({ ...newcomer, last_fix: first[2][1] });
+  stub.emit(["vehicle", { vehicle: "newcomer", map: "sample", change: "registered" }], ...first);
+  await page.locator("#vehicles li").filter({ hasText: "newcomer" }).getByRole("button").click();
+  await page.locator("#panel-fixes li").nth(2).waitFor();
+});
+
 test("a vehicle is followed, until the floor is moved by hand", async () => {
   const page = await open("?map=sample&vehicle=agv-1");
   await page.getByRole("button", { name: "Follow" }).click();

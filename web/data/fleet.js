@@ -124,7 +124,7 @@ export class Fleet {
       }
     }
     for (const item of list) {
-      const vehicle = this.require(item.id);
+      const vehicle = this.vehicles.get(item.id) ?? this.create(item);
       vehicle.map = item.map;
       vehicle.setOdometry(item.odometry, now);
       this.setCamera(vehicle, item.camera_status, now);
@@ -151,12 +151,11 @@ export class Fleet {
     }
   }
 
-  require(id) {
-    let vehicle = this.vehicles.get(id);
-    if (!vehicle) {
-      vehicle = new Vehicle(id);
-      this.vehicles.set(id, vehicle);
-    }
+  /// Events tell of a vehicle's first images before a list tells of the vehicle: those are its own, too.
+  create({ id, map }) {
+    const vehicle = new Vehicle(id);
+    this.vehicles.set(id, vehicle);
+    (this.loose.get(map) ?? []).filter((fix) => fix.vehicle === id).forEach((fix) => vehicle.addFix(fix));
     return vehicle;
   }
 
