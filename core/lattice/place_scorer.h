@@ -40,8 +40,9 @@ class PlaceScorer {
   /// strong_deviations: D in typical deviations of the places at the sample, positive.
   PlaceScorer(SampleScales scales, double strong_deviations);
 
-  /// mosaic: grey levels at the place, sample by sample; not a number: not surveyed.
-  PlaceScore ScoreOf(const std::vector<float>& mosaic) const;
+  /// mosaic: grey levels at the place, sample by sample; not a number: not surveyed. share_of_mean: what the place
+  /// contributed to the mean, which is taken from it: each place is compared with the mean of the others.
+  PlaceScore ScoreOf(const std::vector<float>& mosaic, double share_of_mean) const;
 
  private:
   struct Sample {

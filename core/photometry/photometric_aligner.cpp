@@ -99,8 +99,6 @@ class Fit {
   }
 
  private:
-  enum class SampleSet { kSparse, kAll };
-
   void ChooseBlur() {
     double correlation = CorrelationAt(0);
     while (blur_level_ < options_.max_blur_level) {
@@ -165,14 +163,13 @@ class Fit {
   void Compare(SampleSet set) {
     const RasterPatch& patch = mosaic_.At(blur_level_);
     const CellWarp warp = MakeWarp(patch);
-    min_samples_ = options_.min_cell_samples * (set == SampleSet::kAll ? FrameSamples::kSparseShare : 1);
+    min_samples_ = FrameSamples::MinSamples(options_.min_cell_samples, set);
     sums_.assign(static_cast<std::size_t>(frame_.cells()), CellSums());
     double covariance = 0.0;
     double variance = 0.0;
     for (int c = 0; c < frame_.cells(); ++c) {
       CellSums& cell = sums_[static_cast<std::size_t>(c)];
-      AddCell(set == SampleSet::kAll ? frame_.cell(c) : frame_.sparse_cell(c), frame_.cell_center(c).cast<float>(),
-              warp, patch, &cell);
+      AddCell(frame_.cell(c, set), frame_.cell_center(c).cast<float>(), warp, patch, &cell);
       covariance += Weight(cell) * static_cast<double>(cell.fm);
       variance += Weight(cell) * static_cast<double>(cell.mm);
     }

@@ -76,6 +76,9 @@ struct PhotometricFit {
 template <int N>
 using CellDisplacement = Eigen::Matrix<double, 6, N>;
 
+/// Which samples of a cell are compared: one of FrameSamples::kSparseShare, enough to get near, or all.
+enum class SampleSet { kSparse, kAll };
+
 /// The pixels of a frame that are compared, its image contrast-normalised as the mosaic's. The image is divided into
 /// square cells, so that changed floor affects only its own cells.
 class FrameSamples {
@@ -100,6 +103,11 @@ class FrameSamples {
   std::span<const Sample> sparse_cell(int c) const {
     const auto i = static_cast<std::size_t>(c);
     return {samples_.data() + cell_start_[i], samples_.data() + sparse_end_[i]};
+  }
+  std::span<const Sample> cell(int c, SampleSet set) const { return set == SampleSet::kAll ? cell(c) : sparse_cell(c); }
+  /// How many samples a cell must have in common with the mosaic; min_sparse: of the sparse ones.
+  static constexpr int MinSamples(int min_sparse, SampleSet set) {
+    return min_sparse * (set == SampleSet::kAll ? kSparseShare : 1);
   }
   /// Mean position of a cell's samples, base frame, metres.
   const Eigen::Vector2d& cell_center(int c) const { return cell_centers_[static_cast<std::size_t>(c)]; }

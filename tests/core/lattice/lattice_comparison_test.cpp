@@ -99,6 +99,24 @@ TEST_F(LatticeComparisonTest, TheRightPlaceStandsOutWhereverThePoseWas) {
   }
 }
 
+TEST_F(LatticeComparisonTest, AGlanceAtAllPlacesFindsTheFewThatAreWorthMore) {
+  const Pose2 truth = PoseOfView(1.02, 0.88, 0.7);
+  LatticeComparisonOptions options;
+  options.typical_places = options.min_places;
+  options.promising_places = 2;
+  const FrameSamples frame = See(truth, Noisy());
+  for (const Eigen::Vector2i& from : {Eigen::Vector2i(0, 0), Eigen::Vector2i(2, 2)}) {  // among the nearest, and not
+    const std::optional<LatticeComparison> all = CompareFrom(frame, truth, from);
+    const std::optional<LatticeComparison> compared = CompareFrom(frame, truth, from, options);
+    ASSERT_TRUE(all && compared);
+    EXPECT_EQ(compared->places.front().multiples, -from);
+    EXPECT_GT(compared->places.front().sigma, 6.0);
+    EXPECT_LT(compared->places[1].sigma, 5.0);
+    EXPECT_EQ(compared->places.size(), all->places.size()) << "those that were glanced at count, too";
+    EXPECT_LT((compared->places.front().map_from_base.Inverse() * truth).translation().norm(), 1e-3);
+  }
+}
+
 TEST_F(LatticeComparisonTest, APoseBesideThePlacesIsNone) {
   const Pose2 truth = PoseOfView(1.02, 0.88, 0.7);
   const std::optional<LatticeComparison> compared = CompareFrom(See(truth, {}), truth, {0, 0});

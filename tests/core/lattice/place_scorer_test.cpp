@@ -40,15 +40,15 @@ class PlaceScorerTest : public testing::Test {
 };
 
 TEST_F(PlaceScorerTest, StrongDifferencesTellMoreThanAll) {
-  const PlaceScore all = PlaceScorer(scales_, 1e-3).ScoreOf(right_);
-  const PlaceScore strong = PlaceScorer(scales_, 10.0).ScoreOf(right_);
+  const PlaceScore all = PlaceScorer(scales_, 1e-3).ScoreOf(right_, 0.0);
+  const PlaceScore strong = PlaceScorer(scales_, 10.0).ScoreOf(right_, 0.0);
   EXPECT_GT(strong.score, 1.2 * all.score);
   EXPECT_LT(strong.expected, all.expected);
   EXPECT_GT(strong.score / strong.expected, 0.3);
 }
 
 TEST_F(PlaceScorerTest, AWrongPlaceScoresByChance) {
-  EXPECT_LT(std::abs(PlaceScorer(scales_, 5.0).ScoreOf(wrong_).score), 3.0);
+  EXPECT_LT(std::abs(PlaceScorer(scales_, 5.0).ScoreOf(wrong_, 0.0).score), 3.0);
 }
 
 TEST_F(PlaceScorerTest, WhatIsNotSurveyedDoesNotCount) {
@@ -57,8 +57,8 @@ TEST_F(PlaceScorerTest, WhatIsNotSurveyedDoesNotCount) {
     half[i] = std::numeric_limits<float>::quiet_NaN();
   }
   const PlaceScorer scorer(scales_, 5.0);
-  EXPECT_LT(scorer.ScoreOf(half).expected, 0.8 * scorer.ScoreOf(right_).expected);
-  EXPECT_GT(scorer.ScoreOf(half).score, 0.5 * scorer.ScoreOf(right_).score);
+  EXPECT_LT(scorer.ScoreOf(half, 0.0).expected, 0.8 * scorer.ScoreOf(right_, 0.0).expected);
+  EXPECT_GT(scorer.ScoreOf(half, 0.0).score, 0.5 * scorer.ScoreOf(right_, 0.0).score);
 }
 
 // A shift of the view that the rest shows is no sign of the place whose difference looks like it.
@@ -67,7 +67,22 @@ TEST_F(PlaceScorerTest, DistortionsAreNoDifference) {
     scales_.rest.value[i] = 0.2F * 5.0F * scales_.distortions[i](0);
     right_[i] = 100.0F + 5.0F * scales_.distortions[i](0);
   }
-  EXPECT_LT(std::abs(PlaceScorer(scales_, 1e-3).ScoreOf(right_).score), 1.0);
+  EXPECT_LT(std::abs(PlaceScorer(scales_, 1e-3).ScoreOf(right_, 0.0).score), 1.0);
+}
+
+// A place in the mean of ten scores as one that the mean is not of.
+TEST_F(PlaceScorerTest, APlaceIsComparedWithTheMeanOfTheOthers) {
+  const PlaceScore expected = PlaceScorer(scales_, 5.0).ScoreOf(right_, 0.0);
+  constexpr float kShare = 0.1F;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const float move = kShare * (right_[i] - scales_.mean[i]);
+    scales_.mean[i] += move;
+    scales_.rest.value[i] -= scales_.rest.gain[i] * move;
+  }
+  const PlaceScorer scorer(scales_, 5.0);
+  EXPECT_NEAR(scorer.ScoreOf(right_, kShare).score, expected.score, 1e-3);
+  EXPECT_NEAR(scorer.ScoreOf(right_, kShare).expected, expected.expected, 1e-3);
+  EXPECT_GT(std::abs(scorer.ScoreOf(right_, 0.0).score - expected.score), 0.1);
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ std::vector<BadValue> BadLatticeValues() {
           {"tolerance_m", [](auto* o) { o->lattice.tolerance_m = 0.0; }},
           {"min_share", [](auto* o) { o->lattice.min_share = 0.0; }},
           {"max_places", [](auto* o) { o->lattice_comparison.max_places = 5; }},
+          {"typical_places", [](auto* o) { o->lattice_comparison.typical_places = 5; }},
           {"max_poses", [](auto* o) { o->lattice_comparison.max_poses = 0; }},
           {"min_known_share", [](auto* o) { o->lattice_comparison.min_known_share = 0.0; }},
           {"min_places", [](auto* o) { o->lattice_comparison.min_places = 1; }},
