@@ -291,7 +291,9 @@ Interval NextInterval(const MotionRecord& record, std::int64_t from_ns, std::int
   };
   take(record.wheels, &interval.wheels);
   take(record.vision, &interval.vision);
-  take(record.imu, &interval.imu);
+  if (record.trust_imu) {
+    take(record.imu, &interval.imu);
+  }
   return interval;
 }
 

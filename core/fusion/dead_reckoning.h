@@ -16,6 +16,7 @@ struct MotionRecord {
   MotionTrack vision;
   ImuTrack imu;
   bool trust_wheels = true;  ///< false: wheels move odom_from_base only, the pose is moved by the others
+  bool trust_imu = true;     ///< false: it moves nothing
 
   void Clear() {
     wheels.Clear();

@@ -69,6 +69,17 @@ void OdometryMonitorOptions::Check() const {
   RequireOption(clock_min_intervals >= 3, "monitor.clock_min_intervals must be at least 3");
 }
 
+void GyroMonitorOptions::Check() const {
+  RequirePositive({{"gyro_monitor.min_interval_s", min_interval_s},
+                   {"gyro_monitor.max_interval_s", max_interval_s},
+                   {"gyro_monitor.min_turn_rad", min_turn_rad},
+                   {"gyro_monitor.tolerance_rad", tolerance_rad},
+                   {"gyro_monitor.tolerance_scale", tolerance_scale},
+                   {"gyro_monitor.max_bias_rad_s", max_bias_rad_s}});
+  RequireOption(contradictions >= 1, "gyro_monitor.contradictions must be at least 1");
+  RequireOption(agreements >= 1, "gyro_monitor.agreements must be at least 1");
+}
+
 void PoseFilterOptions::Check() const {
   RequireNotNegative({{"odometry.scale", odometry.scale},
                       {"odometry.yaw_scale", odometry.yaw_scale},
@@ -114,6 +125,7 @@ void PoseFilterOptions::Check() const {
                    {"history_s", history_s}});
   kidnap.Check();
   monitor.Check();
+  gyro_monitor.Check();
   RequireOption(clock_jump_messages >= 1, "clock_jump_messages must be at least 1");
   RequireOption(max_messages >= 16, "max_messages must be at least 16");
 }

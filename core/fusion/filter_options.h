@@ -122,6 +122,22 @@ struct OdometryMonitorOptions {
   void Check() const;
 };
 
+/// How a gyro is judged by the turns of the fixes: what no bias of a working one (0.09 rad/s at most, InvenSense
+/// MPU-9250, 3.1) and no error of a stamp explains contradicts it. `./run bench fusion --faults`.
+struct GyroMonitorOptions {
+  double min_interval_s = 0.4;   ///< between the fixes that are compared
+  double max_interval_s = 1.25;  ///< three fixes span twice that; half a turn cannot be told from its opposite
+  double tolerance_rad = 0.05;
+  double tolerance_scale = 0.3;  ///< of the turn
+  double max_bias_rad_s = 0.1;
+  double min_turn_rad = 0.3;  ///< less says nothing for a gyro
+  int contradictions = 2;     ///< of three fixes each: not trusted
+  int agreements = 4;         ///< in turns: trusted again
+
+  /// Throws std::invalid_argument that names the first bad field and what it may be.
+  void Check() const;
+};
+
 /// Classes of accuracy of a pose; standard deviations.
 struct FilterLimits {
   double localized_m = 0.01;
@@ -140,6 +156,7 @@ struct PoseFilterOptions {
   FixGates gates;
   KidnapOptions kidnap;
   OdometryMonitorOptions monitor;
+  GyroMonitorOptions gyro_monitor;
   FilterLimits limits;
   /// Where images or IMU contradict the wheels by more than this (Mahalanobis, squared), the wheels slip.
   double max_slip_mahalanobis_squared = 25.0;

@@ -23,6 +23,7 @@ PoseFilter::PoseFilter(const PoseFilterOptions& options)
       history_(options),
       kidnap_(options.kidnap),
       monitor_(options.monitor),
+      gyro_monitor_(options.gyro_monitor),
       doubt_(options.monitor) {}
 
 // Before there is more to tell, what was resumed.
@@ -49,6 +50,7 @@ void PoseFilter::RestartAt(std::int64_t stamp_ns) {
   history_.ForgetMeasurements(stamp_ns);
   kidnap_.Clear();
   monitor_.Clear();
+  gyro_monitor_.Clear();
   doubt_.Settle(std::nullopt);
   last_fix_ns_.reset();
   last_frame_agreed_ = false;
@@ -152,6 +154,7 @@ bool PoseFilter::JudgeOdometry(const PoseFix& fix) {
   if (!options_.monitor.enabled) {
     return false;
   }
+  JudgeGyro(fix);
   const bool trusted = monitor_.Trusted();
   const std::int64_t offset_ns = monitor_.offset_ns();
   monitor_.AddFix(fix);
@@ -162,6 +165,15 @@ bool PoseFilter::JudgeOdometry(const PoseFix& fix) {
   bool* trust_wheels = &history_.record().trust_wheels;
   *trust_wheels = *trust_wheels && monitor_.Trusted();  // trusted again when the pose is right
   return trusted && !monitor_.Trusted();
+}
+
+void PoseFilter::JudgeGyro(const PoseFix& fix) {
+  MotionRecord& record = history_.record();
+  gyro_monitor_.AddFix(fix, record.imu);
+  if (record.trust_imu != gyro_monitor_.Trusted()) {
+    record.trust_imu = gyro_monitor_.Trusted();
+    history_.RepropagateAll();
+  }
 }
 
 FixOutcome PoseFilter::Accept(const PoseFix& fix, const FixOutcome& outcome) {
@@ -242,6 +254,7 @@ void PoseFilter::SetPose(const PoseFix& pose) {
   if (history_.IsTooOld(pose.stamp_ns)) {
     history_.ForgetMeasurements(pose.stamp_ns);
     monitor_.Clear();
+    gyro_monitor_.Clear();
   }
   state.stamp_ns = pose.stamp_ns;
   state.path_m = state.turn_rad = 0.0;

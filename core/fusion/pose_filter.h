@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/fusion/doubt.h"
+#include "core/fusion/gyro_monitor.h"
 #include "core/fusion/kidnap_detector.h"
 #include "core/fusion/odometry_monitor.h"
 #include "core/fusion/pose_fuser.h"
@@ -44,6 +45,7 @@ class PoseFilter : public PoseFuser {
   bool IsLost(const FilterState& state) const;
   MotionIncrement WithRightStamp(const MotionIncrement& increment) const;
   bool JudgeOdometry(const PoseFix& fix);
+  void JudgeGyro(const PoseFix& fix);
   FixOutcome AnchorWithFreshSensors(const PoseFix& fix, const FilterState& imu);
   FixOutcome Anchor(const PoseFix& fix);
   OdometryTrust TrustIn(const FilterState& state) const;
@@ -55,6 +57,7 @@ class PoseFilter : public PoseFuser {
   StateHistory history_;
   KidnapDetector kidnap_;
   OdometryMonitor monitor_;
+  GyroMonitor gyro_monitor_;
   Doubt doubt_;
   std::optional<std::int64_t> last_fix_ns_;  // accepted
   bool has_pose_ = false;

@@ -28,6 +28,11 @@ TEST(FusionOptionsTest, EachBadFieldIsRefusedByName) {
       .Refuses("monitor.max_offset_s", &OdometryMonitorOptions::max_offset_s, {0.0})
       .Refuses("monitor.clock_min_intervals", &OdometryMonitorOptions::clock_min_intervals, {2})
       .Refuses("monitor.clock_max_left", &OdometryMonitorOptions::clock_max_left, {0.0});
+  OptionTable<GyroMonitorOptions>()
+      .Refuses("gyro_monitor.max_interval_s", &GyroMonitorOptions::max_interval_s, {0.0})
+      .Refuses("gyro_monitor.tolerance_rad", &GyroMonitorOptions::tolerance_rad, {-1.0})
+      .Refuses("gyro_monitor.contradictions", &GyroMonitorOptions::contradictions, {0})
+      .Refuses("gyro_monitor.agreements", &GyroMonitorOptions::agreements, {0});
   OptionTable<PoseFilterOptions>()
       .Refuses("history_s", &PoseFilterOptions::history_s, {0.0})
       .Refuses("max_slip_mahalanobis_squared", &PoseFilterOptions::max_slip_mahalanobis_squared, {0.0})
