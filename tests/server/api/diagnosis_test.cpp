@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <memory>
+
 #include "tests/server/fixture/server_fixture.h"
 
 namespace floorloc {
@@ -12,14 +15,26 @@ constexpr int kImages = 12;
 
 class DiagnosisTest : public testing::Test {
  protected:
-  DiagnosisTest() { EXPECT_EQ(client_.Put("/v1/vehicles/agv-7", VehicleBody().dump()).status, 201); }
+  DiagnosisTest() {
+    std::filesystem::copy_file(SharedMaps().folder() / "hall.floormap", folder_.path() / "hall.floormap");
+    Start();
+    EXPECT_EQ(client_->Put("/v1/vehicles/agv-7", VehicleBody().dump()).status, 201);
+  }
+
+  // Again, with what it kept.
+  void Start() {
+    client_.reset();
+    server_.reset();
+    server_ = std::make_unique<TestServer>(PatientConfig(), folder_.path(), Persistence::kKeep);
+    client_ = std::make_unique<ContractClient>(server_->port());
+  }
 
   // Three places in turn, 0.16 m apart.
   static Pose2 TruthAt(int image) { return SharedMaps().floor().BaseForView(0.35 + 0.16 * (image % 3), 0.45, 0.0); }
 
   json PostFrame(double stamp_s, const cv::Mat& image) {
-    return Json(client_.Post("/v1/vehicles/agv-7/frames?stamp=" + std::to_string(stamp_s), EncodeImage(image, ".jpg"),
-                             "image/jpeg"));
+    return Json(client_->Post("/v1/vehicles/agv-7/frames?stamp=" + std::to_string(stamp_s), EncodeImage(image, ".jpg"),
+                              "image/jpeg"));
   }
   // Ten messages of one motion, the last at this stamp.
   json PostOdometry(double stamp_s, const Pose2& motion) {
@@ -29,7 +44,7 @@ class DiagnosisTest : public testing::Test {
       increments.push_back({{"stamp", stamp_s - 0.1 * i}, {"dx", part.x()}, {"dy", part.y()}, {"dyaw", part.yaw()}});
     }
     const json body = {{"increments", std::move(increments)}};
-    return Json(client_.Post("/v1/vehicles/agv-7/odometry", body.dump(), "application/json"));
+    return Json(client_->Post("/v1/vehicles/agv-7/odometry", body.dump(), "application/json"));
   }
   // One image per second, and before each the odometry of its second. factor: of what it measures.
   void Drive(double factor, double odometry_epoch_s = 0.0) {
@@ -40,7 +55,7 @@ class DiagnosisTest : public testing::Test {
     }
   }
 
-  json Diagnosis() { return Json(client_.Get("/v1/vehicles/agv-7/diagnosis")); }
+  json Diagnosis() { return Json(client_->Get("/v1/vehicles/agv-7/diagnosis")); }
   json About(const std::string& about) {
     const json diagnosis = Diagnosis();
     for (const json& finding : diagnosis["findings"]) {
@@ -51,8 +66,16 @@ class DiagnosisTest : public testing::Test {
     return {};
   }
 
-  TestServer server_;
-  ContractClient client_{server_.port()};
+  // The scale that the wheels are compensated by, after an image and a second of standing.
+  double ScaleAfterImage(double stamp_s) {
+    PostOdometry(stamp_s, {});
+    PostFrame(stamp_s, SharedMaps().floor().View(TruthAt(kImages - 1)));
+    return PostOdometry(stamp_s + 1.0, {})["odometry"]["scale"].get<double>();
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<TestServer> server_;
+  std::unique_ptr<ContractClient> client_;
 };
 
 TEST_F(DiagnosisTest, OfAVehicleThatDidNotDriveIsUnknown) {
@@ -61,7 +84,7 @@ TEST_F(DiagnosisTest, OfAVehicleThatDidNotDriveIsUnknown) {
   EXPECT_EQ(About("floor")["status"], "unknown");
   EXPECT_EQ(About("camera")["status"], "unknown");
   EXPECT_THAT(About("odometry")["sentence"].get<std::string>(), HasSubstr("no odometry"));
-  ExpectProblem(client_.Get("/v1/vehicles/nobody/diagnosis"), 404, "unknown_vehicle");
+  ExpectProblem(client_->Get("/v1/vehicles/nobody/diagnosis"), 404, "unknown_vehicle");
 }
 
 TEST_F(DiagnosisTest, OfARobotThatIsWiredRightHasNothingWrong) {
@@ -106,11 +129,11 @@ TEST_F(DiagnosisTest, NamesAnotherFloor) {
 }
 
 TEST_F(DiagnosisTest, StampsInMillisecondsAreRefusedByName) {
-  const auto refused = client_.Post("/v1/vehicles/agv-7/odometry", R"({"stamp":1700000000123,"dx":0,"dy":0,"dyaw":0})",
-                                    "application/json");
+  const auto refused = client_->Post("/v1/vehicles/agv-7/odometry", R"({"stamp":1700000000123,"dx":0,"dy":0,"dyaw":0})",
+                                     "application/json");
   ExpectProblem(refused, 422, "invalid_field");
   EXPECT_THAT(refused.body, HasSubstr("it looks like milliseconds since 1970: divide by 1000"));
-  const auto text = client_.Post("/v1/vehicles/agv-7/frames?stamp=1700000000123456789", "x", "image/jpeg");
+  const auto text = client_->Post("/v1/vehicles/agv-7/frames?stamp=1700000000123456789", "x", "image/jpeg");
   ExpectProblem(text, 422, "invalid_field");
   EXPECT_THAT(text.body, HasSubstr("it looks like nanoseconds"));
 }
@@ -118,24 +141,27 @@ TEST_F(DiagnosisTest, StampsInMillisecondsAreRefusedByName) {
 // Wheels that measure 4 % too little are learnt; another gate restarts the vehicle, but they are the same.
 TEST_F(DiagnosisTest, WhatIsLearntSurvivesARegistrationWithTheSameCamera) {
   Drive(1.0 / 1.04);
-  const auto scale = [this](double stamp_s) {
-    PostOdometry(stamp_s, {});
-    PostFrame(stamp_s, SharedMaps().floor().View(TruthAt(kImages - 1)));
-    return PostOdometry(stamp_s + 1.0, {})["odometry"]["scale"].get<double>();
-  };
-  const double learnt = scale(20.0);
+  const double learnt = ScaleAfterImage(20.0);
   EXPECT_GT(learnt, 1.02);
   json body = VehicleBody();
-  EXPECT_EQ(client_.Put("/v1/vehicles/agv-7", body.dump()).status, 200);
-  EXPECT_NEAR(scale(22.0), learnt, 1e-3);
+  EXPECT_EQ(client_->Put("/v1/vehicles/agv-7", body.dump()).status, 200);
+  EXPECT_NEAR(ScaleAfterImage(22.0), learnt, 1e-3);
   body["gate"] = {{"max_distance_m", 0.5}};
-  EXPECT_EQ(client_.Put("/v1/vehicles/agv-7", body.dump()).status, 200);
-  EXPECT_EQ(Json(client_.Get("/v1/vehicles/agv-7"))["fixes"]["accepted"], 0);
-  EXPECT_NEAR(scale(1.0), learnt, 1e-3);
+  EXPECT_EQ(client_->Put("/v1/vehicles/agv-7", body.dump()).status, 200);
+  EXPECT_EQ(Json(client_->Get("/v1/vehicles/agv-7"))["fixes"]["accepted"], 0);
+  EXPECT_NEAR(ScaleAfterImage(1.0), learnt, 1e-3);
   body["camera"]["camera_matrix"]["data"][0] = body["camera"]["camera_matrix"]["data"][0].get<double>() * 1.001;
-  EXPECT_EQ(client_.Put("/v1/vehicles/agv-7", body.dump()).status, 200);
-  EXPECT_NEAR(scale(1.0), 1.0, 1e-3);
-  EXPECT_EQ(client_.Delete("/v1/vehicles/agv-7").status, 204);
+  EXPECT_EQ(client_->Put("/v1/vehicles/agv-7", body.dump()).status, 200);
+  EXPECT_NEAR(ScaleAfterImage(1.0), 1.0, 1e-3);
+  EXPECT_EQ(client_->Delete("/v1/vehicles/agv-7").status, 204);
+}
+
+TEST_F(DiagnosisTest, WhatIsLearntSurvivesARestart) {
+  Drive(1.0 / 1.04);
+  const double learnt = ScaleAfterImage(20.0);
+  EXPECT_GT(learnt, 1.02);
+  Start();
+  EXPECT_NEAR(ScaleAfterImage(30.0), learnt, 1e-3);
 }
 
 }  // namespace
