@@ -5,11 +5,12 @@ set(ops ${CMAKE_SOURCE_DIR}/server/ops)
 set(CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
                                                 WORLD_READ WORLD_EXECUTE)
 
-install(TARGETS floorloc-mapbuilder floorloc-server RUNTIME COMPONENT floorloc)
+install(TARGETS floorloc-mapbuilder floorloc-server floorloc-bridge RUNTIME COMPONENT floorloc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT floorloc FILES_MATCHING PATTERN *.md)
 install(FILES schema/openapi.yaml schema/map.sql ${ops}/alerts.yml ${ops}/grafana-dashboard.json
   DESTINATION ${CMAKE_INSTALL_DATADIR}/floorloc COMPONENT floorloc)
-install(FILES ${ops}/server.example.json DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT floorloc)
+install(FILES ${ops}/server.example.json ${ops}/bridge.example.json
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT floorloc)
 
 # The clients, for programs of others: not part of the package of the programs.
 install(TARGETS floorloc_client ARCHIVE COMPONENT client)
@@ -22,7 +23,8 @@ install(DIRECTORY clients/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/floorloc/
   PATTERN __pycache__ EXCLUDE)
 
 # What belongs to the system, for the package only: a prefix has no place for it.
-install(FILES ${ops}/floorloc-server.service DESTINATION /lib/systemd/system COMPONENT system EXCLUDE_FROM_ALL)
+install(FILES ${ops}/floorloc-server.service ${ops}/floorloc-bridge.service DESTINATION /lib/systemd/system
+  COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${ops}/floorloc-server.default DESTINATION /etc/default RENAME floorloc-server COMPONENT system
   EXCLUDE_FROM_ALL)
 install(FILES ${ops}/server.json DESTINATION /etc/floorloc COMPONENT system EXCLUDE_FROM_ALL)
@@ -52,6 +54,7 @@ find_program(HELP2MAN help2man)
 if(HELP2MAN)
   file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/man)
   floorloc_man_page(floorloc-server floorloc-server INCLUDE ${ops}/floorloc-server.h2m)
+  floorloc_man_page(floorloc-bridge floorloc-bridge INCLUDE ${ops}/floorloc-bridge.h2m)
   floorloc_man_page(floorloc-mapbuilder floorloc-mapbuilder
     INCLUDE ${CMAKE_SOURCE_DIR}/mapbuilder/cli/floorloc-mapbuilder.h2m)
   file(GLOB commands CONFIGURE_DEPENDS mapbuilder/cli/*_command.cpp)
@@ -88,7 +91,7 @@ foreach(text CHANGELOG.md:changelog server/ops/debian/changelog:changelog.Debian
 endforeach()
 file(MAKE_DIRECTORY ${debian})
 add_custom_target(package_files DEPENDS ${debian}/changelog.gz ${debian}/changelog.Debian.gz man_pages
-  floorloc-server floorloc-mapbuilder)
+  floorloc-server floorloc-bridge floorloc-mapbuilder)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME floorloc)
@@ -99,7 +102,8 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
 "Floors of concrete, wood, carpet or asphalt look homogeneous and are unique\n\
 everywhere. floorloc-mapbuilder makes a map of a floor from images of a\n\
 calibrated camera; floorloc-server finds the images of a fleet of vehicles in\n\
-it, with millimetre accuracy, and tracks their poses, over HTTP.")
+it, with millimetre accuracy, and tracks their poses, over HTTP;\n\
+floorloc-bridge brings them to a VDA 5050 master control, over MQTT.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

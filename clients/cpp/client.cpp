@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <iomanip>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -46,6 +47,24 @@ Failure FailureOf(const httplib::Response& response) {
     failure.detail = "The answer is not that of a floorloc-server: " + response.body.substr(0, 200);
   }
   return failure;
+}
+
+// Makes a file the body of a request; httplib asks for it piece by piece, from the start when it is sent again.
+void SendFile(const std::filesystem::path& path, httplib::Request& http) {
+  auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!*file || error) {
+    throw std::invalid_argument("the file " + path.string() + " cannot be read");
+  }
+  http.content_length_ = static_cast<std::size_t>(size);
+  http.content_provider_ = [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+    std::array<char, 65536> piece{};
+    file->clear();
+    file->seekg(static_cast<std::streamoff>(offset));
+    file->read(piece.data(), static_cast<std::streamsize>(std::min(length, piece.size())));
+    return file->gcount() > 0 && sink.write(piece.data(), static_cast<std::size_t>(file->gcount()));
+  };
 }
 
 // Parses an answer by a function that throws json::exception for what it does not know.
@@ -91,7 +110,8 @@ struct Client::Request {
   std::string target;
   std::string body = {};
   std::string content_type = {};
-  bool tell_server = false;  ///< the deadline
+  bool tell_server = false;         ///< the deadline
+  std::filesystem::path file = {};  ///< is sent in the place of the body
 };
 
 // Everything that threads share, and its lock.
@@ -125,6 +145,9 @@ class Client::Connection {
       const auto left = std::chrono::duration_cast<milliseconds>(deadline.Left());
       http.set_header("X-Deadline-Ms",
                       std::to_string(std::clamp(left, milliseconds(1), kLongestServerDeadline).count()));
+    }
+    if (!request.file.empty()) {
+      SendFile(request.file, http);
     }
     std::string body;
     http.content_receiver = [&](const char* data, std::size_t size, std::uint64_t, std::uint64_t) {
@@ -244,6 +267,22 @@ TrackingAnswer Client::PostInitialPose(const std::string& vehicle, const Initial
 }
 
 json Client::ListMaps() { return Call({"GET", "/v1/maps"}); }
+
+json Client::ListVersions(const std::string& map) { return Call({"GET", VersionTarget(map)}); }
+
+json Client::UploadVersion(const std::string& map, const std::filesystem::path& file, CallTime deadline) {
+  return Call({"POST", VersionTarget(map), "", "application/vnd.sqlite3", false, file}, deadline);
+}
+
+json Client::ActivateVersion(const std::string& map, const std::string& version, CallTime deadline) {
+  return Call({"POST", VersionTarget(map, version) + "/activate"}, deadline);
+}
+
+void Client::DeleteVersion(const std::string& map, const std::string& version) {
+  Call({"DELETE", VersionTarget(map, version)});
+}
+
+void Client::DeleteMap(const std::string& map) { Call({"DELETE", MapTarget(map)}); }
 
 json Client::ListVehicles() { return Call({"GET", "/v1/vehicles"}); }
 

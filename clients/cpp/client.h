@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -100,6 +101,14 @@ class Client {
   TrackingAnswer PostInitialPose(const std::string& vehicle, const InitialPose& pose, CallTime deadline = {});
 
   nlohmann::json ListMaps();
+  nlohmann::json ListVersions(const std::string& map);
+  /// A map file as floorloc-mapbuilder writes it, read while it is sent; the Version that the server answers. Give it
+  /// the time that its size takes. Throws std::invalid_argument when the file cannot be read.
+  nlohmann::json UploadVersion(const std::string& map, const std::filesystem::path& file, CallTime deadline = {});
+  nlohmann::json ActivateVersion(const std::string& map, const std::string& version, CallTime deadline = {});
+  void DeleteVersion(const std::string& map, const std::string& version);
+  /// With all its versions.
+  void DeleteMap(const std::string& map);
   nlohmann::json ListVehicles();
   /// Whether the server takes work; false when it does not answer.
   bool IsReady();

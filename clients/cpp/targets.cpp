@@ -61,4 +61,29 @@ std::string LocalizeTarget(const LocalizeRequest& request) {
   return target;
 }
 
+std::string EventTarget(const EventOptions& options) {
+  std::string types;
+  for (const std::string& type : options.types) {
+    types += (types.empty() ? "" : ",") + Encoded(type);
+  }
+  std::string target = "/v1/events";
+  char separator = '?';
+  const auto add = [&](const std::string& name, const std::string& value) {
+    if (!value.empty()) {
+      target += separator + name + "=" + value;
+      separator = '&';
+    }
+  };
+  add("map", Encoded(options.map));
+  add("vehicle", Encoded(options.vehicle));
+  add("types", types);
+  return target;
+}
+
+std::string MapTarget(const std::string& map) { return "/v1/maps/" + Encoded(map); }
+
+std::string VersionTarget(const std::string& map, const std::string& version) {
+  return MapTarget(map) + "/versions" + (version.empty() ? "" : "/" + Encoded(version));
+}
+
 }  // namespace floorloc::client

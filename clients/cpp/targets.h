@@ -4,6 +4,7 @@
 #include <string>
 
 #include "clients/cpp/client.h"
+#include "clients/cpp/events.h"
 
 namespace floorloc::client {
 
@@ -11,5 +12,9 @@ namespace floorloc::client {
 std::string VehicleTarget(const std::string& id);
 std::string FrameTarget(const std::string& vehicle, const FrameRequest& request);
 std::string LocalizeTarget(const LocalizeRequest& request);
+std::string MapTarget(const std::string& map);
+std::string EventTarget(const EventOptions& options);
+/// Without a version: all versions of the map.
+std::string VersionTarget(const std::string& map, const std::string& version = "");
 
 }  // namespace floorloc::client

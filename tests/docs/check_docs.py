@@ -107,9 +107,9 @@ def check_commands(tree):
     for page in tree.pages:
         mentioned |= {option for _, text in page.code() for option in re.findall(r"--[a-z][\w-]*", text)}
         for line, text in page.code():
-            for program, rest in re.findall(r"(floorloc-mapbuilder|floorloc-server) ([^|;#\n]*)", text):
+            for program, rest in re.findall(r"(floorloc-mapbuilder|floorloc-server|floorloc-bridge) ([^|;#\n]*)", text):
                 words = rest.split()
-                options = tree.server_options
+                options = tree.bridge_options if program == "floorloc-bridge" else tree.server_options
                 if program == "floorloc-mapbuilder":
                     if not words or not re.fullmatch(r"[a-z][a-z-]*", words[0]):
                         continue
@@ -125,8 +125,11 @@ def check_commands(tree):
             problems.append(Problem("docs", 1, f"the subcommand '{name}' is not documented"))
         problems += [Problem("docs", 1, f"the option {option} of '{name}' is not documented")
                      for option in sorted(options - mentioned - {"--help"})]
-    return problems + [Problem("docs/server.md", 1, f"the option {option} of floorloc-server is not documented")
-                       for option in sorted(tree.server_options - mentioned - {"--help"})]
+    for page, program, options in (("docs/server.md", "floorloc-server", tree.server_options),
+                                   ("docs/vda5050.md", "floorloc-bridge", tree.bridge_options)):
+        problems += [Problem(page, 1, f"the option {option} of {program} is not documented")
+                     for option in sorted(options - mentioned - {"--help"})]
+    return problems
 
 
 def both_ways(page, what, documented, real):

@@ -68,6 +68,7 @@ TREE = {
     "mapbuilder/cli/build_command.cpp": COMMAND,
     "server/config/config_json.cpp": CONFIG,
     "server/daemon/main.cpp": 'app.add_option("--maps", options.maps, "Folder");',
+    "server/bridge/main.cpp": "",
     "schema/openapi.yaml": OPENAPI,
     "core/io/survey.cpp": "Survey ReadSurvey() {}\n",
     "docs/server.md": SERVER_PAGE,

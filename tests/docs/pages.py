@@ -114,7 +114,11 @@ class Tree:
 
     @functools.cached_property
     def server_options(self):
-        return options_of(self.one("server/**/main.cpp"))
+        return options_of(self.one("server/daemon/main.cpp"))
+
+    @functools.cached_property
+    def bridge_options(self):
+        return options_of(self.one("server/bridge/main.cpp"))
 
     @functools.cached_property
     def config_keys(self):

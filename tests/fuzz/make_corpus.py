@@ -185,7 +185,16 @@ def server_texts():
               "protect_reads": False, "log_level": "info", "log_format": "json", "access_log": True, "token_file": "t",
               "limits": {"max_body_bytes": 1000, "max_bodies_bytes": 2000, "max_vehicles": 5, "idle_timeout_s": 9},
               "localizer": {"max_p_wrong": 0.1}}
-    return {"localize_json": texts(localize, {"vehicle": "a", "prior": "1,2,3"}, {"vehicle": "a", "prior": [1, 2, 3]}),
+    actions = [{"actionId": "a", "actionType": kind, "blockingType": "NONE",
+                "actionParameters": [{"key": key, "value": value} for key, value in parameters.items()]}
+               for kind, parameters in (("initPosition", {"x": 1, "y": 2, "theta": 3, "mapId": "hall"}),
+                                        ("downloadMap", {"mapId": "hall", "mapVersion": "0" * 64, "mapHash": "a" * 64,
+                                                         "mapDownloadLink": "http://m/x"}))]
+    payloads = [{"headerId": 1, "actions": actions}, {"headerId": 4294967295},
+                {"orderId": "o", "nodes": [{"nodePosition": {"x": 1, "y": 2, "mapId": "hall"}}]}]
+    bridge = (ROOT / "server/ops/bridge.example.json").read_text()
+    return {"mqtt_payload": texts(*payloads), "bridge_config": [bridge, "localhost:1883", "[::1]:1"],
+            "localize_json": texts(localize, {"vehicle": "a", "prior": "1,2,3"}, {"vehicle": "a", "prior": [1, 2, 3]}),
             "frame_json": texts({"stamp": 1.5, "odometry": {"dx": 0.1, "dy": 0, "dyaw": 0}}, {"stamp": "1.5"}),
             "odometry_json": texts(ODOMETRY, {"stamp": 1, "dx": 0.1, "dy": 0, "dyaw": 0}),
             "initial_pose_json": texts(POSE, {"x": 1, "y": 2, "yaw": 3}),

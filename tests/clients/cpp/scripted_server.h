@@ -22,6 +22,7 @@ struct Asked {
   std::string deadline;  ///< X-Deadline-Ms
   std::string authorization;
   int remote_port = 0;  ///< tells connections apart
+  std::string last_event_id;
 };
 
 /// A server that answers as it is told, and 200 {} afterwards.
@@ -61,7 +62,8 @@ class ScriptedServer {
     {
       const std::lock_guard lock(mutex_);
       asked_.push_back({request.method, request.target, request.body, request.get_header_value("X-Deadline-Ms"),
-                        request.get_header_value("Authorization"), request.remote_port});
+                        request.get_header_value("Authorization"), request.remote_port,
+                        request.get_header_value("Last-Event-ID")});
       if (!script_.empty()) {
         answer = std::move(script_.front());
         script_.pop_front();

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C++ client against the real application on real sockets.
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <thread>
+
 #include "clients/cpp/client.h"
+#include "clients/cpp/events.h"
 #include "clients/cpp/vehicle.h"
 #include "tests/server/fixture/server_fixture.h"
 
@@ -68,6 +74,53 @@ TEST_F(ClientServerTest, KeepsThePoseOfAVehicle) {
   EXPECT_EQ(client_.ListVehicles()["vehicles"].size(), 1U);
   EXPECT_TRUE(client_.DeleteVehicle("agv7"));
   EXPECT_FALSE(client_.DeleteVehicle("agv7"));
+}
+
+TEST_F(ClientServerTest, HearsOfWhatHappens) {
+  client_.PutVehicle("agv7", VehicleBody());
+  client::EventOptions options;
+  options.vehicle = "agv7";
+  options.types = {"status", "fix"};
+  client::EventStream stream(Options(), options);
+  std::vector<std::string> heard;
+  bool connected = false;
+  std::thread listener([&] {
+    stream.Run({[&](const client::Event& event) {
+                  heard.push_back(event.type + ' ' + event.data.value("status", ""));
+                  if (event.type == "fix") {
+                    stream.Stop();
+                  }
+                },
+                [&](bool is) {
+                  if (is && !connected) {
+                    connected = true;
+                    Client(Options()).PostFrame("agv7", {image_, "10.000000000", std::nullopt});
+                  }
+                }});
+  });
+  listener.join();
+  EXPECT_THAT(heard, testing::Contains("fix localized"));
+}
+
+// This server keeps none: the e2e test of the bridge brings, activates and deletes versions.
+TEST_F(ClientServerTest, AsksForVersionsOfMaps) {
+  const std::string served = client_.ListVersions("hall").at("active");
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "floorloc-client-map";
+  std::ofstream(file) << std::string(200'000, 'x');
+  const auto reason = [](const std::function<void()>& call) -> std::string {
+    try {
+      call();
+    } catch (const CallError& error) {
+      return error.reason();
+    }
+    return "";
+  };
+  EXPECT_EQ(reason([&] { client_.UploadVersion("hall", file, std::chrono::milliseconds(5000)); }), "read_only");
+  EXPECT_EQ(reason([&] { client_.ActivateVersion("hall", served); }), "read_only");
+  EXPECT_EQ(reason([&] { client_.DeleteVersion("hall", served); }), "read_only");
+  EXPECT_EQ(reason([&] { client_.DeleteMap("hall"); }), "read_only");
+  std::filesystem::remove(file);
+  EXPECT_THROW(client_.UploadVersion("hall", file), std::invalid_argument);
 }
 
 TEST_F(ClientServerTest, SaysWhatTheServerSays) {

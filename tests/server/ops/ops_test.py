@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """What operators get in server/ops: configurations, the systemd unit, alerts, the dashboard.
-Usage: ops_test.py FLOORLOC_SERVER"""
+Usage: ops_test.py FLOORLOC_SERVER FLOORLOC_BRIDGE"""
 
 import json
 import pathlib
@@ -15,7 +15,8 @@ import urllib.request
 
 ROOT = pathlib.Path(__file__).parents[3]
 OPS = ROOT / "server/ops"
-SERVER = sys.argv.pop() if len(sys.argv) > 1 else "floorloc-server"
+SERVER, BRIDGE = sys.argv[1:3] if len(sys.argv) > 2 else ("floorloc-server", "floorloc-bridge")
+del sys.argv[1:3]
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "tests/docs"))
@@ -60,6 +61,14 @@ class ConfigurationTest(unittest.TestCase):
             self.assertNotRegex(self.check(text), r"FAILED  (?!maps)", name)
         self.assertIn("FAILED  configuration: ", self.check(text.replace("drain_s", "drain")))
 
+    def test_the_bridge_accepts_its_example_whose_keys_are_documented(self):
+        example = OPS / "bridge.example.json"
+        result = run(BRIDGE, "mqtt", "--config", str(example), "--check")
+        self.assertIn("ok      configuration: 1 vehicles", result.stdout, result.stderr)
+        page = (ROOT / "docs/vda5050.md").read_text(encoding="utf-8")
+        for key in keys_of(json.loads(example.read_text(encoding="utf-8"))):
+            self.assertIn(f"`{key}`", page)
+
 
 class UnitTest(unittest.TestCase):
     def setUp(self):
@@ -67,20 +76,23 @@ class UnitTest(unittest.TestCase):
             self.skipTest("systemd-analyze is not installed: the unit is not checked")
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        text = (OPS / "floorloc-server.service").read_text(encoding="utf-8")
-        self.assertEqual(text.count("/usr/bin/floorloc-server "), 1)
-        self.unit = pathlib.Path(folder.name) / "floorloc-server.service"
-        text = text.replace("/usr/bin/floorloc-server ", str(pathlib.Path(SERVER).resolve()) + " ")
-        # Its pages are not installed here.
-        self.unit.write_text(re.sub(r"^Documentation=.*\n", "", text, flags=re.M), encoding="utf-8")
+        self.units = []
+        for name, program in (("floorloc-server", SERVER), ("floorloc-bridge", BRIDGE)):
+            text = (OPS / f"{name}.service").read_text(encoding="utf-8")
+            self.assertEqual(text.count(f"/usr/bin/{name} "), 1)
+            self.units.append(pathlib.Path(folder.name) / f"{name}.service")
+            text = text.replace(f"/usr/bin/{name} ", str(pathlib.Path(program).resolve()) + " ")
+            # Its pages are not installed here.
+            self.units[-1].write_text(re.sub(r"^Documentation=.*\n", "", text, flags=re.M), encoding="utf-8")
 
-    def test_systemd_understands_it(self):
-        result = run("systemd-analyze", "verify", "--man=no", str(self.unit))
+    def test_systemd_understands_them(self):
+        result = run("systemd-analyze", "verify", "--man=no", *map(str, self.units))
         self.assertEqual((result.returncode, result.stderr + result.stdout), (0, ""))
 
     def test_little_is_exposed(self):
-        result = run("systemd-analyze", "security", "--offline=yes", "--threshold=20", str(self.unit))
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        for unit in self.units:
+            result = run("systemd-analyze", "security", "--offline=yes", "--threshold=20", str(unit))
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
 
 
 METRIC = re.compile(r"\b(?:floorloc|process)_[a-z_]+\b(?![\"(])")
