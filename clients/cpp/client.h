@@ -63,6 +63,13 @@ struct Increment {
   Motion motion;
 };
 
+/// Of a map's mosaic: level, column to the right, row up.
+struct Tile {
+  int z = 0;
+  int x = 0;
+  int y = 0;
+};
+
 struct InitialPose {
   Transform map_from_base;
   std::optional<std::array<double, 9>> covariance;  ///< of (x, y, yaw), row by row; empty: of 0.1 m and 0.1 rad
@@ -100,6 +107,9 @@ class Client {
   TrackingAnswer PostInitialPose(const std::string& vehicle, const InitialPose& pose, CallTime deadline = {});
 
   nlohmann::json ListMaps();
+  nlohmann::json GetMap(const std::string& map);
+  /// A JPEG file of the map's mosaic; empty where it has no such tile. The answer of GetMap has the grid: `mosaic`.
+  std::optional<std::string> GetTile(const std::string& map, const Tile& tile);
   nlohmann::json ListVehicles();
   /// Whether the server takes work; false when it does not answer.
   bool IsReady();
@@ -109,7 +119,8 @@ class Client {
   struct Request;
 
   nlohmann::json Call(const Request& request, CallTime time = {});
-  nlohmann::json Attempt(const Request& request, const class Deadline& deadline);
+  std::string CallForBytes(const Request& request, CallTime time = {});
+  std::string Attempt(const Request& request, const class Deadline& deadline);
 
   ClientOptions options_;
   std::unique_ptr<Connection> connection_;

@@ -10,6 +10,8 @@ namespace floorloc::client {
 // Paths with queries. What is not allowed in a name is percent-encoded (RFC 3986, 2.1), for the server to refuse.
 std::string VehicleTarget(const std::string& id);
 std::string FrameTarget(const std::string& vehicle, const FrameRequest& request);
+std::string MapTarget(const std::string& map);
+std::string TileTarget(const std::string& map, const Tile& tile);
 std::string LocalizeTarget(const LocalizeRequest& request);
 
 }  // namespace floorloc::client

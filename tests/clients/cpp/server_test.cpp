@@ -70,6 +70,16 @@ TEST_F(ClientServerTest, KeepsThePoseOfAVehicle) {
   EXPECT_FALSE(client_.DeleteVehicle("agv7"));
 }
 
+TEST_F(ClientServerTest, ReadsTheMosaicOfAMap) {
+  const nlohmann::json map = client_.GetMap("hall");
+  const int zoom = map["mosaic"]["max_zoom"];
+  const auto tile = client_.GetTile("hall", {zoom, 0, 0});
+  ASSERT_TRUE(tile);
+  EXPECT_EQ(tile->substr(0, 2), "\xff\xd8") << "a JPEG";
+  EXPECT_FALSE(client_.GetTile("hall", {zoom, -5000, 0}));
+  EXPECT_THROW(client_.GetTile("nix", {zoom, 0, 0}), CallError);
+}
+
 TEST_F(ClientServerTest, SaysWhatTheServerSays) {
   EXPECT_TRUE(client_.IsReady());
   try {
