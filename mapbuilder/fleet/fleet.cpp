@@ -164,6 +164,7 @@ nlohmann::json FindMap(const FleetOptions& options, client::Client& server) {
 }  // namespace
 
 FleetSummary RunFleet(FleetOptions options, const std::atomic<bool>& stop, const FleetReport& report) {
+  options.schedule.Check();
   client::ClientOptions calls;
   calls.url = options.server;
   calls.token = options.token;
