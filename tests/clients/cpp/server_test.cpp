@@ -71,13 +71,12 @@ TEST_F(ClientServerTest, KeepsThePoseOfAVehicle) {
 }
 
 TEST_F(ClientServerTest, ReadsTheMosaicOfAMap) {
-  const nlohmann::json map = client_.GetMap("hall");
-  const int zoom = map["mosaic"]["max_zoom"];
-  const auto tile = client_.GetTile("hall", {zoom, 0, 0});
+  EXPECT_EQ(client_.GetMap("hall")["mosaic"]["max_zoom"], 1);
+  const auto tile = client_.GetTile("hall", {1, -1, 2});
   ASSERT_TRUE(tile);
-  EXPECT_EQ(tile->substr(0, 2), "\xff\xd8") << "a JPEG";
-  EXPECT_FALSE(client_.GetTile("hall", {zoom, -5000, 0}));
-  EXPECT_THROW(client_.GetTile("nix", {zoom, 0, 0}), CallError);
+  EXPECT_FALSE(tile->empty());
+  EXPECT_FALSE(client_.GetTile("hall", {1, 500, 0}));
+  EXPECT_THROW(client_.GetTile("nix", {1, -1, 2}), CallError);
 }
 
 TEST_F(ClientServerTest, SaysWhatTheServerSays) {
