@@ -193,7 +193,7 @@ FleetSummary RunFleet(FleetOptions options, const std::atomic<bool>& stop, const
     world.Say(0.0, "", "they drive about the map's middle; its whole floor would be more than --area");
   }
   Drive(&world, vehicles, stop);
-  const FleetSummary summary = Summarize(world, vehicles);
+  FleetSummary summary = Summarize(world, vehicles);
   if (!options.keep_vehicles) {
     Unregister(vehicles);
   }
