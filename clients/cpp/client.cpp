@@ -188,16 +188,20 @@ Client::Client(ClientOptions options)
 
 Client::~Client() = default;
 
-json Client::Attempt(const Request& request, const Deadline& deadline) {
-  const httplib::Response response = connection_->Exchange(request, deadline);
+std::string Client::Attempt(const Request& request, const Deadline& deadline) {
+  httplib::Response response = connection_->Exchange(request, deadline);
   if (response.status >= 300) {
     throw CallError(FailureOf(response));
   }
-  return response.body.empty() ? json()
-                               : Parsed(response.body, [](const std::string& text) { return json::parse(text); });
+  return std::move(response.body);
 }
 
 json Client::Call(const Request& request, CallTime time) {
+  const std::string body = CallForBytes(request, time);
+  return body.empty() ? json() : Parsed(body, [](const std::string& text) { return json::parse(text); });
+}
+
+std::string Client::CallForBytes(const Request& request, CallTime time) {
   const Deadline deadline(time.value_or(options_.timeout));
   for (int attempt = 1;; ++attempt) {
     try {
@@ -283,6 +287,19 @@ void Client::DeleteVersion(const std::string& map, const std::string& version) {
 }
 
 void Client::DeleteMap(const std::string& map) { Call({"DELETE", MapTarget(map)}); }
+
+json Client::GetMap(const std::string& map) { return Call({"GET", MapTarget(map)}); }
+
+std::optional<std::string> Client::GetTile(const std::string& map, const Tile& tile) {
+  try {
+    return CallForBytes({"GET", TileTarget(map, tile)});
+  } catch (const CallError& error) {
+    if (error.reason() != "tile_not_found") {
+      throw;
+    }
+  }
+  return std::nullopt;
+}
 
 json Client::ListVehicles() { return Call({"GET", "/v1/vehicles"}); }
 

@@ -64,6 +64,13 @@ struct Increment {
   Motion motion;
 };
 
+/// Of a map's mosaic: level, column to the right, row up.
+struct Tile {
+  int z = 0;
+  int x = 0;
+  int y = 0;
+};
+
 struct InitialPose {
   Transform map_from_base;
   std::optional<std::array<double, 9>> covariance;  ///< of (x, y, yaw), row by row; empty: of 0.1 m and 0.1 rad
@@ -109,6 +116,9 @@ class Client {
   void DeleteVersion(const std::string& map, const std::string& version);
   /// With all its versions.
   void DeleteMap(const std::string& map);
+  nlohmann::json GetMap(const std::string& map);
+  /// A JPEG file of the map's mosaic; empty where it has no such tile. The answer of GetMap has the grid: `mosaic`.
+  std::optional<std::string> GetTile(const std::string& map, const Tile& tile);
   nlohmann::json ListVehicles();
   /// Whether the server takes work; false when it does not answer.
   bool IsReady();
@@ -118,7 +128,8 @@ class Client {
   struct Request;
 
   nlohmann::json Call(const Request& request, CallTime time = {});
-  nlohmann::json Attempt(const Request& request, const class Deadline& deadline);
+  std::string CallForBytes(const Request& request, CallTime time = {});
+  std::string Attempt(const Request& request, const class Deadline& deadline);
 
   ClientOptions options_;
   std::unique_ptr<Connection> connection_;

@@ -36,6 +36,13 @@ std::string Commas(double a, double b, double c) { return NumberText(a) + "," + 
 
 std::string VehicleTarget(const std::string& id) { return "/v1/vehicles/" + Encoded(id); }
 
+std::string MapTarget(const std::string& map) { return "/v1/maps/" + Encoded(map); }
+
+std::string TileTarget(const std::string& map, const Tile& tile) {
+  return MapTarget(map) + "/tiles/" + std::to_string(tile.z) + "/" + std::to_string(tile.x) + "/" +
+         std::to_string(tile.y) + ".jpg";
+}
+
 std::string FrameTarget(const std::string& vehicle, const FrameRequest& request) {
   std::string target = VehicleTarget(vehicle) + "/frames?stamp=" + Encoded(request.stamp);
   if (const auto& odometry = request.odometry) {
@@ -45,7 +52,7 @@ std::string FrameTarget(const std::string& vehicle, const FrameRequest& request)
 }
 
 std::string LocalizeTarget(const LocalizeRequest& request) {
-  std::string target = "/v1/maps/" + Encoded(request.map) + "/localize?vehicle=" + Encoded(request.vehicle);
+  std::string target = MapTarget(request.map) + "/localize?vehicle=" + Encoded(request.vehicle);
   if (request.prior) {
     target += "&prior=" + Commas(request.prior->x, request.prior->y, request.prior->yaw);
   }
@@ -79,8 +86,6 @@ std::string EventTarget(const EventOptions& options) {
   add("types", types);
   return target;
 }
-
-std::string MapTarget(const std::string& map) { return "/v1/maps/" + Encoded(map); }
 
 std::string VersionTarget(const std::string& map, const std::string& version) {
   return MapTarget(map) + "/versions" + (version.empty() ? "" : "/" + Encoded(version));

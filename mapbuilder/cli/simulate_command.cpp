@@ -1,51 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "core/io/camera_yaml.h"
 #include "core/io/delimited_text.h"
-#include "core/io/text_file.h"
 #include "mapbuilder/cli/command.h"
+#include "mapbuilder/cli/simulate_arguments.h"
+#include "mapbuilder/cli/simulate_fleet.h"
 #include "mapbuilder/simulation/procedural_floor.h"
-#include "mapbuilder/simulation/simulate.h"
 
 namespace floorloc {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-// Raw command line arguments, to be converted to SimulateOptions.
-struct Arguments {
-  SimulateOptions options;
-  std::string size = "2.6x1.8";
-  std::string trajectory = "survey";
-  std::string camera = "down";
-  std::string condition = "mild";
-  double camera_height_m = 0.0;  // 0: the built-in camera's
-  std::string camera_yaml;
-  std::string floor_yaml;
-  bool keep_direction = false;
-  bool no_odometry = false;
-  bool exact_calibration = false;
-  std::optional<double> radial_error, tangential_error, principal_point_error, focal_error;
-  std::optional<double> roll_error_deg, pitch_error_deg, height_error;
-  double odometry_drift = 1.0;
-  double imu_errors = 1.0;
-  std::optional<double> odometry_rate, imu_rate, speed_variation;
-  std::optional<double> height_variation;
-  std::optional<double> blur_px, shadow, lamps, noise, rolling_shutter_s;
-  std::optional<int> jpeg_quality;
-  std::string overlay;
-  double overlay_share = 0.05;
-  bool json = false;
-};
 
 void ChooseSize(const std::string& text, FloorTextureOptions& floor) {
   const auto size = ParseSize(text);
@@ -56,59 +23,8 @@ void ChooseSize(const std::string& text, FloorTextureOptions& floor) {
   floor.height_m = (*size)[1];
 }
 
-FloorCamera ChooseCamera(const Arguments& arguments) {
-  if (!arguments.camera_yaml.empty()) {
-    FloorCamera camera;
-    camera.camera = ParseCameraYaml(ReadTextFile(arguments.camera_yaml), arguments.camera_yaml);
-    camera.floor = ParseFloorYaml(ReadTextFile(arguments.floor_yaml), arguments.floor_yaml);
-    return camera;
-  }
-  const double height_m = arguments.camera_height_m;
-  if (arguments.camera == "forward") {
-    return height_m > 0.0 ? MakeForwardCamera(height_m) : MakeForwardCamera();
-  }
-  if (arguments.camera == "equidistant") {
-    return height_m > 0.0 ? MakeEquidistantCamera(height_m) : MakeEquidistantCamera();
-  }
-  return height_m > 0.0 ? MakeDownwardCamera(height_m) : MakeDownwardCamera();
-}
-
-ConditionLevels ChooseConditions(const Arguments& arguments) {
-  ConditionLevels levels = ConditionLevels::FromName(arguments.condition);
-  levels.blur_px = arguments.blur_px.value_or(levels.blur_px);
-  levels.shadow = arguments.shadow.value_or(levels.shadow);
-  levels.lamps = arguments.lamps.value_or(levels.lamps);
-  levels.read_noise = arguments.noise.value_or(levels.read_noise);
-  levels.readout_s = arguments.rolling_shutter_s.value_or(levels.readout_s);
-  levels.height_share = arguments.height_variation.value_or(levels.height_share);
-  levels.jpeg_quality = arguments.jpeg_quality.value_or(levels.jpeg_quality);
-  levels.overlay = arguments.options.conditions.overlay;
-  if (!arguments.overlay.empty()) {
-    levels.overlay.kind = ParseOverlayKind(arguments.overlay);
-    levels.overlay.share = arguments.overlay_share;
-  }
-  return levels;
-}
-
-CalibrationError ChooseCalibrationError(const Arguments& a) {
-  // Of the built-in cameras: files are taken as they are, and an equidistant lens has no tangential distortion.
-  const bool usual = !a.exact_calibration && a.camera_yaml.empty();
-  CalibrationError error = usual ? CalibrationError::ForCondition(a.condition) : CalibrationError();
-  if (a.camera == "equidistant") {
-    error.tangential_px = 0.0;
-  }
-  error.radial_px = a.radial_error.value_or(error.radial_px);
-  error.tangential_px = a.tangential_error.value_or(error.tangential_px);
-  error.principal_point_px = a.principal_point_error.value_or(error.principal_point_px);
-  error.focal_share = a.focal_error.value_or(error.focal_share);
-  error.roll_rad = a.roll_error_deg ? *a.roll_error_deg * kDegree : error.roll_rad;
-  error.pitch_rad = a.pitch_error_deg ? *a.pitch_error_deg * kDegree : error.pitch_rad;
-  error.height_m = a.height_error.value_or(error.height_m);
-  return error;
-}
-
 // Defaults for a drive: the sensors and rates that robots usually record.
-void ChooseSensors(const Arguments& arguments, PathOptions& path) {
+void ChooseSensors(const SimulateArguments& arguments, PathOptions& path) {
   const bool drive = path.type == PathType::kDrive;
   if (!drive && (!path.drive.kidnaps_s.empty() || path.drive.stops > 0 || path.drive.slips > 0 || arguments.imu_rate ||
                  arguments.speed_variation)) {
@@ -138,7 +54,32 @@ void PrintJson(const SimulateOptions& options, const SimulationResult& result) {
   std::cout << json.dump(2) << "\n";
 }
 
-void Run(Arguments& arguments) {
+// A fleet has the map's camera unless one is given.
+void RunFleetOf(SimulateArguments& arguments, const CLI::App& command) {
+  FleetOptions& fleet = arguments.fleet;
+  if (command.count("--camera") + command.count("--camera-height") + command.count("--camera-yaml") > 0) {
+    fleet.camera = ChooseCamera(arguments);
+  }
+  fleet.calibration_error = ChooseCalibrationError(arguments);
+  fleet.conditions = ChooseConditions(arguments);
+  fleet.odometry = fleet.odometry.Scaled(arguments.odometry_drift);
+  fleet.imu = fleet.imu.Scaled(arguments.imu_errors);
+  fleet.drive.speed_m_s = arguments.options.path.speed_m_per_s;
+  fleet.threads = arguments.options.run.threads;
+  fleet.seed = fleet.schedule.seed = arguments.options.seed;
+  RunFleetCommand(fleet, arguments.json);
+}
+
+void Run(SimulateArguments& arguments, const CLI::App& command) {
+  if (command.count("--fleet") > 0) {
+    RunFleetOf(arguments, command);
+    return;
+  }
+  for (const char* needed : {"--out", "--texture"}) {
+    if (command.count(needed) == 0) {
+      throw CLI::RequiredError(needed);
+    }
+  }
   SimulateOptions& options = arguments.options;
   ChooseSize(arguments.size, options.floor);
   options.floor.rotate_patches = !arguments.keep_direction;
@@ -155,11 +96,9 @@ void Run(Arguments& arguments) {
   arguments.json ? PrintJson(options, result) : PrintSummary(options, result);
 }
 
-void AddFloorOptions(CLI::App& command, Arguments& a) {
-  command
-      .add_option("--texture", a.options.floor.source,
-                  "Photograph of a floor that tiles seamlessly, or one of " + JoinedFloorNames())
-      ->required();
+void AddFloorOptions(CLI::App& command, SimulateArguments& a) {
+  command.add_option("--texture", a.options.floor.source,
+                     "Photograph of a floor that tiles seamlessly, or one of " + JoinedFloorNames() + "; required");
   command.add_option("--size", a.size, "Floor, WIDTHxHEIGHT in metres")->capture_default_str();
   CLI::Option* stripes = command.add_option("--stripes", a.options.floor.stripes,
                                             "Another texture, in stripes that alternate with the first along x");
@@ -175,7 +114,7 @@ void AddFloorOptions(CLI::App& command, Arguments& a) {
   command.add_option("--wear", a.options.wear, "Share of the floor that has changed, 0 to 0.9")->capture_default_str();
 }
 
-void AddPathOptions(CLI::App& command, Arguments& a) {
+void AddPathOptions(CLI::App& command, SimulateArguments& a) {
   command.add_option("--trajectory", a.trajectory, "What the robot does")
       ->check(CLI::IsMember({"survey", "drive", "random"}))
       ->capture_default_str();
@@ -190,7 +129,7 @@ void AddPathOptions(CLI::App& command, Arguments& a) {
   command.add_flag("--no-odometry", a.no_odometry, "Leave odometry.tum out");
 }
 
-void AddDriveOptions(CLI::App& command, Arguments& a) {
+void AddDriveOptions(CLI::App& command, SimulateArguments& a) {
   DriveOptions& drive = a.options.path.drive;
   command.add_option(
       "--odometry-rate", a.odometry_rate,
@@ -208,7 +147,7 @@ void AddDriveOptions(CLI::App& command, Arguments& a) {
       ->delimiter(',');
 }
 
-void AddImageOptions(CLI::App& command, Arguments& a) {
+void AddImageOptions(CLI::App& command, SimulateArguments& a) {
   command.add_option("--camera", a.camera, "Built-in camera")
       ->check(CLI::IsMember({"down", "forward", "equidistant"}))
       ->capture_default_str();
@@ -236,7 +175,7 @@ void AddImageOptions(CLI::App& command, Arguments& a) {
   command.add_option("--jpeg-quality", a.jpeg_quality, "1 to 100, instead of the condition's");
 }
 
-void AddOverlayOptions(CLI::App& command, Arguments& a) {
+void AddOverlayOptions(CLI::App& command, SimulateArguments& a) {
   OverlayOptions& overlay = a.options.conditions.overlay;
   auto* kind = command
                    .add_option("--overlay", a.overlay,
@@ -254,7 +193,7 @@ void AddOverlayOptions(CLI::App& command, Arguments& a) {
       ->capture_default_str();
 }
 
-void AddCalibrationOptions(CLI::App& command, Arguments& a) {
+void AddCalibrationOptions(CLI::App& command, SimulateArguments& a) {
   command.add_option(
       "--radial-error", a.radial_error,
       "What camera.yaml is wrong by: radial distortion, pixels at the farthest corner (of the camera's 0.3\n"
@@ -273,21 +212,26 @@ void AddCalibrationOptions(CLI::App& command, Arguments& a) {
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "Makes a survey or a drive with exact ground truth");
-  const auto arguments = std::make_shared<Arguments>();
-  command->add_option("--out", arguments->options.out, "Folder to be made")->required();
+  CLI::App* command =
+      app.add_subcommand("simulate", "Makes a survey or a drive with exact ground truth, or drives a fleet");
+  const auto arguments = std::make_shared<SimulateArguments>();
+  command->add_option("--out", arguments->options.out, "Folder to be made; required");
   AddFloorOptions(*command, *arguments);
   AddPathOptions(*command, *arguments);
   AddDriveOptions(*command, *arguments);
   AddImageOptions(*command, *arguments);
   AddOverlayOptions(*command, *arguments);
   AddCalibrationOptions(*command, *arguments);
+  CLI::Option* fleet = AddFleetOptions(*command, arguments->fleet);
+  for (const char* other : {"--out", "--texture", "--size", "--trajectory", "--frames", "--wear"}) {
+    fleet->excludes(command->get_option(other));
+  }
   command->add_option("--seed", arguments->options.seed, "Seed of everything but the floor")->capture_default_str();
   command->add_option("--threads", arguments->options.run.threads, "Number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Machine-readable summary on stdout");
-  command->callback([arguments] { Run(*arguments); });
+  command->callback([arguments, command] { Run(*arguments, *command); });
 }
 
 }  // namespace floorloc

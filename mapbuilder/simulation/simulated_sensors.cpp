@@ -15,30 +15,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::int64_t kStartNs = 1'700'000'000'000'000'000;
 
-// Constant wheel errors of one recording, applied to increments of motion.
-struct Wheels {
-  double scale = 1.0;
-  double yaw_scale = 1.0;
-  double drift_rad_per_m = 0.0;
-
-  Eigen::Vector3d Measure(Eigen::Vector3d motion, const OdometryErrors& errors, cv::RNG& rng) const {
-    const double distance_m = motion.head<2>().norm();
-    const double spread = std::sqrt(distance_m);
-    motion.x() = scale * motion.x() + rng.gaussian(errors.noise_m) * spread;
-    motion.y() = scale * motion.y() + rng.gaussian(errors.noise_m) * spread;
-    motion.z() = yaw_scale * motion.z() + drift_rad_per_m * distance_m + rng.gaussian(errors.noise_rad) * spread;
-    return motion;
-  }
-};
-
-Wheels DrawWheels(const OdometryErrors& errors, cv::RNG& rng) {
-  Wheels wheels;
-  wheels.scale += rng.gaussian(errors.scale);
-  wheels.yaw_scale += rng.gaussian(errors.yaw_scale);
-  wheels.drift_rad_per_m = rng.gaussian(errors.drift_rad_per_m);
-  return wheels;
-}
-
 Eigen::Vector3d SlippedMotion(const std::vector<WheelSlip>& slips, double from_s, double to_s) {
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();
   for (const WheelSlip& slip : slips) {
@@ -161,12 +137,26 @@ void ImuOptions::Check() const {
   RequireOption(errors.vibration >= 0.0, "errors.vibration must not be negative");
 }
 
+SimulatedWheels::SimulatedWheels(const OdometryErrors& errors, std::uint64_t seed) : errors_(errors), rng_(seed) {
+  scale_ += rng_.gaussian(errors.scale);
+  yaw_scale_ += rng_.gaussian(errors.yaw_scale);
+  drift_rad_per_m_ = rng_.gaussian(errors.drift_rad_per_m);
+}
+
+Eigen::Vector3d SimulatedWheels::Measure(Eigen::Vector3d motion) {
+  const double distance_m = motion.head<2>().norm();
+  const double spread = std::sqrt(distance_m);
+  motion.x() = scale_ * motion.x() + rng_.gaussian(errors_.noise_m) * spread;
+  motion.y() = scale_ * motion.y() + rng_.gaussian(errors_.noise_m) * spread;
+  motion.z() = yaw_scale_ * motion.z() + drift_rad_per_m_ * distance_m + rng_.gaussian(errors_.noise_rad) * spread;
+  return motion;
+}
+
 Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int64_t>& stamps_ns,
                             const WheelOptions& options) {
   options.Check();
   constexpr double kStepS = 0.02;
-  cv::RNG rng(options.seed);
-  const Wheels wheels = DrawWheels(options.errors, rng);
+  SimulatedWheels wheels(options.errors, options.seed);
   Trajectory odometry;
   Pose2 odom_from_base;
   for (std::size_t i = 0; i < stamps_ns.size(); ++i) {
@@ -179,7 +169,7 @@ Trajectory SimulateOdometry(const PoseAtTime& motion, const std::vector<std::int
         const double start_s = from_s + k * step_s;
         const double end_s = from_s + (k + 1) * step_s;
         const Eigen::Vector3d rolled = motion(start_s).Between(motion(end_s)).Log();
-        const Eigen::Vector3d measured = wheels.Measure(rolled, options.errors, rng);
+        const Eigen::Vector3d measured = wheels.Measure(rolled);
         odom_from_base = odom_from_base * Pose2::Exp(measured + SlippedMotion(options.slips, start_s, end_s));
       }
     }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "core/geometry/pose2.h"
@@ -44,6 +45,22 @@ struct WheelOptions {
 
   /// Throws std::invalid_argument that names the first bad field and what it may be.
   void Check() const;
+};
+
+/// Wheels that measure increments of motion one after the other.
+class SimulatedWheels {
+ public:
+  SimulatedWheels(const OdometryErrors& errors, std::uint64_t seed);
+
+  /// motion: true, in the base frame: Pose2::Log(), m, m, rad. What the wheels say instead.
+  Eigen::Vector3d Measure(Eigen::Vector3d motion);
+
+ private:
+  OdometryErrors errors_;
+  cv::RNG rng_;
+  double scale_ = 1.0;
+  double yaw_scale_ = 1.0;
+  double drift_rad_per_m_ = 0.0;
 };
 
 /// Simulates wheel odometry of a true motion without jumps at the given stamps: odom_from_base, starting at the

@@ -48,6 +48,7 @@ ARROWS = {
     "mapbuilder/markers": ["mapbuilder/fiducials", "mapbuilder/placement"],
     "mapbuilder/mosaic": ["mapbuilder/placement"],
     "mapbuilder/finished_map": ["mapbuilder/mosaic"],
+    "mapbuilder/fleet": ["core/evaluation", "mapbuilder/simulation", "mapbuilder/finished_map", "clients/cpp"],
     "mapbuilder/extend": ["mapbuilder/finished_map"],
     "mapbuilder/merge": ["mapbuilder/finished_map"],
     "mapbuilder/export": ["mapbuilder/finished_map"],
@@ -63,7 +64,7 @@ ARROWS = {
                    "mapbuilder/heights", "mapbuilder/keypoints", "mapbuilder/screening", "mapbuilder/self_calibration",
                    "mapbuilder/markers", "mapbuilder/mosaic", "mapbuilder/finished_map", "mapbuilder/extend",
                    "mapbuilder/merge", "mapbuilder/export", "mapbuilder/build"],
-    "mapbuilder/cli": ["mapbuilder/simulation", "mapbuilder/merge", "mapbuilder/laboratory", "mapbuilder/calibration",
+    "mapbuilder/cli": ["mapbuilder/fleet", "mapbuilder/merge", "mapbuilder/laboratory", "mapbuilder/calibration",
                        "mapbuilder/unpack", "mapbuilder/surface", "mapbuilder/report"],
     "server/wire": [],
     "server/http": ["core/io", "server/wire"],
@@ -79,6 +80,9 @@ ARROWS = {
     "web": [],
     "clients/cpp": [],
 }
+
+# Target whose name is not its folder's -> its folder.
+TARGETS = {"client": "clients/cpp"}
 
 # Header of an external library -> the only places in the product that may include it.
 LIBRARIES = {

@@ -123,6 +123,15 @@ TEST_F(ClientServerTest, AsksForVersionsOfMaps) {
   EXPECT_THROW(client_.UploadVersion("hall", file), std::invalid_argument);
 }
 
+TEST_F(ClientServerTest, ReadsTheMosaicOfAMap) {
+  EXPECT_EQ(client_.GetMap("hall")["mosaic"]["max_zoom"], 1);
+  const auto tile = client_.GetTile("hall", {1, -1, 2});
+  ASSERT_TRUE(tile);
+  EXPECT_FALSE(tile->empty());
+  EXPECT_FALSE(client_.GetTile("hall", {1, 500, 0}));
+  EXPECT_THROW(client_.GetTile("nix", {1, -1, 2}), CallError);
+}
+
 TEST_F(ClientServerTest, SaysWhatTheServerSays) {
   EXPECT_TRUE(client_.IsReady());
   try {
