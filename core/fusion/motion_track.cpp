@@ -63,6 +63,12 @@ void MotionTrack::DropBefore(std::int64_t stamp_ns) {
   }
 }
 
+void MotionTrack::DropAfter(std::int64_t stamp_ns) {
+  while (!increments_.empty() && increments_.back().to_ns > stamp_ns) {
+    increments_.pop_back();
+  }
+}
+
 void MotionTrack::DropOldest() { increments_.pop_front(); }
 
 void MotionTrack::Shift(std::int64_t by_ns) {

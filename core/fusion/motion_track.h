@@ -25,6 +25,8 @@ class MotionTrack {
   MessageOutcome Add(const MotionIncrement& increment);
   /// Drops increments that end before stamp_ns.
   void DropBefore(std::int64_t stamp_ns);
+  /// Drops increments that end after stamp_ns.
+  void DropAfter(std::int64_t stamp_ns);
   void DropOldest();
   void Clear() { increments_.clear(); }
   /// Moves all increments in time.

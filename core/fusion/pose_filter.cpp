@@ -133,8 +133,11 @@ FixOutcome PoseFilter::AddFix(const PoseFix& fix) {
     return outcome;
   }
   const bool rejects_wheels = fix.p_wrong <= options_.gates.max_p_wrong && JudgeOdometry(fix);
-  const FilterState predicted = history_.StateAt(fix.stamp_ns);
+  FilterState predicted = history_.StateAt(fix.stamp_ns);
   outcome = GateFix(fix, predicted, options_.gates);
+  if (!outcome.accepted && outcome.reason != FixRejection::kWrongFixRisk) {
+    OutvoteVision(fix, &predicted, &outcome);
+  }
   Advance(fix.stamp_ns);
   doubt_.Note(fix, outcome);
   if (rejects_wheels && has_pose_) {
@@ -165,6 +168,25 @@ bool PoseFilter::JudgeOdometry(const PoseFix& fix) {
   bool* trust_wheels = &history_.record().trust_wheels;
   *trust_wheels = *trust_wheels && monitor_.Trusted();  // trusted again when the pose is right
   return trusted && !monitor_.Trusted();
+}
+
+// Where fix and wheels agree, but for the motions between images since the last fix, those are wrong: on a texture that
+// recurs, images that have little in common may be registered with each other elsewhere.
+void PoseFilter::OutvoteVision(const PoseFix& fix, FilterState* predicted, FixOutcome* outcome) {
+  if (!last_fix_ns_ || *last_fix_ns_ >= fix.stamp_ns || !history_.record().trust_wheels ||
+      history_.record().wheels.empty()) {
+    return;
+  }
+  const std::optional<FilterState> by_wheels = history_.StateWithoutVision(*last_fix_ns_, fix.stamp_ns);
+  if (!by_wheels) {
+    return;
+  }
+  const FixOutcome agreed = GateFix(fix, *by_wheels, options_.gates);
+  if (agreed.accepted) {
+    history_.DropVision(*last_fix_ns_);
+    *predicted = *by_wheels;
+    *outcome = agreed;
+  }
 }
 
 void PoseFilter::JudgeGyro(const PoseFix& fix) {

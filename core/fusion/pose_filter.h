@@ -46,6 +46,7 @@ class PoseFilter : public PoseFuser {
   MotionIncrement WithRightStamp(const MotionIncrement& increment) const;
   bool JudgeOdometry(const PoseFix& fix);
   void JudgeGyro(const PoseFix& fix);
+  void OutvoteVision(const PoseFix& fix, FilterState* predicted, FixOutcome* outcome);
   FixOutcome AnchorWithFreshSensors(const PoseFix& fix, const FilterState& imu);
   FixOutcome Anchor(const PoseFix& fix);
   OdometryTrust TrustIn(const FilterState& state) const;

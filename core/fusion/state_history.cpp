@@ -119,6 +119,34 @@ void StateHistory::AddVision(const MotionIncrement& increment) {
   RepropagateFrom(index);
 }
 
+std::optional<FilterState> StateHistory::StateWithoutVision(std::int64_t since_ns, std::int64_t stamp_ns) const {
+  MotionRecord record = record_;
+  record.vision.DropAfter(since_ns);
+  bool changed = false;
+  std::size_t i = LastBefore(std::max(since_ns, states_.front().state.stamp_ns));
+  FilterState state = states_[i].state;
+  for (++i; i < states_.size() && states_[i].state.stamp_ns <= stamp_ns; ++i) {
+    Checkpoint checkpoint = states_[i];
+    changed = changed || checkpoint.vision;
+    checkpoint.vision.reset();
+    checkpoint.state = state;
+    Propagate(record, options_, states_[i].state.stamp_ns, &checkpoint.state);
+    Apply(&checkpoint);
+    state = checkpoint.state;
+  }
+  Propagate(record, options_, stamp_ns, &state);
+  return changed ? std::optional(state) : std::nullopt;
+}
+
+void StateHistory::DropVision(std::int64_t since_ns) {
+  record_.vision.DropAfter(since_ns);
+  const std::size_t first = LastBefore(std::max(since_ns, states_.front().state.stamp_ns)) + 1;
+  for (std::size_t i = first; i < states_.size(); ++i) {
+    states_[i].vision.reset();
+  }
+  RepropagateFrom(first);
+}
+
 void StateHistory::AddFix(const PoseFix& fix, bool accepted) {
   const std::size_t index = CheckpointAt(fix.stamp_ns);
   states_[index].fix = fix;

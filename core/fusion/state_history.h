@@ -59,6 +59,11 @@ class StateHistory {
   bool HasFixAt(std::int64_t stamp_ns) const;
   /// Corrects the state at the later image's time; older increments are ignored.
   void AddVision(const MotionIncrement& increment);
+  /// The state at a time as if the motions between images that end after since_ns were not known; empty: there are
+  /// none.
+  std::optional<FilterState> StateWithoutVision(std::int64_t since_ns, std::int64_t stamp_ns) const;
+  /// Forgets them.
+  void DropVision(std::int64_t since_ns);
   /// accepted: false: the fix only adapts the noise.
   void AddFix(const PoseFix& fix, bool accepted);
   /// Fixes that were accepted stay accepted.

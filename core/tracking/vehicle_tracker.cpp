@@ -66,6 +66,7 @@ void TrackerOptions::Check() const {
   readout.Check();
   lattice.Check();
   twist.Check();
+  RequireOption(max_odometry_lag_s >= 0 && max_odometry_lag_s <= 10, "max_odometry_lag_s must be 0 to 10");
 }
 
 struct VehicleTracker::State {
@@ -92,9 +93,10 @@ struct VehicleTracker::State {
   std::optional<MotionIncrement> last_wheels;
   std::optional<std::int64_t> odometry_until_ns;
 
-  // Motion since the last frame by wheel odometry.
+  // Motion since the last frame by wheel odometry, which may end a little before: the vehicle keeps its velocity.
   std::optional<Pose2> OdometrySinceLastFrame(std::int64_t stamp_ns) const {
-    if (!last_frame_ns || !odometry_until_ns || *odometry_until_ns + kOdometryLagNs < stamp_ns) {
+    const std::int64_t lag_ns = std::llround(1e9 * options.max_odometry_lag_s);
+    if (!last_frame_ns || !odometry_until_ns || *odometry_until_ns + lag_ns < stamp_ns) {
       return std::nullopt;
     }
     return fuser->MotionBetween(*last_frame_ns, stamp_ns);

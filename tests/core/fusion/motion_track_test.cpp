@@ -28,6 +28,16 @@ TEST(MotionTrack, KnowsItsHoles) {
   EXPECT_EQ(track.NextStart(30, 100), 100);
 }
 
+TEST(MotionTrack, DropsWhatIsLater) {
+  MotionTrack track;
+  track.Add({0, 10, Pose2(1, 0, 0), {}});
+  track.Add({10, 20, Pose2(1, 0, 0), {}});
+  track.DropAfter(10);
+  EXPECT_EQ(track.newest_ns(), 10);
+  track.DropAfter(9);
+  EXPECT_TRUE(track.empty());
+}
+
 TEST(MotionTrack, CutsAnIncrementAsAMotionOfConstantTwist) {
   MotionTrack track;
   const Pose2 motion = Pose2::Exp({1.0, 0.0, 0.8});

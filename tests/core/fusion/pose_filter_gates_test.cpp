@@ -57,6 +57,26 @@ TEST_F(Gates, ARejectedFixIsNoticed) {
   EXPECT_FALSE(drive_.filter.Estimate()->contradicted);
 }
 
+// As images that are registered with each other where the floor's texture recurs.
+TEST(PoseFilter, AWrongMotionBetweenImagesIsOutvotedByWheelsAndFix) {
+  Drive drive(4, {.wheels = true, .vision = true});
+  drive.RunTo(5.24);
+  const std::int64_t stamp = kStartNs + ToNs(5.25);
+  drive.truth = drive.truth * drive.simulation.Motion(5.24, 5.25);
+  drive.now_ns = stamp;
+  drive.filter.AddIncrement(MotionSource::kVision,
+                            {stamp - kFixNs, stamp, Pose2(-1.0, 0.2, -0.9), drive.simulation.FixCovariance()});
+  EXPECT_GT(drive.ErrorM(), 0.5);
+  const FixOutcome fix = drive.filter.AddFix(drive.simulation.Fix(stamp, drive.truth));
+  EXPECT_TRUE(fix.accepted);
+  EXPECT_FALSE(fix.reanchored);
+  EXPECT_LT(drive.ErrorM(), 0.005);
+  drive.RunTo(8.0);
+  EXPECT_TRUE(drive.last_fix.accepted);
+  EXPECT_EQ(drive.filter.Estimate()->state, TrackingState::kLocalized);
+  EXPECT_LT(drive.ErrorM(), 0.005);
+}
+
 TEST(PoseFilter, FindsAKidnappedVehicleAgain) {
   Drive drive(9, {});
   drive.RunTo(5.0);
