@@ -130,8 +130,9 @@ void CheckVehicles(const std::vector<BridgedVehicle>& vehicles) {
     Require(IsTopicLevel(serial, true),
             "the serial number of vehicle '" + vehicle.id + "' must have 1 to 64 letters, digits, and _ . : -");
     Require(ids.insert(vehicle.id).second, "the vehicle '" + vehicle.id + "' is there twice");
-    Require(serials.insert(manufacturer + "/" + serial).second,
-            "two vehicles have manufacturer '" + manufacturer + "' and serial number '" + serial + "'");
+    std::string both = manufacturer;
+    both.append("/").append(serial);
+    Require(serials.insert(both).second, "two vehicles have the manufacturer and serial number '" + both + "'");
   }
 }
 

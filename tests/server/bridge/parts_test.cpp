@@ -21,9 +21,13 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-PoseReport At(double stamp_s, double x, double y, double yaw, const std::string& status = "localized",
-              std::int64_t epoch = 1) {
-  return {"agv", "hall", status, ReportedPose{stamp_s, x, y, yaw, "5f", {1e-6, 0, 0, 0, 1e-6, 0, 0, 0, 1e-6}}, epoch};
+PoseReport At(double stamp_s, double x, double y, double yaw, const std::string& status = "localized") {
+  return {"agv", "hall", status, ReportedPose{stamp_s, x, y, yaw, "5f", {1e-6, 0, 0, 0, 1e-6, 0, 0, 0, 1e-6}}, 1};
+}
+
+PoseReport InEpoch(std::int64_t epoch, PoseReport report) {
+  report.epoch = epoch;
+  return report;
 }
 
 FixReport Fix(std::int64_t sequence, bool accepted, const std::string& reject_reason = "") {
@@ -90,11 +94,11 @@ TEST(VelocityEstimatorTest, IsOfTheBaseFrame) {
   ASSERT_TRUE(estimator.velocity());
   EXPECT_NEAR(estimator.velocity()->vx, 0.5, 1e-9);
   EXPECT_NEAR(estimator.velocity()->vy, 0.0, 1e-9);
-  estimator.Add(At(1.0, 0.0, 0.0, std::numbers::pi - 0.01, "localized", 2));
+  estimator.Add(InEpoch(2, At(1.0, 0.0, 0.0, std::numbers::pi - 0.01)));
   EXPECT_FALSE(estimator.velocity()) << "a discontinuity is no motion";
-  estimator.Add(At(1.1, 0.0, 0.0, -std::numbers::pi + 0.01, "localized", 2));
+  estimator.Add(InEpoch(2, At(1.1, 0.0, 0.0, -std::numbers::pi + 0.01)));
   EXPECT_NEAR(estimator.velocity()->omega, 0.2, 1e-9);
-  estimator.Add(At(3.0, 0.0, 0.0, 0.0, "localized", 2));
+  estimator.Add(InEpoch(2, At(3.0, 0.0, 0.0, 0.0)));
   EXPECT_FALSE(estimator.velocity()) << "a gap";
 }
 
