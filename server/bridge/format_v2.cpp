@@ -8,18 +8,6 @@ using nlohmann::json;
 
 json Header(const MessageHeader& header) { return FormatHeader(header, "2.1.0", 2); }
 
-const char* ToText(ConnectionState state) {
-  switch (state) {
-    case ConnectionState::kOnline:
-      return "ONLINE";
-    case ConnectionState::kOffline:
-      return "OFFLINE";
-    case ConnectionState::kBroken:
-      return "CONNECTIONBROKEN";  // one word in this version
-  }
-  return "CONNECTIONBROKEN";
-}
-
 }  // namespace
 
 std::string FormatV2::TopicRoot(const VehicleIdentity& identity) const {
@@ -44,7 +32,7 @@ json FormatV2::FormatPosition(const Position& position) const {
 
 json FormatV2::FormatConnection(const MessageHeader& header, ConnectionState state) const {
   json message = Header(header);
-  message["connectionState"] = ToText(state);
+  message["connectionState"] = ToString(state, "CONNECTIONBROKEN");  // one word in this version
   return message;
 }
 
@@ -60,31 +48,16 @@ json FormatV2::FormatVisualization(const MessageHeader& header, const Position& 
 }
 
 json FormatV2::FormatActionState(const ActionState& action) const {
-  json object = {
-      {"actionId", action.id}, {"actionType", action.type}, {"actionStatus", floorloc::ToString(action.status)}};
-  if (!action.result.empty()) {
-    object["resultDescription"] = action.result;
-  }
-  return object;
+  return floorloc::FormatActionState(action, "resultDescription");
 }
 
 json FormatV2::FormatState(const MessageHeader& header, const StateReport& report) const {
   json message = Header(header);
-  AddIdleOrder(&message);
-  message["driving"] = report.driving;
-  message["maps"] = FormatMaps(report.maps);
+  AddCommonState(report, *this, "agvPosition", &message);
   message["actionStates"] = FormatActionStates(report.instant_actions);  // this version has one list for all
   message["batteryState"] = {{"batteryCharge", report.charge_percent}, {"charging", false}};
-  message["operatingMode"] = report.operating_mode;
-  message["errors"] = FormatErrors(report.errors);
   message["information"] = json::array();
   message["safetyState"] = {{"eStop", "NONE"}, {"fieldViolation", false}};
-  if (report.position) {
-    message["agvPosition"] = FormatPosition(*report.position);
-  }
-  if (report.velocity) {
-    message["velocity"] = FormatVelocity(*report.velocity);
-  }
   return message;
 }
 

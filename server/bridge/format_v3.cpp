@@ -12,18 +12,6 @@ constexpr double kMaxTheta = 3.14159265359;  // of the published schema; a littl
 
 json Header(const MessageHeader& header) { return FormatHeader(header, "3.0.0", 3); }
 
-const char* ToText(ConnectionState state) {
-  switch (state) {
-    case ConnectionState::kOnline:
-      return "ONLINE";
-    case ConnectionState::kOffline:
-      return "OFFLINE";
-    case ConnectionState::kBroken:
-      return "CONNECTION_BROKEN";
-  }
-  return "CONNECTION_BROKEN";
-}
-
 }  // namespace
 
 std::string FormatV3::TopicRoot(const VehicleIdentity& identity) const {
@@ -45,7 +33,7 @@ json FormatV3::FormatPosition(const Position& position) const {
 
 json FormatV3::FormatConnection(const MessageHeader& header, ConnectionState state) const {
   json message = Header(header);
-  message["connectionState"] = ToText(state);
+  message["connectionState"] = ToString(state, "CONNECTION_BROKEN");
   return message;
 }
 
@@ -61,31 +49,16 @@ json FormatV3::FormatVisualization(const MessageHeader& header, const Position& 
 }
 
 json FormatV3::FormatActionState(const ActionState& action) const {
-  json object = {
-      {"actionId", action.id}, {"actionType", action.type}, {"actionStatus", floorloc::ToString(action.status)}};
-  if (!action.result.empty()) {
-    object["actionResult"] = action.result;
-  }
-  return object;
+  return floorloc::FormatActionState(action, "actionResult");
 }
 
 json FormatV3::FormatState(const MessageHeader& header, const StateReport& report) const {
   json message = Header(header);
-  AddIdleOrder(&message);
-  message["driving"] = report.driving;
-  message["maps"] = FormatMaps(report.maps);
+  AddCommonState(report, *this, "mobileRobotPosition", &message);
   message["actionStates"] = json::array();  // of orders
   message["instantActionStates"] = FormatActionStates(report.instant_actions);
   message["powerSupply"] = {{"stateOfCharge", report.charge_percent}, {"charging", false}};
-  message["operatingMode"] = report.operating_mode;
-  message["errors"] = FormatErrors(report.errors);
   message["safetyState"] = {{"activeEmergencyStop", "NONE"}, {"fieldViolation", false}};
-  if (report.position) {
-    message["mobileRobotPosition"] = FormatPosition(*report.position);
-  }
-  if (report.velocity) {
-    message["velocity"] = FormatVelocity(*report.velocity);
-  }
   return message;
 }
 

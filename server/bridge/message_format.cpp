@@ -12,6 +12,20 @@ namespace floorloc {
 
 using nlohmann::json;
 
+namespace {
+
+// The fields that carry no news while there are no orders.
+void AddIdleOrder(json* state) {
+  (*state)["orderId"] = "";
+  (*state)["orderUpdateId"] = 0;
+  (*state)["lastNodeId"] = "";
+  (*state)["lastNodeSequenceId"] = 0;
+  (*state)["nodeStates"] = json::array();
+  (*state)["edgeStates"] = json::array();
+}
+
+}  // namespace
+
 json MessageFormat::FormatVelocity(const Velocity& velocity) {
   return {{"vx", velocity.vx}, {"vy", velocity.vy}, {"omega", velocity.omega}};
 }
@@ -78,13 +92,38 @@ json FormatHeader(const MessageHeader& header, const std::string& version, int f
           {"serialNumber", header.identity.serial_number}};
 }
 
-void AddIdleOrder(json* state) {
-  (*state)["orderId"] = "";
-  (*state)["orderUpdateId"] = 0;
-  (*state)["lastNodeId"] = "";
-  (*state)["lastNodeSequenceId"] = 0;
-  (*state)["nodeStates"] = json::array();
-  (*state)["edgeStates"] = json::array();
+const char* ToString(ConnectionState state, const char* broken) {
+  switch (state) {
+    case ConnectionState::kOnline:
+      return "ONLINE";
+    case ConnectionState::kOffline:
+      return "OFFLINE";
+    case ConnectionState::kBroken:
+      return broken;
+  }
+  return broken;
+}
+
+json FormatActionState(const ActionState& action, const char* result_key) {
+  json object = {{"actionId", action.id}, {"actionType", action.type}, {"actionStatus", ToString(action.status)}};
+  if (!action.result.empty()) {
+    object[result_key] = action.result;
+  }
+  return object;
+}
+
+void AddCommonState(const StateReport& report, const MessageFormat& format, const char* position_key, json* state) {
+  AddIdleOrder(state);
+  (*state)["driving"] = report.driving;
+  (*state)["maps"] = MessageFormat::FormatMaps(report.maps);
+  (*state)["operatingMode"] = report.operating_mode;
+  (*state)["errors"] = MessageFormat::FormatErrors(report.errors);
+  if (report.position) {
+    (*state)[position_key] = format.FormatPosition(*report.position);
+  }
+  if (report.velocity) {
+    (*state)["velocity"] = MessageFormat::FormatVelocity(*report.velocity);
+  }
 }
 
 const char* ToString(ActionStatus status) {

@@ -40,8 +40,13 @@ std::string FormatTimestamp(double unix_s, int digits);
 
 // Parts of both formats.
 nlohmann::json FormatHeader(const MessageHeader& header, const std::string& version, int fractional_digits);
-/// The fields of a state that carry no news while there are no orders.
-void AddIdleOrder(nlohmann::json* state);
+/// broken: the version's word for ConnectionState::kBroken.
+const char* ToString(ConnectionState state, const char* broken);
+/// result_key: of what came of the action.
+nlohmann::json FormatActionState(const ActionState& action, const char* result_key);
+/// The fields of a state that both versions have; position_key: of the position.
+void AddCommonState(const StateReport& report, const MessageFormat& format, const char* position_key,
+                    nlohmann::json* state);
 const char* ToString(ActionStatus status);
 
 }  // namespace floorloc
